@@ -83,7 +83,7 @@ pub enum Arithmetic {
 pub struct RunOptions {
     /// Timed frames after the first one.
     pub repeat: u32,
-    /// Every vertex is new in each timed frame.
+    /// Every vertex moves before each timed frame.
     pub moving: bool,
     /// The rival that replaces the stages from cull to recheck, if any.
     pub rival: Option<Choice>,

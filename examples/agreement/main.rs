@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use table::Table;
 
-/// Holds every camera against the f64 reference
+/// Compares every camera with the f64 reference
 #[derive(Parser)]
 struct Args {
     /// Where the table goes, and the scenes; a table that is there is gone on with
@@ -102,7 +102,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// Holds a mesh against the reference through some cameras; whether all of it is right.
+    /// Compares a mesh with the reference through some cameras; whether all of it is right.
     fn compare(&mut self, subject: &Subject, views: &[&View], table: &mut Table, pictures: bool) -> Result<bool> {
         let mesh = subject.placed()?;
         let mut right = true;

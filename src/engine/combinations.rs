@@ -91,42 +91,46 @@ pub const REFUSALS: &[Refusal] = {
     const fn row(features: &'static [Feature], reason: &'static str, remedy: &'static str) -> Refusal {
         Refusal { features, reason, remedy }
     }
-    const CHANNEL_OF_COMPUTE: &str = "certified is a channel of --engine compute";
-    const WITHOUT_LINES: &str = "leave them out";
-    const ONE: &str = "take 1 a frame";
-    const ANEW: &str = "prepare the frames anew";
-    const ALONE: &str = "render it by itself";
+    const WITHOUT_CERTIFIED: &str = "leave certified out";
+    const WITHOUT_LINES: &str = "remove outline and borders from [style]";
+    const ONE: &str = "render one frame per sample";
+    const ANEW: &str = "call Engine::prepare again";
+    const ALONE: &str = "render this frame with Engine::render";
     &[
-        row(&[Relit, Caustics], "caustics follow the light", ANEW),
-        row(&[Certified, Rival], "{rival} proves nothing", CHANNEL_OF_COMPUTE),
+        row(&[Relit, Caustics], "the light cannot change with caustics", ANEW),
+        row(&[Certified, Rival], "{rival} cannot certify pixels", "use --engine compute, or leave certified out"),
         row(
             &[Certified, Optics],
             "{camera} reflects or refracts rays, without bounds on where they go",
-            "certified is a channel of other cameras",
+            WITHOUT_CERTIFIED,
         ),
-        row(&[Certified, AlphaMasks], "nothing is proven for triangles with alpha masks", "leave certified out"),
-        row(&[NoSamples], "0 samples a pixel", "take at least 1"),
-        row(&[Analytic, OneSample], "analytic coverage needs several samples per pixel", "take at least 2"),
-        row(&[Samples, Rival], "{samples} samples a pixel of {camera} take a frame each with {rival}", ONE),
-        row(&[Samples, Caustics], "{samples} samples a pixel of {camera} take a frame each with caustics", ONE),
-        row(&[Samples, AlphaMasks], "{samples} samples a pixel of {camera} take a frame each with alpha masks", ONE),
+        row(&[Certified, AlphaMasks], "pixels cannot be certified with alpha masks", WITHOUT_CERTIFIED),
+        row(&[NoSamples], "0 samples per pixel", "use at least 1"),
+        row(&[Analytic, OneSample], "analytic coverage needs several samples per pixel", "use at least 2"),
+        row(&[Samples, Rival], "{rival} renders 1 sample per pixel in a frame, not {samples}", ONE),
+        row(&[Samples, Caustics], "with caustics a frame takes 1 sample per pixel, not {samples}", ONE),
+        row(&[Samples, AlphaMasks], "with alpha masks a frame takes 1 sample per pixel, not {samples}", ONE),
         row(
             &[Samples, Curves],
-            "{samples} samples a pixel of {camera} take a frame each: its rays are curved or in layers",
+            "{camera} has curved or layered rays: a frame takes 1 sample per pixel, not {samples}",
             ONE,
         ),
         row(
             &[Samples, Optics],
-            "{samples} samples a pixel of {camera} take a frame each: it reflects or refracts rays",
+            "{camera} reflects or refracts rays: a frame takes 1 sample per pixel, not {samples}",
             ONE,
         ),
         row(
             &[Samples, Incoherent],
-            "{samples} samples a pixel of {camera} take a frame each: rays of neighbouring pixels are unrelated",
+            "rays of neighbouring pixels of {camera} are unrelated: a frame takes 1 sample per pixel, not {samples}",
             ONE,
         ),
-        row(&[ManySamples], "{samples} samples a pixel of {camera} take a frame each: 32 fit one frame", ONE),
-        row(&[Rival, AlphaMasks], "{rival} ignores alpha masks", "use compute"),
+        row(
+            &[ManySamples],
+            "a frame takes at most 32 samples per pixel, not {samples}",
+            "use at most 32, or one frame per sample",
+        ),
+        row(&[Rival, AlphaMasks], "{rival} ignores alpha masks", "use --engine compute"),
         row(&[Shadows, AlphaMasks], SHADOWS_AND_ALPHA_MASKS[0], SHADOWS_AND_ALPHA_MASKS[1]),
         row(
             &[Rival, Bounces],
@@ -134,34 +138,38 @@ pub const REFUSALS: &[Refusal] = {
             "give the camera an atlas, or use --engine compute",
         ),
         row(&[RivalWithoutCulling, NoCull], "{rival} culls nothing", "leave out --no-cull"),
-        row(&[Outlines, Atlas], "outlines and borders are not drawn with an atlas", "leave atlas out"),
+        row(
+            &[Outlines, Atlas],
+            "outlines and borders are not drawn with an atlas",
+            "remove atlas, or outline and borders",
+        ),
         row(
             &[Outlines, Incoherent],
-            "outlines and borders compare neighbouring pixels, whose rays are unrelated in this camera",
+            "outlines and borders compare neighbouring pixels, whose rays are unrelated in {camera}",
             WITHOUT_LINES,
         ),
-        row(&[Rows, Outlines], "strips have no outlines and borders", WITHOUT_LINES),
+        row(&[Rows, Outlines], "strips cannot draw outlines or borders", WITHOUT_LINES),
         row(
             &[Rows, Incoherent],
-            "strips need neighbouring pixels with similar rays, which this camera does not have",
-            "take all rows",
+            "{camera} cannot be rendered in strips: rays of neighbouring pixels are unrelated",
+            "render the whole image",
         ),
         row(
             &[Outlines, Bands],
-            "outlines and borders need the whole image in one band; the adapter's bindings hold {rows} rows",
-            "make it smaller",
+            "outlines and borders need the whole image in one band; this adapter allows {rows} rows",
+            "use a smaller --size",
         ),
         row(
             &[Analytic, Chunks],
-            "analytic coverage needs all triangles in one binding; this scene takes {chunks}",
-            "count samples",
+            "analytic coverage needs all triangles in one binding; this scene needs {chunks}",
+            "leave --analytic out",
         ),
         row(&[Moving, Caustics], "caustics are computed once for all frames", "leave out --moving"),
-        row(&[Aimed, Optics], "frames of {camera} are not aimed: it reflects or refracts rays", ANEW),
-        row(&[InSequence, Caustics], "caustics are computed before a frame", ALONE),
+        row(&[Aimed, Optics], "Frames::aim does not support {camera}: it reflects or refracts rays", ANEW),
+        row(&[InSequence, Caustics], "a sequence does not support caustics", ALONE),
         row(
             &[InSequence, Optics],
-            "{camera} reflects or refracts rays, for which a frame has buffers of its own",
+            "a sequence does not support {camera}: reflected or refracted rays need buffers of their own",
             ALONE,
         ),
     ]

@@ -155,7 +155,9 @@ impl Frames {
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
         if plan.variant != self.plan.variant || !is_as_large {
             let (old, new) = (self.camera.kind, camera.kind);
-            return Err(Error::input(format!("frames of {old} cannot be taken by this {new}; prepare them anew")));
+            return Err(Error::input(format!(
+                "frames of {old} cannot be taken by this {new}; call Engine::prepare again"
+            )));
         }
         self.resident.aim(&self.gpu, &camera, &plan)?;
         if let Some(rival) = &mut self.rival {
@@ -192,18 +194,20 @@ impl Frames {
         let sizes =
             |s: &Scene| [s.mesh.triangles.len(), s.mesh.positions.len(), s.mesh.normals.len(), s.mesh.materials.len()];
         if sizes(&scene) != sizes(&self.scene) {
-            return Err(Error::input("other triangles or materials than those that are lit; prepare the frames anew"));
+            return Err(Error::input(
+                "other triangles or materials than those that are lit; call Engine::prepare again",
+            ));
         }
         let (lit, contents) = (SceneContents::of(&self.scene), SceneContents::of(&scene));
         let outlined = |s: &Scene| outlined_by(&s.style, &self.camera);
         if lit != contents || outlined(&self.scene) != outlined(&scene) {
             return Err(Error::input(
-                "other kinds of materials or light than those that are lit; prepare the frames anew",
+                "other kinds of materials or light than those that are lit; call Engine::prepare again",
             ));
         }
         let (lit, own) = (&self.scene.mesh, &scene.mesh);
         if self.plan.variant.textured && (&lit.uvs, &lit.corner_uvs) != (&own.uvs, &own.corner_uvs) {
-            return Err(Error::input("other texture coordinates than those that are lit; prepare the frames anew"));
+            return Err(Error::input("other texture coordinates than those that are lit; call Engine::prepare again"));
         }
         let keeps_masks = if self.moving.is_some() {
             // where things have moved to, and in this light from then on

@@ -41,7 +41,7 @@ pub const ROUGH_BOUNCES: Cap =
     Cap { what: "ray bounces", most: 1 << 30, advice: "use fewer rays, less depth or a smaller image" };
 
 /// Frames of a list of jobs. Each takes some microseconds before anything is rendered.
-pub const FRAMES: Cap = Cap { what: "frames", most: 4_000_000, advice: "split the list or sweep less" };
+pub const FRAMES: Cap = Cap { what: "frames", most: 4_000_000, advice: "split the list or use fewer swept values" };
 
 /// All limits, in the order of the help text.
 pub const ALL: [Cap; 7] = [PIECES, LISTED_PIECES, CELLS, CAMERAS, CORNERS, ROUGH_BOUNCES, FRAMES];
@@ -49,7 +49,7 @@ pub const ALL: [Cap; 7] = [PIECES, LISTED_PIECES, CELLS, CAMERAS, CORNERS, ROUGH
 /// The limits, for the help of a command.
 pub fn help() -> String {
     let each: Vec<String> = ALL.iter().map(|cap| format!("{} {}", cap.most, cap.what)).collect();
-    format!("Limits, which --no-limits removes: {}; and the free memory, which --memory replaces.", each.join(", "))
+    format!("--no-limits removes these limits: {}, and the free memory, which --memory replaces.", each.join(", "))
 }
 
 static LIFTED: AtomicBool = AtomicBool::new(false);

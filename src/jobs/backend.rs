@@ -77,9 +77,9 @@ impl<'e> Backend<'e> {
             Backend::Compute(engine, rival) => {
                 engine.render(scene, camera.clone(), wanted, &RunOptions { rival: *rival, ..run.clone() })
             }
-            Backend::Reference if wanted.channels.contains(&Channel::Certified) => Err(Error::input(
-                "certified is a channel of --engine compute; the reference has margins: see --check and --pixel",
-            )),
+            Backend::Reference if wanted.channels.contains(&Channel::Certified) => {
+                Err(Error::input("certified needs --engine compute; for the reference use --check or --pixel"))
+            }
             Backend::Reference => {
                 if wanted.has_colour() {
                     scene.check_shadows()?;

@@ -61,7 +61,7 @@ pub struct RenderJob {
     pub check: bool,
     /// Frames to time after the first.
     pub repeat: Option<u32>,
-    /// Every vertex is new in each timed frame.
+    /// Every vertex moves before each timed frame.
     pub moving: bool,
     /// Disable culling.
     pub no_cull: bool,
@@ -113,7 +113,7 @@ impl RenderJob {
 
 /// The error for an option of the compute engine that the reference is given.
 pub fn of_compute_only(flag: &str) -> Error {
-    Error::input(format!("{flag} is for --engine compute; the reference runs on the CPU"))
+    Error::input(format!("{flag} needs a GPU engine; --engine reference runs on the CPU"))
 }
 
 /// The scene, changed, and its camera for an image of the size asked for, or of the scene's own.

@@ -20,7 +20,7 @@ pub fn check(files: &Files, camera: &Camera) -> Result<()> {
         return Err(Error::input(format!("{}: points are written as .ply or .npy; name the file so", path.display())));
     }
     if camera.is_curved() || camera.layers.len() > 1 {
-        return Err(Error::input("--points: the camera's rays are not straight; use --exr with Z and t"));
+        return Err(Error::input("--points needs one straight ray per pixel; use --exr with --channels P,Z,t"));
     }
     Ok(())
 }

@@ -59,7 +59,7 @@ impl Strips<'_> {
             let rendered = self.draw(engine, &planned, &to_write);
             // the other threads end with these
             drop((planned, to_write));
-            let written = writer.join().unwrap_or_else(|_| Err(Error::work("a defect in what writes the image")));
+            let written = writer.join().unwrap_or_else(|_| Err(Error::work("internal error while writing the image")));
             match (rendered, written) {
                 // strips are missing from the files
                 (Err(e), _) | (Ok(_), Err(e)) => Err(e),
@@ -150,7 +150,7 @@ impl Strips<'_> {
             // who writes colour ends with these
             drop(to_color);
             let colored = color.map_or(Ok(()), |color| {
-                color.join().unwrap_or_else(|_| Err(Error::work("a defect in what writes the image")))
+                color.join().unwrap_or_else(|_| Err(Error::work("internal error while writing the image")))
             });
             // report the file that failed, not the other one, which then lacks strips
             if is_refused || written.is_ok() { colored.and(written) } else { written }

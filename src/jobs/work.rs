@@ -106,7 +106,9 @@ impl Work {
             return Err(Error::input("--channels: cryptomattes are layers of an EXR; add --exr OUT.exr"));
         }
         if job.moving && asks_for_motion(&job) {
-            return Err(Error::input("--moving: motion is to the next frame of the scene file; use --frame alone"));
+            return Err(Error::input(
+                "--moving: the channel motion compares frames of the scene file; leave out --moving or motion",
+            ));
         }
         let read = images_read(&job, &scene.output);
         let next = if asks_for_motion(&job) { Some(next_frame(&job, &files, library, read)?) } else { None };
@@ -121,7 +123,11 @@ impl Work {
         let samples = if is_compute && at_once(&scene, &camera, job.samples) { job.samples } else { 1 };
         wanted.analytic = job.analytic;
         if job.analytic && samples == 1 {
-            let what = if job.samples == 1 { "add --samples N" } else { "in this scene each takes a frame of its own" };
+            let what = if job.samples == 1 {
+                "add --samples N"
+            } else {
+                "each sample needs a frame of its own here; leave --analytic out"
+            };
             return Err(Error::input(format!("--analytic needs several samples per pixel in one frame; {what}")));
         }
         let (size, channels) = ((camera.width, camera.height), wanted.channels.len() + 3);
@@ -159,7 +165,7 @@ impl Work {
     pub fn check_memory(&self) -> Result<()> {
         let mesh = &self.scene.mesh;
         let what = format_args!("rendering {} triangles", mesh.triangles.len());
-        crate::input::limits::memory::check(mesh_bytes(mesh), what, "use fewer")?;
+        crate::input::limits::memory::check(mesh_bytes(mesh), what, "simplify the meshes")?;
         if self.strips.is_some() { Ok(()) } else { self.check_whole() }
     }
 

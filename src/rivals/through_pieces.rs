@@ -1,7 +1,7 @@
 //! Draws of every triangle through every piece: `raster-warp` and `raster-bound`.
 //!
 //! * warp: vertices are projected exactly, and what is between them straight (Brosz et al. 2007; Popescu et al., section 4.2).
-//!   Cutting triangles up beforehand brings the edges nearer to what they should be.
+//!   Subdividing triangles beforehand brings the edges nearer to what they should be.
 //! * bound: a triangle around the image of each triangle, whose fragments intersect their own rays with its plane (Hou et al.
 //!   2006, section 2); all cameras in one instanced draw, or a pass for each as in the paper.
 

@@ -24,7 +24,7 @@ pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) ->
     let ((scene, camera), (next_scene, next_camera)) = (now, next);
     if camera.optics.is_some() || next_camera.optics.is_some() {
         let kind = camera.kind;
-        return Err(Error::input(format!("motion is not known by way of mirrors and lenses; {kind} has some")));
+        return Err(Error::input(format!("motion is not computed through mirrors and lenses; {kind} has one")));
     }
     if scene.mesh.triangles != next_scene.mesh.triangles {
         return Err(Error::input("motion is of triangles that are the same in both frames; these are not"));

@@ -129,7 +129,7 @@ fn motion_needs_the_same_triangles_and_no_mirror() {
     let more = scene(soup(&mut Rng(3), 7, 0.6));
     let of = |a: (&Scene, &Camera), b: (&Scene, &Camera)| motion(a, b, &frame).unwrap_err().to_string();
     assert!(of((&now, &plain), (&more, &plain)).starts_with("motion is of triangles that are the same"));
-    assert!(of((&now, &plain), (&now, &mirror)).starts_with("motion is not known by way of mirrors"));
+    assert!(of((&now, &plain), (&now, &mirror)).starts_with("motion is not computed through mirrors"));
     let bare = image(&now, &plain, &[Channel::T]);
     assert!(motion((&now, &plain), (&now, &plain), &bare).is_err());
 }

@@ -91,7 +91,7 @@ fn other_triangles_are_not_lit() {
     let mut frames = engine.prepare(&day, &through, &wanted(), &RunOptions::default()).unwrap();
     let more = day.with_optics(&scene("}", FACETS).1).into_owned();
     let error = frames.light(&more).unwrap_err();
-    assert!(error.exit_code() == 2 && error.to_string().contains("prepare the frames anew"), "{error}");
+    assert!(error.exit_code() == 2 && error.to_string().contains("call Engine::prepare again"), "{error}");
 }
 
 #[test]

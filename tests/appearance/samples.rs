@@ -109,7 +109,7 @@ fn layers_of_rays_take_a_frame_a_sample() {
     assert!(camera.layers.len() > 1 && !at_once(&scene, &camera, 4));
     let wanted = Wanted { samples: 4, ..Wanted::of(vec![Channel::A]) };
     let message = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap_err().to_string();
-    assert!(message.contains("4 samples a pixel of occlusion take a frame each"), "{message}");
+    assert!(message.contains("a frame takes 1 sample per pixel, not 4"), "{message}");
 }
 
 #[test]

@@ -336,7 +336,7 @@ fn lines_between_pixels_need_pixels_beside_each_other() {
     let scene = ball(Style { borders: Some(line(2.0)), ..Style::default() });
     let wanted = Wanted::of(COLOUR.to_vec());
     let refused = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap_err().to_string();
-    assert!(refused.contains("leave them out") && !refused.contains('\n'), "{refused}");
+    assert!(refused.contains("remove outline and borders") && !refused.contains('\n'), "{refused}");
 }
 
 #[test]

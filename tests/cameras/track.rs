@@ -237,7 +237,7 @@ fn unreachable_targets_leave_the_plain_view_and_the_other_targets() {
     let reached = "{ at = [-4, 0.5, 0], radius = 0.4 }";
     let plain = plain();
     for (targets, says) in [
-        (inside.to_owned(), vec!["target 0 is not tracked: every way around what hides it is blocked"]),
+        (inside.to_owned(), vec!["target 0 is not tracked: every detour around its occluders is blocked"]),
         (behind.to_owned(), vec!["target 0 is not tracked: it lies behind or around the eye"]),
         (format!("{behind}, {inside}"), vec!["target 0 is not", "target 1 is not"]),
     ] {

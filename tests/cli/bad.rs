@@ -28,7 +28,7 @@ fn wrong_command_lines() {
         (more(&["--samples", "0"]), "1..=64"),
         (more(&["--samples", "65"]), "1..=64"),
         (more(&["--analytic"]), "add --samples N"),
-        (more(&["--analytic", "--samples", "40"]), "in this scene each takes a frame of its own"),
+        (more(&["--analytic", "--samples", "40"]), "each sample needs a frame of its own here"),
         (more(&["--analytic", "--samples", "4", "--engine", "reference"]), "--analytic"),
         (more(&["--repeat", "0"]), "--repeat"),
         (more(&["--moving"]), "--repeat"),

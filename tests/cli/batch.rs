@@ -104,11 +104,14 @@ fn wrong_lists_are_refused_before_anything_is_rendered() {
         ("color = \"a.png\"", "jobs.toml:1: job.0: scene is missing"),
         ("scene = \"scene.toml\"", "job.0: nothing to write; add color"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nframes = { last = 2 }", "both write"),
-        ("scene = \"scene.toml\"\ncolor = \"{fram}.png\"", "names \"fram\", which is no swept key"),
+        ("scene = \"scene.toml\"\ncolor = \"{fram}.png\"", "is neither frame nor a swept key"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nsize = \"8\"", "WIDTHxHEIGHT"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nsamples = 65", "from 1 to 64"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nsweep.camera.vfov = []", "no values"),
-        ("scene = \"scene.toml\"\ncolor = \"a.png\"\nframes = { last = -1 }", "no frames from 0 to -1 by 1"),
+        (
+            "scene = \"scene.toml\"\ncolor = \"a.png\"\nframes = { last = -1 }",
+            "first = 0, last = -1, step = 1 gives no frames",
+        ),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nchannels = [\"Q\"]", "no such channel"),
     ] {
         place.write("jobs.toml", format!("[[job]]\n{job}\n"));
@@ -227,7 +230,7 @@ fn resume_skips_what_is_done_and_says_what_has_changed() {
     std::fs::remove_file(place.path().join("2.png")).unwrap();
     expects("jobs.toml: 1 frame, 3 before\n", "again: 1 frame: 2.png is not there\n");
     place.write("1.png", "broken");
-    expects("jobs.toml: 1 frame, 3 before\n", "again: 1 frame: 1.png is not what was written\n");
+    expects("jobs.toml: 1 frame, 3 before\n", "again: 1 frame: 1.png was changed after it was written\n");
     // a change that keeps size and time is found by the hash
     let path = place.path().join("1.png");
     let written = std::fs::metadata(&path).unwrap().modified().unwrap();
@@ -235,23 +238,23 @@ fn resume_skips_what_is_done_and_says_what_has_changed() {
     *bytes.last_mut().unwrap() ^= 1;
     std::fs::write(&path, bytes).unwrap();
     std::fs::File::options().append(true).open(&path).unwrap().set_modified(written).unwrap();
-    expects("jobs.toml: 1 frame, 3 before\n", "again: 1 frame: 1.png is not what was written\n");
+    expects("jobs.toml: 1 frame, 3 before\n", "again: 1 frame: 1.png was changed after it was written\n");
     // several reasons are printed with their numbers of frames, on one line
     std::fs::remove_file(place.path().join("2.png")).unwrap();
     place.write("3.png", "broken");
     let ran = resume();
-    let line = "again: 2 frames: 2.png is not there (1 frame); 3.png is not what was written (1 frame)\n";
+    let line = "again: 2 frames: 2.png is not there (1 frame); 3.png was changed after it was written (1 frame)\n";
     assert_eq!((ran.code, ran.err.as_str()), (0, line));
     place.write("jobs.toml", list(41));
     expects("jobs.toml: 4 frames\n", "again: 4 frames: its settings were camera.vfov=40\n");
     let scene = std::fs::read_to_string(place.path().join("scene.toml")).unwrap();
     place.write("scene.toml", scene + "# another\n");
-    expects("jobs.toml: 4 frames\n", "again: 4 frames: scene.toml is another\n");
+    expects("jobs.toml: 4 frames\n", "again: 4 frames: scene.toml has changed\n");
     // what was being written when the program was killed is no line; the one before it was of the other scene
     let manifest = place.path().join("jobs.toml.manifest.jsonl");
     let whole = std::fs::read_to_string(&manifest).unwrap();
     place.write("jobs.toml.manifest.jsonl", &whole[..whole.len() - 20]);
-    expects("jobs.toml: 1 frame, 3 before\n", "scene.toml is another");
+    expects("jobs.toml: 1 frame, 3 before\n", "scene.toml has changed");
     expects("jobs.toml: 0 frames, 4 before\n", "");
     // without --resume all is done again
     assert_eq!(place.works(&["batch", "jobs.toml"]), "jobs.toml: 4 frames\n");
@@ -289,7 +292,7 @@ fn shards_are_the_whole_list_and_are_gathered() {
     assert!(ran.code == 1 && ran.err.contains("11 of 11 frames are not done"), "{}", ran.err);
     for shard in ["1/2", "2/2"] {
         let ran = place.run(&["batch", "jobs.toml", "--shard", shard, "--resume"]);
-        assert!(ran.code == 0 && ran.err.contains("scene.toml is another"), "{}", ran.err);
+        assert!(ran.code == 0 && ran.err.contains("scene.toml has changed"), "{}", ran.err);
     }
     // by another spelling of the list's name too
     let list = place.path().join("jobs.toml");

@@ -275,7 +275,7 @@ fn a_target_that_cannot_be_tracked_is_reported_and_the_frame_rendered() {
     let boxed = SCENE.replace("kind = \"pinhole\"", "kind = \"track\"\ntargets = [{ at = [0, 0, 0] }]");
     place.write("track.toml", boxed);
     let line = render(&place, "track.toml", "t.exr", &["--report", "r.json"]);
-    assert!(line.contains(" | target 0 is not tracked: every way around what hides it is blocked"), "{line}");
+    assert!(line.contains(" | target 0 is not tracked: every detour around its occluders is blocked"), "{line}");
     assert_eq!(line.lines().count(), 1);
     let report = json(&std::fs::read_to_string(place.path().join("r.json")).unwrap());
     assert!(report["unmet"][0].as_str().unwrap().starts_with("target 0 is not tracked"));

@@ -94,7 +94,7 @@ fn work_over_the_limits_is_refused_without_no_limits() {
     let swept: String =
         ["a", "b", "c", "d", "e", "f", "g"].map(|key| format!("\"camera.{key}\" = [{}]\n", values.join(", "))).concat();
     place.write("jobs.toml", format!("[[job]]\nscene = \"scene.toml\"\ncolor = \"o.png\"\n[job.sweep]\n{swept}"));
-    place.refuses(&["batch", "jobs.toml", "--no-limits"], 2, "a list has fewer than 1e15 frames; sweep less");
+    place.refuses(&["batch", "jobs.toml", "--no-limits"], 2, "more than 1e15 frames; use fewer swept values or frames");
     place.write("jobs.toml", "[[job]]\nscene = \"scene.toml\"\ncolor = \"o-{frame}.png\"\nframes = { last = 1e12 }\n");
     place.refuses(&["batch", "jobs.toml"], 2, "1000000000001 frames are over the limit");
     let help = place.works(&["render", "--help"]);

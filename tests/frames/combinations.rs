@@ -264,7 +264,7 @@ fn line(row: &Refusal) -> String {
 fn the_page_is_the_table() {
     let lines: Vec<&str> = PAGE.lines().filter(|l| l.starts_with("| ")).skip(1).collect();
     let expected: Vec<String> = REFUSALS.iter().map(line).collect();
-    assert_eq!(lines, expected, "docs/reference/combinations.md holds these rows:\n{}", expected.join("\n"));
+    assert_eq!(lines, expected, "docs/reference/combinations.md must have these rows:\n{}", expected.join("\n"));
     assert!(expected.iter().all(|l| l.matches('|').count() == 4 && !l.contains('{')));
 }
 

@@ -247,7 +247,7 @@ impl Track {
 
 fn no_path(index: usize, largest: f64) -> String {
     format!(
-        "target {index} is not tracked: every way around what hides it is blocked, up to a shift of {largest:.3}; a smaller radius or \
+        "target {index} is not tracked: every detour around its occluders is blocked, up to a shift of {largest:.3}; a smaller radius or \
          another bend may help"
     )
 }

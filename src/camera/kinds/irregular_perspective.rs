@@ -1,4 +1,4 @@
-//! `irregular_perspective`: perspective, orthographic and inverse perspective, each way and in each corner as much as wanted
+//! `irregular_perspective`: perspective, orthographic and inverse perspective, set per axis and per corner
 //! (Brosz et al. 2007, Figures 4 and 5).
 //!
 //! The picture of the plane at the target, of half-height `T tan(vfov / 2)`, is that of a pinhole. A point q of that plane,

@@ -234,7 +234,7 @@ impl Recipe for Optical {
                 let n = facets.triangles.len();
                 let off = off.map(|px| format!(", off by {px:.3} px (95th percentile)")).unwrap_or_default();
                 let (facets, as_of) = self.matched(facets)?;
-                let note = format!("the surface is cut into {n} facet{}{off}{as_of}", plural(n));
+                let note = format!("the surface is tessellated into {n} facet{}{off}{as_of}", plural(n));
                 (Surface::Facets { facets, law }, note)
             }
         };

@@ -75,7 +75,7 @@ fn build_cells(map: &Central<Angles>, n: u32, setting: &Setting) -> Result<Built
     }
     let grid = Grid::new(n, rows, setting.size()?)?;
     let turn = bound.asin().to_degrees();
-    let note = format!("{} cells; a ray is turned from the exact sphere's by at most {turn:.4} degrees", grid.cells());
+    let note = format!("{} cells; a ray differs from the exact sphere's by at most {turn:.4} degrees", grid.cells());
     Ok(Built { notes: vec![note], ..grid.build(map) })
 }
 

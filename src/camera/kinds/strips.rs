@@ -18,7 +18,7 @@ const STRIPS_MAX: u64 = 1 << 30;
 pub fn read(table: &Table) -> Result<Option<u32>> {
     let Some(field) = table.get("strips") else { return Ok(None) };
     if table.has("pieces") || table.has("error") {
-        return Err(field.error("strips and pieces are two ways to cut the image; give one of them"));
+        return Err(field.error("strips and pieces both split the image; give one of them"));
     }
     let strips = field.integer(1, STRIPS_MAX)?;
     limits::CELLS.check(strips).map_err(|e| field.error(e))?;

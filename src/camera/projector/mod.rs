@@ -59,7 +59,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let volume = Volume::new(surfaces, reparam).map_err(|message| field.error(message))?;
     let tessellation = Tessellation::read(table)?;
     if tessellation != Tessellation::Exact && volume.degree() > 1 {
-        return Err(table.error("pieces: only straight projectors, of two surfaces, can be cut; leave it out"));
+        return Err(table.error("pieces: only straight projectors (two surfaces) can be tessellated; leave it out"));
     }
     Ok(Arc::new(Projector { volume, tessellation }))
 }

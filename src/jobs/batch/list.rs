@@ -94,7 +94,7 @@ impl Jobs {
         limits::FRAMES.check(frames).map_err(|e| e.at(path.display()))?;
         if frames >= FRAMES_MAX as u64 {
             return Err(Error::input(format!(
-                "{}: a list has fewer than {FRAMES_MAX:.0e} frames; sweep less",
+                "{}: more than {FRAMES_MAX:.0e} frames; use fewer swept values or frames",
                 path.display()
             )));
         }
@@ -277,7 +277,7 @@ fn set(job: &mut RenderJob, flag: &str, value: String) -> std::result::Result<()
         "--check" => job.check = true,
         "--no-cull" => job.no_cull = true,
         "--strict" => job.strict = true,
-        _ => return Err("no flag of a job".into()),
+        _ => return Err("jobs do not have this option".into()),
     }
     Ok(())
 }
@@ -367,7 +367,9 @@ fn read_frames(field: &Field) -> Result<Vec<f64>> {
     let step = table.or("step", 1.0, Field::number)?;
     let steps = ((last - first) / step + 1e-9).floor();
     if !(0.0..FRAMES_MAX).contains(&steps) {
-        return Err(field.error(format_args!("no frames from {first} to {last} by {step}, or too many")));
+        return Err(field.error(format_args!(
+            "first = {first}, last = {last}, step = {step} gives no frames, or more than {FRAMES_MAX:.0e}"
+        )));
     }
     limits::FRAMES.check(steps as u64 + 1).map_err(|e| field.error(e))?;
     Ok((0..=steps as u64).map(|k| first + step * k as f64).collect())

@@ -123,7 +123,7 @@ impl Manifest {
         match own.try_lock() {
             Err(TryLockError::WouldBlock) => {
                 let advice = "wait for it, or give each a --shard I/N";
-                return Err(Error::work(format!("{}: another batch is at it; {advice}", path.display())));
+                return Err(Error::work(format!("{}: another batch is using this manifest; {advice}", path.display())));
             }
             // the file system has no locks
             Err(TryLockError::Error(_)) | Ok(()) => {}
@@ -156,7 +156,7 @@ impl Manifest {
         let Some(done) = self.done(task)? else { return Ok(Status::New) };
         let changed = |what: String| Ok(Status::Changed(what));
         if done.version != env!("CARGO_PKG_VERSION") {
-            return changed(format!("anamorph {} made it", done.version));
+            return changed(format!("written by anamorph {}", done.version));
         }
         let settings = task.settings()?;
         if done.settings != settings {
@@ -164,7 +164,7 @@ impl Manifest {
         }
         for (path, hash) in &done.inputs {
             if self.hash(&task.whole(path)).as_ref() != Some(hash) {
-                return changed(format!("{} is another", path.display()));
+                return changed(format!("{} has changed", path.display()));
             }
         }
         for (path, written) in &done.outputs {
@@ -173,7 +173,7 @@ impl Manifest {
                 None => return changed(format!("{} is not there", path.display())),
                 // the modification time is not compared: any program can set it
                 Some((_, bytes)) if bytes == written.bytes && self.hash(&whole).as_ref() == Some(&written.hash) => {}
-                Some(_) => return changed(format!("{} is not what was written", path.display())),
+                Some(_) => return changed(format!("{} was changed after it was written", path.display())),
             }
         }
         Ok(Status::Done)
@@ -328,7 +328,7 @@ fn check_file(path: &Path) -> Result<()> {
 }
 
 fn failure(path: &Path, e: &io::Error) -> Error {
-    let text = format!("{}: the manifest cannot be kept: {e}", path.display());
+    let text = format!("{}: cannot write the manifest: {e}", path.display());
     if is_full(e) { Error::Full(text) } else { Error::Work(text) }
 }
 

@@ -14,16 +14,17 @@ pub fn fill(text: &str, value_of: impl Fn(&str) -> Option<String>) -> Result<Str
             continue;
         }
         let (Some(end), "{") = (rest.find('}'), brace) else {
-            return Err(format!("{text:?} has a brace without its other; write {{frame}}, or a brace twice"));
+            return Err(format!("unmatched brace in {text:?}; write {{frame}} for a value, or {{{{ for a brace"));
         };
         let (key, width) = rest[..end].split_once(':').unwrap_or((&rest[..end], ""));
-        let value =
-            value_of(key).ok_or_else(|| format!("{text:?} names {key:?}, which is no swept key and not frame"))?;
+        let value = value_of(key).ok_or_else(|| format!("{key:?} in {text:?} is neither frame nor a swept key"))?;
         let width = match width {
             "" => 0,
-            digits => {
-                digits.parse().ok().filter(|w| *w <= 64).ok_or_else(|| format!("{digits:?} is no width, as 04"))?
-            }
+            digits => digits
+                .parse()
+                .ok()
+                .filter(|w| *w <= 64)
+                .ok_or_else(|| format!("{digits:?} is not a width; write one from 0 to 64, for example 04"))?,
         };
         let number: Option<f64> = value.parse().ok();
         filled.push_str(&number.filter(|_| width > 0).map_or(value, |n| format!("{n:0width$}")));
@@ -59,10 +60,10 @@ mod tests {
         ] {
             assert_eq!(fill(text, value).unwrap(), expected);
         }
-        for (text, says) in [("{frame", "without its other"), ("a}", "without its other"), ("{fram}", "no swept key")] {
+        for (text, says) in [("{frame", "unmatched brace"), ("a}", "unmatched brace"), ("{fram}", "a swept key")] {
             assert!(fill(text, value).unwrap_err().contains(says), "{text}");
         }
-        assert!(fill("{frame:x}", value).unwrap_err().contains("no width"));
+        assert!(fill("{frame:x}", value).unwrap_err().contains("not a width"));
         assert_eq!((plain("[0, 1.5]"), plain("\"a b\"")), ("0__1.5".to_owned(), "a_b".to_owned()));
     }
 }

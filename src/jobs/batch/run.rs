@@ -175,7 +175,7 @@ impl<'a> Run<'a> {
     /// A worker lost its device for good: others render its frames, if any are left.
     pub fn lose_device(&self, why: Error) {
         if self.workers.fetch_sub(1, Ordering::SeqCst) > 1 {
-            self.note(&format!("{why}; the others go on"));
+            self.note(&format!("{why}; other workers continue"));
         } else {
             self.stop(why);
         }
@@ -232,11 +232,11 @@ impl<'a> Run<'a> {
 /// A thread with a name, for debuggers and profilers.
 fn named<'s>(scope: &'s Scope<'s, '_>, name: &str, work: impl FnOnce() + Send + 's) -> Result<()> {
     let spawned = Builder::new().name(name.into()).spawn_scoped(scope, work);
-    spawned.map(drop).map_err(|e| Error::work(format!("no thread to {name} with: {e}")))
+    spawned.map(drop).map_err(|e| Error::work(format!("cannot start the {name} thread: {e}")))
 }
 
 /// Catches a panic as an error, so that the rest of the batch continues.
 pub fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
-    let failed = |_| Err(Error::work("a defect of this program; the line before says where"));
+    let failed = |_| Err(Error::work("internal error (panic); see the line above"));
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(failed)
 }

@@ -8,7 +8,7 @@ use crate::engine::readback::{InFlight, Readback};
 use crate::engine::report::Device;
 use crate::engine::sequence::Sequence;
 use crate::engine::{Engine, RunOptions};
-use crate::gpu::device::{GpuOptions, adapters};
+use crate::gpu::device::{GpuOptions, NO_ADAPTER, adapters};
 use crate::input::files::Inputs;
 use crate::input::{Error, Result};
 use crate::jobs::{Backend, Seen, Work};
@@ -285,7 +285,7 @@ impl Driver<'_> {
             if self.has_lost() {
                 return Ok(Launched::Not);
             }
-            let Some(engine) = self.engine.as_mut() else { return Err(Error::work("no adapter")) };
+            let Some(engine) = self.engine.as_mut() else { return Err(Error::work(NO_ADAPTER)) };
             self.sequence.upload(engine, planned, &RunOptions::default())?;
         }
         Ok(Launched::InFlight(Box::new(self.sequence.start(planned.clone())?)))
@@ -340,7 +340,7 @@ impl Driver<'_> {
         self.sequence.clear();
         (*self.engine, self.is_uncertain) = (None, false);
         *self.reopened += 1;
-        run.note(&format!("the device is opened again: {}", why.map(|e| e.to_string()).unwrap_or_default()));
+        run.note(&format!("reopening the lost device: {}", why.map(|e| e.to_string()).unwrap_or_default()));
         let mut opened = Engine::open(self.options);
         for _ in 1..REOPEN {
             if matches!(&opened, Ok(Some(_))) {
@@ -355,9 +355,9 @@ impl Driver<'_> {
                 *self.engine = Some(engine);
                 Ok(())
             }
-            Ok(Some(_)) => failed("another one is there now"),
-            Ok(None) => failed("there is none any more"),
-            Err(e) => failed(&format!("cannot be opened again: {e}")),
+            Ok(Some(_)) => failed("a different device is present now"),
+            Ok(None) => failed("no device is present any more"),
+            Err(e) => failed(&format!("it cannot be reopened: {e}")),
         }
     }
 

@@ -29,13 +29,13 @@ pub enum Command {
     /// Render a list of jobs
     #[command(after_help = limits::help())]
     Batch(BatchArgs),
-    /// Find every image of 3-D points
+    /// Find where 3-D points appear in the image
     #[command(after_help = limits::help())]
     Project(ProjectArgs),
-    /// Show the adapters of this machine and the code paths they select; or the counts and bounds of a model or scene, and a camera for it
+    /// List adapters and the code paths they select; with FILE: counts and bounds of a model or scene, and a camera for it
     #[command(after_help = limits::help())]
     Info(InfoArgs),
-    /// Write a ready scene
+    /// Write an example scene
     Example(ExampleArgs),
     /// Measure error against run time, of this engine and of its rivals
     Bench(BenchArgs),
@@ -88,7 +88,7 @@ pub struct Change {
     /// Change a value of the scene, as in camera.vfov=40; may be given more than once
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Frame at which values given as lists of { frame, value } keys are taken
+    /// Frame at which keyframed values are evaluated
     #[arg(long, value_name = "F", allow_hyphen_values = true, default_value_t = 0.0, value_parser = frame)]
     pub frame: f64,
 }
@@ -100,7 +100,7 @@ pub struct RenderArgs {
     /// Colour, 8-bit sRGB
     #[arg(short, long, value_name = "OUT.png")]
     pub output: Option<PathBuf>,
-    /// All asked-for channels, 32-bit
+    /// The channels of --channels, 32-bit
     #[arg(long, value_name = "OUT.exr")]
     pub exr: Option<PathBuf>,
     /// Hit points in f64: a PLY with the hits and their triangles, or an N x 3 .npy, a row per pixel, NaN where nothing is hit
@@ -119,7 +119,8 @@ pub struct RenderArgs {
     #[arg(long)]
     pub analytic: bool,
     /// Channels to compute and write, as in R,G,B,Z; all: every channel of the scene and its camera except certified, mattes and
-    /// motion, which can be added, as in all,motion [default with --exr: what a pixel sees]
+    /// motion, which can be added, as in all,motion [default with --exr: colour, alpha, depths, ids and
+    /// barycentrics]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = options::channels)]
     pub channels: Option<Vec<Named>>,
     /// Refuse a scene whose mesh files refer to images, normals or texture coordinates that do not exist
@@ -138,7 +139,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(REPEAT_MAX)))]
     pub repeat: Option<u32>,
-    /// Every vertex is new in each timed frame
+    /// Move every vertex before each timed frame
     #[arg(long, requires = "repeat")]
     pub moving: bool,
     /// Disable culling: test every triangle in every part of the image
@@ -150,13 +151,13 @@ pub struct RenderArgs {
     /// Do without 64-bit atomics
     #[arg(long)]
     pub no_int64: bool,
-    /// Do without the adapter's f64: do its work in 32-bit words
+    /// Emulate f64 with 32-bit integers
     #[arg(long)]
     pub no_f64: bool,
     /// Write the source of every compiled kernel to this folder, as NAME.wgsl
     #[arg(long, value_name = "DIR")]
     pub dump_kernels: Option<PathBuf>,
-    /// Print one pixel's ray, hit, candidates and margins instead
+    /// Only print one pixel's ray, hit, near candidates and whether it is safe
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = pixel, conflicts_with_all = [
         "output", "exr", "points", "engine", "samples", "analytic", "channels", "report", "check", "repeat", "no_cull",
         "adapter", "no_int64", "no_f64", "dump_kernels",
@@ -216,7 +217,7 @@ pub struct BatchArgs {
     /// Number of threads that write frames [default: one per core]
     #[arg(long = "jobs", value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs_at_once: Option<u16>,
-    /// Adapters to use at once: parts of their names, their numbers in info from 0, or all (software only where there is nothing else)
+    /// Adapters to use at once: parts of their names, their numbers in info from 0, or all (a software adapter only if there is no other)
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub adapters: Option<Vec<String>>,
     /// Stop at the first frame that fails
@@ -231,7 +232,7 @@ pub struct BatchArgs {
     /// Times and counts of the batch and of each frame, as JSON
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
-    /// A row per frame: what its job sweeps, times, and errors of those with check
+    /// One row per frame: swept values, times, and errors if check = true
     #[arg(long, value_name = "T.csv")]
     pub csv: Option<PathBuf>,
     #[command(flatten)]
@@ -282,16 +283,16 @@ pub struct CameraArgs {
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub change: Change,
-    /// Write the camera's pieces as the file of a mesh camera; several layers as the layers of a chain
+    /// Write the pieces as a mesh camera, or several layers as a chain camera
     #[arg(long, value_name = "FILE.json")]
     pub export: Option<PathBuf>,
-    /// Write the scene for POV-Ray 3.7, with a ray for each pixel and the triangles' ids for colours
+    /// Write the scene for POV-Ray 3.7, with each pixel's ray, and each triangle's id as its colour
     #[arg(long, value_name = "FILE.pov")]
     pub export_povray: Option<PathBuf>,
     /// Write each pixel's P and D: an array of H x W x 6; a curve's or projector's control points: H x W x (m+1) x 3
     #[arg(long, value_name = "RAYS.npy")]
     pub rays: Option<PathBuf>,
-    /// Draw the camera's pieces, and its volume with sample rays around the scene
+    /// Draw the pieces, and sample rays around the scene
     #[arg(long, value_name = "D.svg")]
     pub diagram: Option<PathBuf>,
     /// Print help; with a kind of camera, its keys
@@ -308,13 +309,13 @@ pub struct ProjectArgs {
     /// Points: .npy of N x 3, or .csv, .txt, .xyz with three numbers per line
     #[arg(long, value_name = "FILE")]
     pub points: PathBuf,
-    /// Write the lines there instead of to the screen
+    /// Write the lines to this file instead of stdout
     #[arg(short, long, value_name = "OUT.jsonl")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub change: Change,
-    /// Where the parts of the image that may show a point are found: compute (GPU) or reference (CPU); same output [default: the GPU
-    /// for many points, where there is a hardware one]
+    /// Where candidates are searched: compute (GPU) or reference (CPU); same output [default: compute from 65,536 points on with a
+    /// hardware GPU, else reference]
     #[arg(long, value_name = "NAME", value_parser = sifting_engine)]
     pub engine: Option<EngineName>,
     /// Adapter to use: a part of its name
@@ -358,10 +359,10 @@ pub struct BenchArgs {
     /// Only cases whose name contains this; a run of the same day keeps its other rows
     #[arg(long, value_name = "TEXT", requires = "suite")]
     pub case: Option<String>,
-    /// Folder that a folder for each run, and index.html over all of them, go to
+    /// Folder for the results: one subfolder per run, and index.html
     #[arg(long, value_name = "DIR", default_value = "bench_results")]
     pub out: PathBuf,
-    /// Program that runs beside in cases of GLC pieces, called as `PATH MESH.tri W H pieces FILE`
+    /// Program to time as well in the GLC cases, called as `PATH MESH.tri W H pieces FILE`
     #[arg(long, value_name = "PATH")]
     pub yardstick: Option<PathBuf>,
     /// Timed frames of each technique in each case [default: 9; 3 with --quick]

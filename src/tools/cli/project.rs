@@ -35,7 +35,7 @@ struct Line {
 
 pub fn run(args: &ProjectArgs) -> Result<()> {
     if let (Some(EngineName::Reference), Some(_)) = (args.engine, &args.adapter) {
-        return Err(Error::input("--adapter is for --engine compute; the reference runs on the CPU"));
+        return Err(Error::input("--adapter needs --engine compute; --engine reference runs on the CPU"));
     }
     let progress = Progress::start("building the camera");
     let read = || Ok::<_, Error>((read_points(&args.points)?, load_shape(&args.scene, &(&args.change).into())?));
