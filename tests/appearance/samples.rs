@@ -276,7 +276,7 @@ fn areas_are_of_several_samples_and_of_all_triangles_at_once() {
     let camera = camera(kind, SIZE, FORWARD);
     let areas = |samples| Wanted { samples, analytic: true, ..Wanted::of(vec![Channel::A]) };
     let refused = engine.render(&crowd(), &camera, &areas(1), &RunOptions::default()).unwrap_err().to_string();
-    assert!(refused.contains("take at least 2"), "{refused}");
+    assert!(refused.contains("use at least 2"), "{refused}");
     let Some(mut small) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 15) else { return };
     let many = scene(soup(&mut Rng(5), 3000, 0.2));
     let refused = small.render(&many, &camera, &areas(4), &RunOptions::default()).unwrap_err().to_string();
