@@ -187,7 +187,7 @@ fn frames_of_one_camera_are_not_taken_by_one_of_another_kind() {
     let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
     let mut frames = engine.prepare(&scene, &camera, &wanted(), &RunOptions::default()).unwrap();
     let error = frames.aim(&other).unwrap_err();
-    assert!(error.exit_code() == 2 && error.to_string().contains("prepare them anew"), "{error}");
+    assert!(error.exit_code() == 2 && error.to_string().contains("call Engine::prepare again"), "{error}");
 }
 
 #[test]
