@@ -568,7 +568,7 @@ fn what_ignores_alpha_masks_says_so() {
     assert!(!at_once(&scene, &camera, 4));
     let rival = RunOptions { rival: anamorph::internals::rivals::parse("raytrace").ok(), ..RunOptions::default() };
     for (channels, run, expected) in [
-        (vec![Channel::Certified], RunOptions::default(), "nothing is proven for triangles with alpha masks"),
+        (vec![Channel::Certified], RunOptions::default(), "pixels cannot be certified with alpha masks"),
         (vec![Channel::R], rival, "raytrace ignores alpha masks"),
     ] {
         let message = engine.render(&scene, &camera, &Wanted::of(channels), &run).unwrap_err().to_string();
