@@ -171,8 +171,8 @@ fn nearer(best: Option<Hit>, hit: Hit) -> Option<Hit> {
 
 /// The bundle with `h > 0` at its centre (the same rays), if it has a finite ray there.
 fn upright(b: &Bundle) -> Option<Bundle> {
-    let turn = b.h[0].signum();
-    let b = Bundle { p: b.p.map(|v| v * turn), d: b.d.map(|v| v * turn), h: b.h.map(|v| v * turn) };
+    let sign = b.h[0].signum();
+    let b = Bundle { p: b.p.map(|v| v * sign), d: b.d.map(|v| v * sign), h: b.h.map(|v| v * sign) };
     let finite = b.p.iter().chain(&b.d).all(|v| v.is_finite()) && b.h.iter().all(|v| v.is_finite());
     (finite && b.h[0] > 0.0 && b.d[0] != glam::DVec3::ZERO).then_some(b)
 }

@@ -228,7 +228,7 @@ fn bernstein(m: u32, t: f64) -> vec4<f64> {
     }
 }
 
-fn turns(a: f64, b: f64) -> array<f64, 2> {
+fn sorted(a: f64, b: f64) -> array<f64, 2> {
     if a < b {
         return array<f64, 2>(a, b);
     }
@@ -270,7 +270,7 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
     var q = Corners(array<vec3<f64>, 3>(vec3<f64>(a, b, 1.0), vec3<f64>(b, a, 2.0), vec3<f64>(1.0)), vec3<f64>(a));
     q.v[id.x % 3u] = q.v[0] + vec3<f64>(b);
     let w = bernstein(id.x % 4u, a);
-    let ends = turns(a, b);
+    let ends = sorted(a, b);
     found[id.x] = array<vec2<u32>, 5>(
         real_to_bits(around(q, q.n, vec3<f64>(b, 1.0, a))), real_to_bits(w.x + b * w.y + w.z * a + w.w),
         real_to_bits(select(ends[min(id.x, 1u)], b, id.x % 2u == 0u)), real_to_bits(root(abs(a))),

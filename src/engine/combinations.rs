@@ -88,7 +88,7 @@ pub struct Asked<'a> {
 /// All refusals, in the order in which they are looked for.
 pub const REFUSALS: &[Refusal] = {
     use Feature::*;
-    const fn row(features: &'static [Feature], reason: &'static str, remedy: &'static str) -> Refusal {
+    const fn refusal(features: &'static [Feature], reason: &'static str, remedy: &'static str) -> Refusal {
         Refusal { features, reason, remedy }
     }
     const WITHOUT_CERTIFIED: &str = "leave certified out";
@@ -97,77 +97,77 @@ pub const REFUSALS: &[Refusal] = {
     const ANEW: &str = "call Engine::prepare again";
     const ALONE: &str = "render this frame with Engine::render";
     &[
-        row(&[Relit, Caustics], "the light cannot change with caustics", ANEW),
-        row(&[Certified, Rival], "{rival} cannot certify pixels", "use --engine compute, or leave certified out"),
-        row(
+        refusal(&[Relit, Caustics], "the light cannot change with caustics", ANEW),
+        refusal(&[Certified, Rival], "{rival} cannot certify pixels", "use --engine compute, or leave certified out"),
+        refusal(
             &[Certified, Optics],
             "{camera} reflects or refracts rays, without bounds on where they go",
             WITHOUT_CERTIFIED,
         ),
-        row(&[Certified, AlphaMasks], "pixels cannot be certified with alpha masks", WITHOUT_CERTIFIED),
-        row(&[NoSamples], "0 samples per pixel", "use at least 1"),
-        row(&[Analytic, OneSample], "analytic coverage needs several samples per pixel", "use at least 2"),
-        row(&[Samples, Rival], "{rival} renders 1 sample per pixel in a frame, not {samples}", ONE),
-        row(&[Samples, Caustics], "with caustics a frame takes 1 sample per pixel, not {samples}", ONE),
-        row(&[Samples, AlphaMasks], "with alpha masks a frame takes 1 sample per pixel, not {samples}", ONE),
-        row(
+        refusal(&[Certified, AlphaMasks], "pixels cannot be certified with alpha masks", WITHOUT_CERTIFIED),
+        refusal(&[NoSamples], "0 samples per pixel", "use at least 1"),
+        refusal(&[Analytic, OneSample], "analytic coverage needs several samples per pixel", "use at least 2"),
+        refusal(&[Samples, Rival], "{rival} renders 1 sample per pixel in a frame, not {samples}", ONE),
+        refusal(&[Samples, Caustics], "with caustics a frame takes 1 sample per pixel, not {samples}", ONE),
+        refusal(&[Samples, AlphaMasks], "with alpha masks a frame takes 1 sample per pixel, not {samples}", ONE),
+        refusal(
             &[Samples, Curves],
             "{camera} has curved or layered rays: a frame takes 1 sample per pixel, not {samples}",
             ONE,
         ),
-        row(
+        refusal(
             &[Samples, Optics],
             "{camera} reflects or refracts rays: a frame takes 1 sample per pixel, not {samples}",
             ONE,
         ),
-        row(
+        refusal(
             &[Samples, Incoherent],
             "rays of neighbouring pixels of {camera} are unrelated: a frame takes 1 sample per pixel, not {samples}",
             ONE,
         ),
-        row(
+        refusal(
             &[ManySamples],
             "a frame takes at most 32 samples per pixel, not {samples}",
             "use at most 32, or one frame per sample",
         ),
-        row(&[Rival, AlphaMasks], "{rival} ignores alpha masks", "use --engine compute"),
-        row(&[Shadows, AlphaMasks], SHADOWS_AND_ALPHA_MASKS[0], SHADOWS_AND_ALPHA_MASKS[1]),
-        row(
+        refusal(&[Rival, AlphaMasks], "{rival} ignores alpha masks", "use --engine compute"),
+        refusal(&[Shadows, AlphaMasks], SHADOWS_AND_ALPHA_MASKS[0], SHADOWS_AND_ALPHA_MASKS[1]),
+        refusal(
             &[Rival, Bounces],
             "{rival} does not follow reflected or refracted rays",
             "give the camera an atlas, or use --engine compute",
         ),
-        row(&[RivalWithoutCulling, NoCull], "{rival} culls nothing", "leave out --no-cull"),
-        row(
+        refusal(&[RivalWithoutCulling, NoCull], "{rival} culls nothing", "leave out --no-cull"),
+        refusal(
             &[Outlines, Atlas],
             "outlines and borders are not drawn with an atlas",
             "remove atlas, or outline and borders",
         ),
-        row(
+        refusal(
             &[Outlines, Incoherent],
             "outlines and borders compare neighbouring pixels, whose rays are unrelated in {camera}",
             WITHOUT_LINES,
         ),
-        row(&[Rows, Outlines], "strips cannot draw outlines or borders", WITHOUT_LINES),
-        row(
+        refusal(&[Rows, Outlines], "strips cannot draw outlines or borders", WITHOUT_LINES),
+        refusal(
             &[Rows, Incoherent],
             "{camera} cannot be rendered in strips: rays of neighbouring pixels are unrelated",
             "render the whole image",
         ),
-        row(
+        refusal(
             &[Outlines, Bands],
             "outlines and borders need the whole image in one band; this adapter allows {rows} rows",
             "use a smaller --size",
         ),
-        row(
+        refusal(
             &[Analytic, Chunks],
             "analytic coverage needs all triangles in one binding; this scene needs {chunks}",
             "leave --analytic out",
         ),
-        row(&[Moving, Caustics], "caustics are computed once for all frames", "leave out --moving"),
-        row(&[Aimed, Optics], "Frames::aim does not support {camera}: it reflects or refracts rays", ANEW),
-        row(&[InSequence, Caustics], "a sequence does not support caustics", ALONE),
-        row(
+        refusal(&[Moving, Caustics], "caustics are computed once for all frames", "leave out --moving"),
+        refusal(&[Aimed, Optics], "Frames::aim does not support {camera}: it reflects or refracts rays", ANEW),
+        refusal(&[InSequence, Caustics], "a sequence does not support caustics", ALONE),
+        refusal(
             &[InSequence, Optics],
             "a sequence does not support {camera}: reflected or refracted rays need buffers of their own",
             ALONE,

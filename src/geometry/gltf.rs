@@ -367,8 +367,8 @@ fn read_texture(
 fn triangles_of(mode: Mode, corners: &[u32]) -> Result<Vec<[u32; 3]>> {
     let triangles = match mode {
         Mode::TriangleStrip => {
-            let turn = |(k, w): (usize, &[u32])| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
-            corners.windows(3).enumerate().map(turn).collect()
+            let wound = |(k, w): (usize, &[u32])| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
+            corners.windows(3).enumerate().map(wound).collect()
         }
         Mode::TriangleFan => corners.windows(2).skip(1).map(|w| [w[0], w[1], corners[0]]).collect(),
         _ if corners.len().is_multiple_of(3) => corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),

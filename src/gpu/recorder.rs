@@ -137,9 +137,9 @@ impl Recorder {
 impl Recorded {
     /// The time on the device of every stage, ms, summed over its passes; empty without timestamps.
     pub fn stage_ms(&self, gpu: &Gpu) -> Result<Vec<(&'static str, f64)>> {
-        let reading = self.read();
+        let pending = self.read();
         wait(gpu)?;
-        self.stages_read(gpu, reading)
+        self.stages_read(gpu, pending)
     }
 
     /// Starts to read the times, for [`Recorded::stages_read`].
@@ -148,9 +148,9 @@ impl Recorded {
     }
 
     /// As [`Recorded::stage_ms`], once the submission is done.
-    pub fn stages_read(&self, gpu: &Gpu, reading: Option<PendingRead>) -> Result<Vec<(&'static str, f64)>> {
-        let (Some(times), Some(reading)) = (&self.times, reading) else { return Ok(Vec::new()) };
-        let words = reading.words(gpu)?;
+    pub fn stages_read(&self, gpu: &Gpu, pending: Option<PendingRead>) -> Result<Vec<(&'static str, f64)>> {
+        let (Some(times), Some(pending)) = (&self.times, pending) else { return Ok(Vec::new()) };
+        let words = pending.words(gpu)?;
         let stamp = |k: u32| u64::from(words[2 * k as usize]) | u64::from(words[2 * k as usize + 1]) << 32;
         let period_ms = f64::from(gpu.queue.get_timestamp_period()) / 1e6;
         let mut sums: Vec<(&'static str, f64)> = Vec::new();

@@ -32,7 +32,7 @@ fn open(path: &Path) -> std::result::Result<File, String> {
 fn read_npy(path: &Path) -> std::result::Result<Vec<DVec3>, String> {
     let points: Vec<DVec3> = rows_of::<3>(open(path)?)?.into_iter().map(DVec3::from_array).collect();
     match points.iter().position(|p| !p.is_finite()) {
-        Some(row) => Err(format!("row {row} is not finite; leave it out")),
+        Some(index) => Err(format!("point {index} is not finite; leave it out")),
         None => Ok(points),
     }
 }
@@ -100,7 +100,7 @@ mod tests {
         write_npy_f64(&path, &[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
         assert_eq!(read_points(&path).unwrap(), [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)]);
         write_npy_f64(&path, &[1, 3], &[1.0, f64::NAN, 3.0]).unwrap();
-        assert!(read_points(&path).unwrap_err().to_string().contains("row 0 is not finite"));
+        assert!(read_points(&path).unwrap_err().to_string().contains("point 0 is not finite"));
         write_npy_f64(&path, &[3, 2], &[0.0; 6]).unwrap();
         assert!(read_points(&path).unwrap_err().to_string().contains("must be N x 3"));
         let whole = std::fs::read(&path).unwrap();

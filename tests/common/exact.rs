@@ -92,9 +92,9 @@ impl Powers {
         while rest.len() >= n {
             let (top, shift) = (rest[rest.len() - 1].clone(), rest.len() - n);
             // times the magnitude of the leading coefficient, which is positive
-            let turn = if lead.sign() == Sign::Minus { -&top } else { top };
+            let signed_top = if lead.sign() == Sign::Minus { -&top } else { top };
             rest.iter_mut().for_each(|c| *c *= BigInt::from_biguint(Sign::Plus, lead.magnitude().clone()));
-            other.0.iter().enumerate().for_each(|(k, c)| rest[k + shift] -= c * &turn);
+            other.0.iter().enumerate().for_each(|(k, c)| rest[k + shift] -= c * &signed_top);
             rest.pop();
             rest = Powers(rest).trimmed().0;
         }

@@ -92,8 +92,8 @@ pub fn straight_then_curved(size: (u32, u32)) -> Camera {
             let q = DVec2::new(a - 0.5, 0.5 - b);
             let ray = Ray { origin: (2.5 * q).extend(2.0), direction: (0.5 * q).extend(-2.0) };
             let start = ray.origin + ray.direction;
-            let turn = DVec3::new(0.8 * q.y, -0.8 * q.x, 0.0);
-            Some((0, Curve::new(&[start, start + 0.5 * ray.direction, start + ray.direction + turn])))
+            let offset = DVec3::new(0.8 * q.y, -0.8 * q.x, 0.0);
+            Some((0, Curve::new(&[start, start + 0.5 * ray.direction, start + ray.direction + offset])))
         }
     }
     let vertex = |(a, b): (f64, f64)| {

@@ -115,12 +115,12 @@ fn an_unsafe_pixel_may_name_a_candidate_and_nothing_else() {
         let (seen, not_near) = verdict(&scene, camera, &right, |f| u32s(f, Channel::TriangleId)[at] = 1 << 20);
         assert_eq!((seen.wrong_triangle, seen.wrong_safe, not_near), (Some(1), Some(0), 1), "pixel {at}");
         // of all ids only those of the triangles that meet there pass
-        let passes = (0..scene.mesh.triangles.len() as u32)
+        let accepted = (0..scene.mesh.triangles.len() as u32)
             .step_by(16)
             .filter(|&id| verdict(&scene, camera, &right, |f| u32s(f, Channel::TriangleId)[at] = id).1 == 0)
             .count();
-        assert!(passes <= 6, "pixel {at}: {passes} of every 16th triangle pass");
-        borders += passes;
+        assert!(accepted <= 6, "pixel {at}: {accepted} of every 16th triangle pass");
+        borders += accepted;
         tried += 1;
         if tried == 3 {
             break;

@@ -175,9 +175,9 @@ fn common_area(a: u32, b: u32) -> f32 {
             let alike = dot(own.xy, other.xy);
             let slope = own.x * other.y - own.y * other.x;
             if abs(slope) > PARALLEL {
-                let cut = (own.z * alike - other.z) / slope;
-                first = select(first, max(first, cut), slope > 0.0);
-                last = select(last, min(last, cut), slope < 0.0);
+                let crossing = (own.z * alike - other.z) / slope;
+                first = select(first, max(first, crossing), slope > 0.0);
+                last = select(last, min(last, crossing), slope < 0.0);
             } else if i != j {
                 // of two that are one the first counts
                 let gap = other.z - own.z * sign(alike);

@@ -1,4 +1,4 @@
-// Patterns that are cut out of the world: src/geometry/pattern.rs has them at a point, here are their means over what a pixel covers.
+// Solid (3-D) patterns: src/geometry/pattern.rs has them at a point, here are their means over what a pixel covers.
 // Provides: STYLED, pattern_at, tangents
 // Needs: RayDifferential, ShadedHit, flat_normal, triangle_surface
 // Binds: materials, shading, triangles

@@ -172,8 +172,8 @@ impl TopDown {
     /// The regions where they land; a plain root's outline is drawn around the image and all of them.
     fn patches(&self, setting: &Setting, roots: &mut [Root], (width, height): (u32, u32)) -> Result<Vec<Patch>> {
         let size = DVec2::new(width as f64, height as f64);
-        let looks = |r: &Region| matches!(r.viewpoint, Viewpoint::At { target: None, .. });
-        let occluders = self.regions.iter().any(looks).then(|| Occluders::of(setting.mesh()));
+        let needs_scene = |r: &Region| matches!(r.viewpoint, Viewpoint::At { target: None, .. });
+        let occluders = self.regions.iter().any(needs_scene).then(|| Occluders::of(setting.mesh()));
         let mut patches: Vec<Patch> = Vec::new();
         for (k, region) in self.regions.iter().enumerate() {
             let error = |message: String| Error::input(format!("camera.regions.{k}: {message}"));

@@ -194,7 +194,7 @@ fn read_mode(key: &Field, source: &Source) -> Result<Mode> {
 }
 
 impl Source {
-    /// The surface cut into facets, about `count` where that is given.
+    /// The surface tessellated into facets, about `count` where that is given.
     fn facets(&self, count: Option<usize>) -> Result<Facets> {
         match self {
             Source::Shape(shape, own) => Ok(shape.facets(count.unwrap_or(*own))),

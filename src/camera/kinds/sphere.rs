@@ -74,8 +74,9 @@ fn build_cells(map: &Central<Angles>, n: u32, setting: &Setting) -> Result<Built
         return Err(Error::input(format!("camera.strips = {n}: too few to tell directions apart; give more")));
     }
     let grid = Grid::new(n, rows, setting.size()?)?;
-    let turn = bound.asin().to_degrees();
-    let note = format!("{} cells; a ray differs from the exact sphere's by at most {turn:.4} degrees", grid.cells());
+    let bound_deg = bound.asin().to_degrees();
+    let note =
+        format!("{} cells; a ray differs from the exact sphere's by at most {bound_deg:.4} degrees", grid.cells());
     Ok(Built { notes: vec![note], ..grid.build(map) })
 }
 

@@ -18,8 +18,8 @@ fn fault(c: &[f64], zero: f64, roots: &[Root]) -> Option<String> {
     for root in roots {
         let [before, after] = [root.t - step(root.t), root.t + step(root.t)].map(|t| t.clamp(0.0, 1.0));
         let exact = Powers::new(c, 0.0);
-        let passes = exact.sign_at(&Dyadic::of(before)) != exact.sign_at(&Dyadic::of(after));
-        if !passes && beyond(c, hidden, root.t, root.t).contains(&true) {
+        let crosses = exact.sign_at(&Dyadic::of(before)) != exact.sign_at(&Dyadic::of(after));
+        if !crosses && beyond(c, hidden, root.t, root.t).contains(&true) {
             return Some(format!("{} is no root", root.t));
         }
     }
@@ -40,14 +40,14 @@ fn fault(c: &[f64], zero: f64, roots: &[Root]) -> Option<String> {
     for (root, gaps) in roots.iter().zip(gaps.windows(2)) {
         let side = |gap: [bool; 2]| i8::from(gap[0]) - i8::from(gap[1]);
         let (before, after) = (side(gaps[0]), side(gaps[1]));
-        let passes = match before.cmp(&after) {
+        let crossing = match before.cmp(&after) {
             _ if before == 0 || after == 0 => continue,
             Ordering::Less => 1,
             Ordering::Equal => 0,
             Ordering::Greater => -1,
         };
-        if passes != root.sign {
-            return Some(format!("{} is passed by {passes} and not by {}", root.t, root.sign));
+        if crossing != root.sign {
+            return Some(format!("{} is crossed by {crossing} and not by {}", root.t, root.sign));
         }
     }
     None
@@ -78,7 +78,7 @@ fn no_root_is_missed_and_none_is_false() {
     assert!(found as u64 > count() / 2);
 }
 
-/// The check sees a root that is missing, one too many, one beside its place, and one that is passed the other way.
+/// The check sees a root that is missing, one too many, one beside its place, and one that is crossed the other way.
 #[test]
 fn the_check_can_fail() {
     let c = product(&[[-0.25, 0.75], [-0.5, 0.5], [-0.75, 0.25]]);
@@ -93,7 +93,7 @@ fn the_check_can_fail() {
         assert!(fault(&c, zero, &moved).is_some_and(|f| f.contains("no root")));
         let mut flipped = right.clone();
         flipped[k].sign = -flipped[k].sign;
-        assert!(fault(&c, zero, &flipped).is_some_and(|f| f.contains("passed")));
+        assert!(fault(&c, zero, &flipped).is_some_and(|f| f.contains("crossed")));
     }
     let mut more = right.clone();
     more.insert(1, Root { t: 0.3, sign: 1 });

@@ -16,25 +16,25 @@ const QUARTER: f64 = 0.56;
 /// The same in the lid's knob, 0.45 / 0.8.
 const QUARTER_OF_KNOB: f64 = 0.5625;
 
-/// A row of a profile: radius, height, and the inner control points' place along the tangents.
-type Row = (f64, f64, f64);
+/// A control point of a profile: radius, height, and the inner control points' place along the tangents.
+type ProfilePoint = (f64, f64, f64);
 
-const fn row(radius: f64, height: f64) -> Row {
+const fn profile_point(radius: f64, height: f64) -> ProfilePoint {
     (radius, height, QUARTER)
 }
 
 /// Profiles so that outwards is left of the way along them (seen with the axis to the left).
-const PROFILES: [[Row; 4]; 6] = [
+const PROFILES: [[ProfilePoint; 4]; 6] = [
     // Rim.
-    [row(1.4, 2.4), row(1.3375, 2.53125), row(1.4375, 2.53125), row(1.5, 2.4)],
+    [profile_point(1.4, 2.4), profile_point(1.3375, 2.53125), profile_point(1.4375, 2.53125), profile_point(1.5, 2.4)],
     // Body.
-    [row(1.5, 2.4), row(1.75, 1.875), row(2.0, 1.35), row(2.0, 0.9)],
-    [row(2.0, 0.9), row(2.0, 0.45), row(1.5, 0.225), row(1.5, 0.15)],
+    [profile_point(1.5, 2.4), profile_point(1.75, 1.875), profile_point(2.0, 1.35), profile_point(2.0, 0.9)],
+    [profile_point(2.0, 0.9), profile_point(2.0, 0.45), profile_point(1.5, 0.225), profile_point(1.5, 0.15)],
     // Lid.
-    [row(0.0, 3.15), (0.8, 3.15, QUARTER_OF_KNOB), row(0.0, 2.85), row(0.2, 2.7)],
-    [row(0.2, 2.7), row(0.4, 2.55), row(1.3, 2.55), row(1.3, 2.4)],
+    [profile_point(0.0, 3.15), (0.8, 3.15, QUARTER_OF_KNOB), profile_point(0.0, 2.85), profile_point(0.2, 2.7)],
+    [profile_point(0.2, 2.7), profile_point(0.4, 2.55), profile_point(1.3, 2.55), profile_point(1.3, 2.4)],
     // Bottom.
-    [row(1.5, 0.15), row(1.5, 0.075), row(1.425, 0.0), row(0.0, 0.0)],
+    [profile_point(1.5, 0.15), profile_point(1.5, 0.075), profile_point(1.425, 0.0), profile_point(0.0, 0.0)],
 ];
 
 /// The halves of handle (two patches) and spout (two patches) on the side of negative y.

@@ -179,11 +179,11 @@ proptest! {
 /// A frame's rows `first .. first + count`.
 fn strip(frame: &Frame, first: u32, count: u32) -> Frame {
     let range = (first * frame.width) as usize..((first + count) * frame.width) as usize;
-    let cut = |plane: &Plane| match plane {
+    let cropped = |plane: &Plane| match plane {
         Plane::F32(values) => Plane::F32(values[range.clone()].to_vec()),
         Plane::U32(values) => Plane::U32(values[range.clone()].to_vec()),
     };
-    Frame { width: frame.width, height: count, planes: frame.planes.iter().map(|(c, p)| (*c, cut(p))).collect() }
+    Frame { width: frame.width, height: count, planes: frame.planes.iter().map(|(c, p)| (*c, cropped(p))).collect() }
 }
 
 #[test]

@@ -39,17 +39,17 @@ impl CameraKeys {
         CameraKeys { camera, meshes, names_files, dir: dir.into() }
     }
 
-    /// For the header of a picture in `folder`: `keys` is the camera; `mesh` the meshes, if `looks`, that is, the camera looks at them; and
-    /// `folder`, if these name files, the path from the picture's folder to the folder that relative paths start from. Empty if the camera
-    /// is not from a file.
-    pub fn json(&self, looks: bool, folder: &Path) -> Map<String, Json> {
+    /// For the header of a picture in `folder`: `keys` is the camera; `mesh` the meshes, if `uses_scene`, that is, the camera depends on
+    /// them; and `folder`, if these name files, the path from the picture's folder to the folder that relative paths start from. Empty if
+    /// the camera is not from a file.
+    pub fn json(&self, uses_scene: bool, folder: &Path) -> Map<String, Json> {
         let mut map = Map::new();
         let Some(camera) = &self.camera else { return map };
         map.insert("keys".into(), json(&camera.value));
-        if let Some(meshes) = self.meshes.as_ref().filter(|_| looks) {
+        if let Some(meshes) = self.meshes.as_ref().filter(|_| uses_scene) {
             map.insert("mesh".into(), json(&meshes.value));
         }
-        if self.names_files[0] || (looks && self.names_files[1]) {
+        if self.names_files[0] || (uses_scene && self.names_files[1]) {
             map.insert("folder".into(), relative_path(folder, &self.dir).to_string_lossy().into_owned().into());
         }
         map

@@ -25,7 +25,7 @@ const JUMP: f64 = 10.0;
 /// The least and the greatest corner.
 pub type Box3 = (DVec3, DVec3);
 
-/// A layer's rays at a grid of pixels, cut to what is drawn, row by row.
+/// A layer's rays at a grid of pixels, clipped to what is drawn, row by row.
 pub struct LayerDrawing {
     columns: usize,
     pub curves: Vec<Option<Curve>>,
@@ -48,8 +48,8 @@ impl LayerDrawing {
         let ends = if whole { [0.0, 1.0] } else { ends(&curves, bounds, camera.t_range) };
         if !whole {
             // of straight rays: P and P + D
-            let cut = |c: &Curve| Curve::new(&ends.map(|t| c.points()[0] + t * (c.points()[1] - c.points()[0])));
-            curves.iter_mut().flatten().for_each(|c| *c = cut(c));
+            let clipped = |c: &Curve| Curve::new(&ends.map(|t| c.points()[0] + t * (c.points()[1] - c.points()[0])));
+            curves.iter_mut().flatten().for_each(|c| *c = clipped(c));
         }
         let (slits, outlines) = match &camera.layers[layer] {
             Rays::Pieces(pieces) => (slits(camera, pieces), outlines(pieces, ends[0])),
@@ -158,8 +158,8 @@ fn span(p: DVec3, d: DVec3, lo: DVec3, hi: DVec3) -> Option<[f64; 2]> {
 
 /// The places at t of the pieces' corners, if there are several, and few enough to distinguish.
 fn outlines(pieces: &Pieces, t: f64) -> Vec<[DVec3; 3]> {
-    let cut = pieces.pieces.iter().filter_map(|piece| Some(piece.corners_px?.map(|q| piece_at(piece, q, t))));
-    if (2..=OUTLINED_MAX).contains(&pieces.pieces.len()) { cut.collect() } else { Vec::new() }
+    let corners = pieces.pieces.iter().filter_map(|piece| Some(piece.corners_px?.map(|q| piece_at(piece, q, t))));
+    if (2..=OUTLINED_MAX).contains(&pieces.pieces.len()) { corners.collect() } else { Vec::new() }
 }
 
 /// X(t) of a piece's ray at an image place, px.
