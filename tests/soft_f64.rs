@@ -37,8 +37,8 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
     pair.both = vec3<f64>(a, b, 1.0);
     pair.spare[id.x & 1u] = pair.both.zyx;
     let picked = select(pair.spare[0], pair.spare[1], vec3<bool>((id.x & 1u) != 0u, true, false));
-    var turned = vec3<f64>(a, b, 2.0);
-    turned -= cross(vec3<f64>(a, b, 0.5), vec3<f64>(b, a, 0.25));
+    var crossed = vec3<f64>(a, b, 2.0);
+    crossed -= cross(vec3<f64>(a, b, 0.5), vec3<f64>(b, a, 0.25));
     found[id.x] = array<vec2<u32>, 24>(
         real_to_bits(a + b), real_to_bits(a - b), real_to_bits(a * b), real_to_bits(a / b),
         real_to_bits(sqrt(a)), real_to_bits(-a), real_to_bits(abs(a)), real_to_bits(min(a, b)), real_to_bits(max(a, b)),
@@ -46,7 +46,7 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
         real_to_bits(f64(bitcast<f32>(row.x))), vec2<u32>(bitcast<u32>(f32(a)), 0u),
         real_to_bits(f64(row.x)), real_to_bits(f64(i32(row.x))), vec2<u32>(u32(select(0.0lf, a, abs(a) < 4e9)), 0u),
         real_to_bits(dot(vec3<f64>(a, b, 1.5), vec3<f64>(b, a, 0.75))),
-        real_to_bits(turned.z), real_to_bits(picked.z), real_to_bits(select(a, b, all(vec2<f64>(a, b) < vec2<f64>(b, a)))),
+        real_to_bits(crossed.z), real_to_bits(picked.z), real_to_bits(select(a, b, all(vec2<f64>(a, b) < vec2<f64>(b, a)))),
     );
 }
 ";

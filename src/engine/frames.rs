@@ -399,7 +399,7 @@ fn medians(runs: Vec<Vec<(&'static str, f64)>>) -> Vec<(&'static str, f64)> {
     first.iter().map(|&(name, _)| (name, median(name))).collect()
 }
 
-/// The scene with every vertex but the last `fixed`, which are a mirror's, turned about its centre by a little more each
+/// The scene with every vertex but the last `fixed`, which are a mirror's, rotated about its centre by a little more each
 /// frame.
 fn moved(scene: &Scene, fixed: usize, frame: u32) -> Scene {
     let mut scene = scene.clone();

@@ -48,7 +48,7 @@ impl Sequence {
         self.frames = None;
     }
 
-    /// Submits a frame of `planned`, which is shown or placed, and returns without waiting for it.
+    /// Submits a frame of `planned`, which is shown or uploaded, and returns without waiting for it.
     ///
     /// # Errors
     /// [`Error::Work`] if the device fails.

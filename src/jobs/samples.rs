@@ -40,8 +40,8 @@ pub fn render(
     if !means.is_empty() || ids.is_some() {
         let channels = means.into_iter().chain(ids).collect();
         let each = Wanted { counting: wanted.counting, frames: samples, ..Wanted::of(channels) };
-        for place in sample_offsets(samples) {
-            let moved = Arc::new(camera.with_sample_offset(place.x, place.y));
+        for offset in sample_offsets(samples) {
+            let moved = Arc::new(camera.with_sample_offset(offset.x, offset.y));
             let rendered = backend.render(scene, &moved, &each, run)?;
             count_centres(&rendered.frame, mattes);
             all.add(rendered);
