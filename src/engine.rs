@@ -161,7 +161,8 @@ impl Engine {
 
     /// Works out what frames of a scene take on this adapter; see [`Planner::plan`].
     pub fn planner(&self) -> Planner {
-        Planner { name: self.gpu.info.name.clone(), has: self.gpu.has, limit: self.gpu.binding_limit() }
+        let (limit, table_limit) = (self.gpu.binding_limit(), self.gpu.table_limit());
+        Planner { name: self.gpu.info.name.clone(), has: self.gpu.has, limit, table_limit }
     }
 
     /// Uploads everything that frames of `scene` through `camera` need, and runs one frame. Uses all of `run` except `repeat`.

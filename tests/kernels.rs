@@ -25,5 +25,6 @@ mod kernels {
     mod shade;
     mod sides;
     mod sift;
+    mod small;
     mod write;
 }

@@ -112,7 +112,7 @@ fn host() -> Layouts {
         }),
         layout!(Step { value }),
         layout!(Cluster { centre, first, half, count }),
-        layout!(Node { p, r_p, px, r_d, py, rays, d, width, dx, pad1, dy, pad2 }),
+        layout!(Node { p, r_p, px, r_d, py, rays, d, width, dx, piece, dy, pad2 }),
         layout!(Cell { p, h, d, piece, tile, mask_lo, mask_hi, node }),
         layout!(Piece {
             p_hi,
@@ -333,6 +333,7 @@ fn host_constants() -> Constants {
         LEVEL_CELL,
         LANES,
         COUNTERS,
+        TEXELS_A_ROW,
         LAW_NORMALS,
         LAW_FLAT,
     ];
@@ -483,7 +484,7 @@ const PLANTED: [(&str, &str, &str); 7] = [
     ("Params", "origin_error: f32", "origin_error: u32"),
     ("Cluster", "    half: vec3<f32>,\n    count: u32,", "    half: vec3<f32>,"),
     ("Cluster", "centre: vec3<f32>", "middle: vec3<f32>"),
-    ("Cell", "    piece: u32,", "    piece: u32,\n    more: u32,"),
+    ("Cell", "    tile: u32,", "    tile: u32,\n    more: u32,"),
     ("Node", "struct Node {", "struct Node {\n    first: u32,"),
     ("Extra", "struct Step {", "struct Extra { a: u32 }\nstruct Step {"),
 ];

@@ -23,7 +23,8 @@ fn variants() -> impl Iterator<Item = Variant> {
 }
 
 /// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
-const WIDE: [&str; 13] = [
+const WIDE: [&str; 14] = [
+    "small",
     "raster",
     "recheck",
     "certify",
@@ -44,13 +45,15 @@ const WIDE: [&str; 13] = [
 fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
     let mut caps = Capabilities::empty();
     caps.set(Capabilities::FLOAT64, variant.f64 && WIDE.contains(&kernel.name));
-    let merges = ["raster", "recheck", "meet", "recheck_samples"].contains(&kernel.name);
+    let merges = ["small", "raster", "recheck", "meet", "recheck_samples"].contains(&kernel.name);
     caps.set(
         Capabilities::SHADER_INT64_ATOMIC_MIN_MAX,
         variant.atomics64 && (merges || kernel.name == "sample" && !variant.by_tile),
     );
     caps.set(Capabilities::SHADER_INT64, !caps.is_empty());
     let has_lanes = !["allot", "sort", "recheck_samples"].contains(&kernel.name);
+    // then each of its threads has a node of its own
+    let has_lanes = has_lanes && !(variant.small && kernel.name == "bin");
     caps.set(Capabilities::SUBGROUP, variant.by_tile && has_lanes);
     caps
 }
@@ -75,6 +78,10 @@ fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
                 stage::raster::kernel(by_tile),
             ];
             kernels.iter().for_each(|k| check(k, by_tile));
+        }
+        let small = by_tile.with_small();
+        if small.small {
+            [stage::small::kernel(small), stage::bin::kernel(small)].iter().for_each(|k| check(k, small));
         }
         if by_tile.samples_by_tile() {
             let kernels = [stage::edges::by_tile_kernel, stage::sample::by_tile_kernel, stage::sample::recheck_kernel];
@@ -132,7 +139,9 @@ fn every_kernel_is_valid_and_portable() {
     let masked = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 1) + 2 * (3 + 1 + 1));
     // with 64-bit atomics too: raster of what is rechecked; sample and recheck_samples where the camera is no chain
     let by_tile = 2 * (all - 6 + 2 * 2);
-    assert_eq!(wide, by_pair + masked + by_tile);
+    // and small where pieces have one layer and one sample: plain, with lights in places, and with each of five kinds of surface
+    let small = 2 * (1 + 1 + 5);
+    assert_eq!(wide, by_pair + masked + by_tile + small);
 }
 
 /// It has the kernel's name and the common workgroup.

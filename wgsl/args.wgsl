@@ -1,6 +1,6 @@
 // args: one thread in all. Reads a stage's count in `counters` and the capacity of its list; writes the indirect arguments
 // of the next dispatch, in two dimensions, clamped to the list's end.
-// Needs: CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_PAIRS, COUNT_RECHECK_ITEMS,
+// Needs: CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_LARGE, COUNT_PAIRS, COUNT_RECHECK_ITEMS,
 //   COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK, GROUP, LANES, TRIANGLE_GROUP
 // Binds: counters, indirect, params, step
 
@@ -17,7 +17,7 @@ fn args() {
     } else if step.value == COUNT_TASKS {
         count = min(count, params.task_capacity);
         items = GROUP / TRIANGLE_GROUP;
-    } else if step.value == COUNT_PAIRS {
+    } else if step.value == COUNT_PAIRS || step.value == COUNT_LARGE {
         count = min(count, params.pair_capacity);
     } else if step.value == COUNT_RECHECK_ITEMS {
         count = min(count, params.recheck_capacity);

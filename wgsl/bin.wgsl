@@ -1,10 +1,10 @@
-// bin: one thread per triangle of a (triangle group, node) item of `tasks`.
+// bin: one thread per triangle of a (triangle group, node) item of `tasks`, or per (triangle, node) item of `large`.
 // Reads triangles, vertices and nodes; writes (slot, tile) pairs of the tiles under the node that the triangle may cover, by its extent
 // and its three edge conics there, or of the one tile of the cell that the item names. `pairs` may overflow: the counter keeps counting.
-// Needs: BOUND_TOLERANCE, CENTRES, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_TASKS, LEVEL_CELL, NODE_PX, SAMPLE_REACH, TILE, TRIANGLE_GROUP,
-//   address_node, box_met, close_extent, conics, is_empty, item_index, item_node, item_pixels, item_rays, may_cover, node_cell, node_level,
-//   node_x, node_y, pair_pack, pixels_within, store, task_triangle_group, tile_pixels, vertex
-// Binds: cells, counters, params, tasks, triangles
+// Needs: BOUND_TOLERANCE, CENTRES, COUNT_PAIRS, COUNT_PAIRS_TESTED, LEVEL_CELL, NODE_PX, NONE, SAMPLE_REACH, TILE, bin_item, box_met,
+//   close_extent, conics, is_empty, item_pixels, may_cover, node_cell, node_level, node_x, node_y, pair_pack, pixels_within, store,
+//   tile_pixels, triangle_at, vertex
+// Binds: cells, counters, params
 
 override COUNTING: bool = false;
 
@@ -14,21 +14,17 @@ fn bin(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    // take a triangle of a task
-    let index = item_index(group, groups, lane) / TRIANGLE_GROUP;
-    if index >= min(atomicLoad(&counters[COUNT_TASKS]), params.task_capacity) {
-        return;
-    }
-    let triangle_group = task_triangle_group(tasks[index].x, lane);
-    let address = tasks[index].y;
+    // take a triangle and a node
+    let item = bin_item(group, groups, lane);
+    let address = item.address;
     let level = node_level(address);
-    let node = item_node(address_node(address), lane);
-    let rays = item_rays(address, node, triangle_group.centre, triangle_group.half, true, lane);
-    if lane % TRIANGLE_GROUP >= triangle_group.count {
+    let node = item.node;
+    let rays = item.rays;
+    if item.slot == NONE {
         return;
     }
-    let slot = triangle_group.first + lane % TRIANGLE_GROUP;
-    let triangle = triangles[slot];
+    let slot = item.slot;
+    let triangle = triangle_at(slot);
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);

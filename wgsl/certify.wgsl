@@ -5,8 +5,8 @@
 // `proofs` has two words per pixel: the complement of that bound, so that 0 is none, and flags.
 // Needs: COUNT_PAIRS, COVERAGE_PROVES, Cell, ENDLESS, NONE, ONE_SIDED, TILE, bit_mask, box_mask, cell_bundle, coverage, first_bit,
 //   item_index, key_id, key_layer, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_proof, real, real3, tile_corner, tile_layer,
-//   triangle_id, triangle_reversed, vertex, vertex_real, without_bit
-// Binds: cells, counters, pairs, params, planes, proofs, step, tile_start, triangles, visibility
+//   triangle_at, triangle_id, triangle_reversed, vertex, vertex_real, without_bit
+// Binds: cells, counters, pairs, params, planes, proofs, step, tile_start, visibility
 
 const PROOF_SURE: u32 = 1u;        // what was found is proven to be met
 const PROOF_CONTESTED: u32 = 2u;   // something else may be met first
@@ -33,7 +33,7 @@ fn certify(
     }
     let pair = pairs[index];
     let tile = pair_tile(pair);
-    let triangle = triangles[pair_slot(pair)];
+    let triangle = triangle_at(pair_slot(pair));
     let within = box_mask(pair_from(pair), pair_to(pair));
     let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
     for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {

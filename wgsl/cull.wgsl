@@ -46,10 +46,22 @@ fn cull(
     let level = node_level(node);
     let x = node_x(node) * BRANCH;
     let y = node_y(node) * BRANCH;
-
-    // test the cluster's box against the rays of each child
     let centre = clusters[cluster].centre;
     let half = clusters[cluster].half;
+
+    // hand it on undivided, where it is seen in a small part of the node's one bundle
+    var is_bundle = false;
+    if level > 1u && level < params.levels && level <= HAND_ON_LEVEL {
+        let own = nodes[node_index(level, x / BRANCH, y / BRANCH)];
+        let seen = extent(own, centre - half, centre, centre + half);
+        is_bundle = own.rays == RAYS_AFFINE;
+        if is_bundle && seen.tight && all(seen.hi - seen.lo < vec2<f32>(CLEAR)) && node_meets(own, centre, half) {
+            put_to_work(atomicAdd(&counters[COUNT_WORK], 1u), vec2<u32>(cluster, node));
+            return;
+        }
+    }
+
+    // test the cluster's box against the rays of each child
     let columns = min(BRANCH, level_width(level - 1u) - x);
     let rows = min(BRANCH, level_height(level - 1u) - y);
     var kept = 0u;
@@ -74,16 +86,10 @@ fn cull(
         return;
     }
 
-    // hand the cluster on undivided, where the node's one bundle bounds its tiles too
-    if level > 1u && level < params.levels && level <= HAND_ON_LEVEL {
-        let own = nodes[node_index(level, x / BRANCH, y / BRANCH)];
-        let seen = extent(own, centre - half, centre, centre + half);
-        let is_clear = countOneBits(kept) > HAND_ON || (seen.tight && all(seen.hi - seen.lo < vec2<f32>(CLEAR)));
-        if own.rays == RAYS_AFFINE && is_clear {
-            let at = atomicAdd(&counters[COUNT_WORK], 1u);
-            put_to_work(at, vec2<u32>(cluster, node));
-            return;
-        }
+    // hand it on undivided, where it meets many
+    if is_bundle && countOneBits(kept) > HAND_ON {
+        put_to_work(atomicAdd(&counters[COUNT_WORK], 1u), vec2<u32>(cluster, node));
+        return;
     }
 
     // descend where children have much tighter bounds

@@ -7,8 +7,8 @@
 // found; in the end 1 more than the number of its record, 0 of none. The list may overflow: the counter keeps counting.
 // Needs: COUNT_EDGES, COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, SLABBED, TILE, bit_mask, box_mask, conic_sign, conics,
 //   depths, first_bit, item_index, key_id, key_layer, may_cover, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_cell,
-//   pixels_in_part, pixels_whole, plane, tile_corner, tile_layer, triangle_id, vertex, without_bit
-// Binds: cells, counters, edge_of, nodes, pairs, params, samples, slot_of_id, step, tile_start, triangles, visibility
+//   pixels_in_part, pixels_whole, plane, tile_corner, tile_layer, triangle_at, triangle_id, vertex, without_bit
+// Binds: cells, counters, edge_of, nodes, pairs, params, samples, slot_of_id, step, tile_start, visibility
 
 const STEP_SEEN: u32 = 0u;
 const STEP_PAIRS: u32 = 1u;
@@ -66,7 +66,7 @@ fn test_pixel(pixel: u32) {
     let bit = (y % TILE) * TILE + x % TILE;
     var reach = KEPT;
     if cell != NONE && any((pixels_whole(cell) & bit_mask(bit)) != vec2<u32>(0u)) {
-        let triangle = triangles[slot_of_id[id - params.id_first]];
+        let triangle = triangle_at(slot_of_id[id - params.id_first]);
         let v0 = vertex(triangle.x);
         let v1 = vertex(triangle.y);
         let v2 = vertex(triangle.z);
@@ -92,7 +92,7 @@ fn covers(q: Conics, x: f32, y: f32, s: f32) -> bool {
 // Finds the pixels that a pair's triangle may partly cover in front of the visible hit.
 fn test_pair(pair: vec2<u32>) {
     let tile = pair_tile(pair);
-    let triangle = triangles[pair_slot(pair)];
+    let triangle = triangle_at(pair_slot(pair));
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);

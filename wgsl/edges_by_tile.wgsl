@@ -7,8 +7,8 @@
 // Records and blocks may overflow: the counter of records keeps counting, and blocks have space for all records.
 // Needs: Bounds, CENTRES, COUNT_BLOCKS, COUNT_EDGES, GROUP, LANES, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, STRIPS, TILE, bit_mask, bound,
 //   conics, edge_pixels, extent, four, given_bounds, group_index, is_empty, item_node, key_id, lanes_any, may_cover, pair_slot,
-//   pixels_in_part, pixels_whole, pixels_within, plane, rows_mask, side, tile_corner, triangle_id, vertex
-// Binds: blocks, counters, edge_of, ends, pairs, params, samples, starts, tile_start, touches, triangles, visibility
+//   pixels_in_part, pixels_whole, pixels_within, plane, rows_mask, side, tile_corner, triangle_at, triangle_id, vertex
+// Binds: blocks, counters, edge_of, ends, pairs, params, samples, starts, tile_start, touches, visibility
 
 @compute @workgroup_size(64)
 fn edges(
@@ -41,7 +41,7 @@ fn edges(
     var at = starts[tile];
     loop {
         let index = min(at + lane, end - 1u);
-        let triangle = triangles[pair_slot(vec2<u32>(pairs[index].x, 0u))];
+        let triangle = triangle_at(pair_slot(vec2<u32>(pairs[index].x, 0u)));
         let v0 = vertex(triangle.x);
         let v1 = vertex(triangle.y);
         let v2 = vertex(triangle.z);

@@ -3,8 +3,8 @@
 // triangle covers at a t in range, and leaves those whose coverage f32 does not prove to recheck. Keys are complemented,
 // so that the nearest hit is the largest and 0 is no hit. The list recheck_items may overflow: the counter keeps counting.
 // Needs: COUNTING, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, box_mask, cell_bundle, coverage, is_excluded, item_index,
-//   leave_to_recheck, merge_hits, pair_from, pair_slot, pair_tile, pair_to, real3, triangle_id, vertex, vertex_real
-// Binds: cells, counters, pairs, params, step, tile_start, triangles
+//   leave_to_recheck, merge_hits, pair_from, pair_slot, pair_tile, pair_to, real3, triangle_at, triangle_id, vertex, vertex_real
+// Binds: cells, counters, pairs, params, step, tile_start
 
 // Nothing is proven.
 override ALL_UNCERTAIN: bool = false;
@@ -22,7 +22,7 @@ fn raster(
     }
     let pair = pairs[index];
     let tile = pair_tile(pair);
-    let triangle = triangles[pair_slot(pair)];
+    let triangle = triangle_at(pair_slot(pair));
     let id = triangle_id(triangle);
     if is_excluded(id) {
         return;
@@ -47,8 +47,8 @@ fn raster(
         if COUNTING && step.value == 0u {
             atomicAdd(&counters[COUNT_FRAGMENTS_TESTED], countOneBits(owned.x) + countOneBits(owned.y));
         }
-        leave_to_recheck(2u * index, found.z);
-        leave_to_recheck(2u * index + 1u, found.w);
+        leave_to_recheck(pair_slot(pair), tile, 0u, found.z);
+        leave_to_recheck(pair_slot(pair), tile, 32u, found.w);
         if any(found.xy != vec2<u32>(0u)) {
             merge_hits(cell, pair_slot(pair), triangle, cell_bundle(cell), v, found.xy);
         }

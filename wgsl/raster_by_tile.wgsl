@@ -7,8 +7,8 @@
 //   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, complemented_key, conics, extent, farthest, given, group_index, in_line,
 //   is_behind, is_empty, is_excluded, item_node, lanes_any, lanes_max, leave_to_recheck, lines_of, may_cover, merge, pair_slot,
 //   pixels_within, reach_of, real3, real4, row_bits, rows_mask, shared_of, size, start_of, test_pixels, tile_column, tile_corner,
-//   tile_layer, triangle_id, vertex, vertex_lo
-// Binds: busy, counters, ends, pairs, params, starts, triangles
+//   tile_layer, triangle_at, triangle_id, vertex, vertex_lo
+// Binds: busy, counters, ends, pairs, params, starts
 
 // Rounds of LANES pairs that a subgroup looks at, at most: software adapters end a thread's loops after 65535 rounds in all. Of what a
 // round leaves, LANES pairs at most, each is tested against either half and may be left to recheck: 28 rounds, with those of the loop
@@ -60,7 +60,7 @@ fn raster(
         // examine pairs, one per lane, until every lane has one to test
         loop {
             let index = min(at + lane, end - 1u);
-            let triangle = triangles[pair_slot(vec2<u32>(pairs[index].x, 0u))];
+            let triangle = triangle_at(pair_slot(vec2<u32>(pairs[index].x, 0u)));
             let v0 = vertex(triangle.x);
             let v1 = vertex(triangle.y);
             let v2 = vertex(triangle.z);
@@ -87,7 +87,8 @@ fn raster(
         let pair = first;
         first = next;
         waiting = max(waiting, LANES) - LANES;
-        let triangle = triangles[pair_slot(vec2<u32>(pairs[pair.index].x, 0u))];
+        let slot = pair_slot(vec2<u32>(pairs[pair.index].x, 0u));
+        let triangle = triangle_at(slot);
         let hi = array<vec3<f32>, 3>(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
         let v0 = real3(hi[0]) + real3(vertex_lo(triangle.x));
         let v1 = real3(hi[1]) + real3(vertex_lo(triangle.y));
@@ -146,12 +147,9 @@ fn raster(
             }
             let k = firstTrailingBit(uncertain) / 4u;
             uncertain &= ~(15u << (4u * k));
-            let half = vec2<u32>(
-                lanes_any(rows_mask(1u << lane, (uncertain_upper >> (4u * k)) & 15u), lane),
-                lanes_any(rows_mask(1u << lane, (uncertain_lower >> (4u * k)) & 15u), lane),
-            );
-            let index = subgroupShuffle(pair.index, k);
-            leave_to_recheck(2u * index + (lane & 1u), select(0u, select(half.x, half.y, lane == 1u), lane < 2u));
+            let uncertain_slot = subgroupShuffle(slot, k);
+            leave_to_recheck(uncertain_slot, tile, 0u, rows_mask(1u << lane, (uncertain_upper >> (4u * k)) & 15u));
+            leave_to_recheck(uncertain_slot, tile, 32u, rows_mask(1u << lane, (uncertain_lower >> (4u * k)) & 15u));
         }
         if waiting == 0u && (at >= end || rounds >= ROUNDS) {
             break;

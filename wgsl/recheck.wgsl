@@ -1,9 +1,9 @@
-// recheck: one thread per item that raster left to recheck.
-// Reads recheck_items, pairs, triangles, vertices, cells and the camera's rays; finds in recheck arithmetic which of an item's pixels
-// the triangle covers, and merges their keys.
-// Needs: COUNT_RECHECKED, COUNT_RECHECK_ITEMS, NONE, TILE, cell_bundle, first_bit, is_between, item_index, merge_hits, pair_slot,
-//   pair_tile, perturbed, pixel_bundle, real, real3, vertex_real, with_bit, without_bit
-// Binds: cells, counters, pairs, params, recheck_items, step, tile_start, triangles
+// recheck: one thread per item that was left to it.
+// Reads recheck_items, triangles, vertices, cells and the camera's rays; finds in recheck arithmetic whether the triangle covers the
+// item's pixel, and merges its key.
+// Needs: COUNT_RECHECK_ITEMS, TILE, bit_mask, cell_bundle, is_between, item_index, merge_hits, perturbed, pixel_bundle, real, real3,
+//   triangle_at, vertex_real
+// Binds: cells, counters, params, recheck_items, tile_start
 
 @compute @workgroup_size(64)
 fn recheck(
@@ -16,35 +16,28 @@ fn recheck(
     if index >= min(atomicLoad(&counters[COUNT_RECHECK_ITEMS]), params.recheck_capacity) {
         return;
     }
-    let item = recheck_items[index];
-    let pair = pairs[item.x >> 1u];
-    let tile = pair_tile(pair);
-    let triangle = triangles[pair_slot(pair)];
-    let uncertain = select(vec2<u32>(item.y, 0u), vec2<u32>(0u, item.y), (item.x & 1u) != 0u);
-    if step.value == 0u {
-        atomicAdd(&counters[COUNT_RECHECKED], countOneBits(item.y));
+    let slot = recheck_items[index].x;
+    let tile = recheck_items[index].y >> 6u;
+    let bit = recheck_items[index].y & 63u;
+    let triangle = triangle_at(slot);
+
+    // find the piece that owns the pixel
+    let own = bit_mask(bit);
+    var k = tile_start[tile];
+    let last = tile_start[tile + 1u] - 1u;
+    loop {
+        if k == last || any((vec2<u32>(cells[k].mask_lo, cells[k].mask_hi) & own) != vec2<u32>(0u)) {
+            break;
+        }
+        k++;
     }
 
-    // recheck it, piece by piece
+    // recheck it
     let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
-    for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
-        let cell = cells[k];
-        let whole = cell_bundle(cell);
-        var covered = vec2<u32>(0u);
-        var left = uncertain & vec2<u32>(cell.mask_lo, cell.mask_hi);
-        loop {
-            let bit = first_bit(left);
-            if bit == NONE {
-                break;
-            }
-            left = without_bit(left, bit);
-            let b = pixel_bundle(whole, cell, bit % TILE, bit / TILE);
-            if is_between(perturbed(b, real(params.scene_size)), v) {
-                covered = with_bit(covered, bit);
-            }
-        }
-        if any(covered != vec2<u32>(0u)) {
-            merge_hits(cell, pair_slot(pair), triangle, whole, v, covered);
-        }
+    let cell = cells[k];
+    let whole = cell_bundle(cell);
+    let b = pixel_bundle(whole, cell, bit % TILE, bit / TILE);
+    if is_between(perturbed(b, real(params.scene_size)), v) {
+        merge_hits(cell, slot, triangle, whole, v, own);
     }
 }

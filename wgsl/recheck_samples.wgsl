@@ -1,8 +1,8 @@
 // recheck_samples: one thread per item that sample left, tile by tile.
 // Reads recheck_items, pairs, triangles, vertices, cells and the samples' rays; finds in recheck arithmetic which of an item's samples the
 // triangle covers, and merges their keys into the records of `samples`.
-// Needs: COUNT_RECHECK_SAMPLES, STRIPS, TILE, flat_of, item_index, pair_slot, pair_tile, real3, recheck_hits, vertex_real
-// Binds: cells, counters, pairs, params, recheck_items, tile_start, triangles
+// Needs: COUNT_RECHECK_SAMPLES, STRIPS, TILE, flat_of, item_index, pair_slot, pair_tile, real3, recheck_hits, triangle_at, vertex_real
+// Binds: cells, counters, pairs, params, recheck_items, tile_start
 
 @compute @workgroup_size(64)
 fn recheck_samples(
@@ -18,7 +18,7 @@ fn recheck_samples(
     let item = recheck_items[2u * index];
     let pair = pairs[item.x];
     let tile = pair_tile(pair);
-    let triangle = triangles[pair_slot(pair)];
+    let triangle = triangle_at(pair_slot(pair));
     let strip = item.y >> 4u;
     let record = strip / STRIPS;
     let pixel = recheck_items[2u * index + 1u].x;

@@ -6,8 +6,8 @@
 // Provides: centre_of, key_of, nearest_to, seen_alike
 // Needs: COUNT_EDGES, Lit, NONE, RayDifferential, SAMPLES, SLABBED, STYLED, ShadedHit, TEXTURED, all_samples, beyond, drawn, item_index,
 //   key_id, key_layer, key_t, measure, pattern_at, point_at, reach_of, reached, sample_differential, sample_offset, sample_ray, seen_next,
-//   segment_length, sent_back, share_of, surface_albedo, surface_normal, whole
-// Binds: counters, params, planes, samples, shading, slot_of_id, triangles
+//   segment_length, sent_back, share_of, surface_albedo, surface_normal, triangle_at, whole
+// Binds: counters, params, planes, samples, shading, slot_of_id
 
 fn key_of(record: u32, sample: u32) -> vec2<u32> {
     let at = 2u * (record * (SAMPLES + 1u) + 1u + sample);
@@ -107,7 +107,7 @@ fn nearest_to(place: vec2<f32>, some: u32) -> u32 {
 fn seen_by(pixel: u32, record: u32, sample: u32, some: u32) -> vec3<f32> {
     let key = ~key_of(record, sample);
     let slot = slot_of_id[key_id(key) - params.id_first];
-    let triangle = triangles[slot];
+    let triangle = triangle_at(slot);
     let x = pixel % params.width;
     let y = pixel / params.width;
     let ray = sample_ray(key_layer(key), x, y, sample);

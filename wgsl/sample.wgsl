@@ -2,8 +2,9 @@
 // Reads what recheck reads, the listed pixels and which cells samples lie in; finds in recheck arithmetic which samples of those
 // pixels the triangle covers, and merges their keys into the records of `samples`: a pixel, and a visibility key per sample.
 // Needs: COUNT_PAIRS, NODE_PX, NONE, SAMPLE_REACH, TILE, all_samples, box_mask, conics, first_bit, flat_of, item_index, may_cover,
-//   pair_from, pair_slot, pair_tile, pair_to, pixels_in_part, real3, recheck_hits, tile_corner, vertex, vertex_real, without_bit
-// Binds: cells, counters, edge_of, nodes, pairs, params, tile_start, triangles
+//   pair_from, pair_slot, pair_tile, pair_to, pixels_in_part, real3, recheck_hits, tile_corner, triangle_at, vertex, vertex_real,
+//   without_bit
+// Binds: cells, counters, edge_of, nodes, pairs, params, tile_start
 
 @compute @workgroup_size(64)
 fn sample(
@@ -18,7 +19,7 @@ fn sample(
     }
     let pair = pairs[index];
     let tile = pair_tile(pair);
-    let triangle = triangles[pair_slot(pair)];
+    let triangle = triangle_at(pair_slot(pair));
     let within = box_mask(pair_from(pair), pair_to(pair));
     let corner = tile_corner(tile);
     let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));

@@ -6,8 +6,8 @@
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, FARTHEST, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, complemented_key,
 //   given, group_index, in_line, item_node, lanes_any, lanes_max, lines_of, reach_of, real3, real4, row_bits, sample_strip, shared_of,
-//   size, test_pixels, vertex, vertex_lo
-// Binds: blocks, counters, params, recheck_items, samples, touches, triangles
+//   size, test_pixels, triangle_at, vertex, vertex_lo
+// Binds: blocks, counters, params, recheck_items, samples, touches
 
 @compute @workgroup_size(64)
 fn sample(
@@ -64,7 +64,7 @@ fn sample(
         var left = (1u << min(waiting, LANES)) - 1u;
         next = after;
         waiting = max(waiting, LANES) - LANES;
-        let triangle = triangles[touches[pair.index].z];
+        let triangle = triangle_at(touches[pair.index].z);
         let hi = array<vec3<f32>, 3>(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
         let v0 = real3(hi[0]) + real3(vertex_lo(triangle.x));
         let v1 = real3(hi[1]) + real3(vertex_lo(triangle.y));

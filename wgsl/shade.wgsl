@@ -5,8 +5,8 @@
 // Needs: Bundle, Lit, NONE, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece,
 //   first_surface, goes_on, has_path, in_file_order, item_index, key_id, key_layer, key_t, light_before, light_left, path_length,
 //   pattern_at, piece_number, pixel_ray, point_at, ray_bundle, ray_differential, reach_of, reached, real3, says_what_is_seen,
-//   segment_length, sent_back, surface_albedo, surface_normal, surface_uv, vertex_real
-// Binds: params, planes, shading, slot_of_id, triangles, visibility
+//   segment_length, sent_back, surface_albedo, surface_normal, surface_uv, triangle_at, vertex_real
+// Binds: params, planes, shading, slot_of_id, visibility
 
 fn store(plane: u32, at: Place, word: u32) {
     if plane != NONE && says_what_is_seen() {
@@ -72,7 +72,7 @@ fn shade(
 
     // what the key does not say: the ray and the triangle
     let slot = slot_of_id[id - params.id_first];
-    let triangle = triangles[slot];
+    let triangle = triangle_at(slot);
     let layer = key_layer(~won);
     let t = key_t(~won);
     let ray = pixel_ray(layer, x, y, t);

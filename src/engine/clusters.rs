@@ -4,7 +4,7 @@
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
-use crate::gpu::layout::{CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, TRIANGLE_GROUP, split2};
+use crate::gpu::layout::{CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, TRIANGLE_GROUP, Vertex};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -13,9 +13,7 @@ use rayon::prelude::*;
 pub struct Chunk {
     pub id_first: u32,
     pub id_count: u32,
-    /// Three numbers a vertex relative to the anchor: the f32 nearest, and what it leaves.
-    pub vertices_hi: Vec<f32>,
-    pub vertices_lo: Vec<f32>,
+    pub vertices: Vec<Vertex>,
     /// Per slot: three vertices in the order of their positions; id, file order and sidedness.
     pub triangles: Vec<[u32; 4]>,
     /// Per slot: the normals of the corners in file order, and the material.
@@ -46,7 +44,7 @@ pub struct Clustered {
 /// Bytes of a triangle and of a vertex in the largest single buffer that holds them.
 const TRIANGLE_BYTES: u64 = 16;
 const TEXTURED_BYTES: u64 = 48;
-const VERTEX_BYTES: u64 = 12;
+const VERTEX_BYTES: u64 = size_of::<Vertex>() as u64;
 
 /// Splits a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with texture coordinates where they are to be
 /// `textured`.
@@ -124,14 +122,9 @@ impl Chunk {
     fn place(&mut self, mesh: &Mesh, anchor: DVec3) -> bool {
         let used = self.used.as_deref();
         let count = used.map_or(mesh.positions.len(), <[u32]>::len);
-        self.vertices_hi.resize(3 * count, 0.0);
-        self.vertices_lo.resize(3 * count, 0.0);
-        let vertices = self.vertices_hi.par_chunks_exact_mut(3).zip(self.vertices_lo.par_chunks_exact_mut(3));
-        vertices.enumerate().for_each(|(k, (hi, lo))| {
-            let position = mesh.positions[used.map_or(k, |used| used[k] as usize)] - anchor;
-            for (axis, value) in position.to_array().into_iter().enumerate() {
-                [hi[axis], lo[axis]] = split2(value);
-            }
+        self.vertices.resize(count, Vertex::default());
+        self.vertices.par_iter_mut().enumerate().for_each(|(k, vertex)| {
+            *vertex = Vertex::new(mesh.positions[used.map_or(k, |used| used[k] as usize)] - anchor);
         });
         // every vertex of the chunk is in the sorted list
         let index_of = |v: u32| used.map_or(v, |used| used.partition_point(|&u| u < v) as u32);
@@ -325,11 +318,7 @@ mod tests {
     /// A triangle as clusters store it: its positions in stored order, and its last word.
     fn stored(chunk: &Chunk, slot: u32) -> ([[f64; 3]; 3], u32) {
         let triangle = chunk.triangles[slot as usize];
-        let at = |v: u32, axis: u32| {
-            let k = (3 * v + axis) as usize;
-            f64::from(chunk.vertices_hi[k]) + f64::from(chunk.vertices_lo[k])
-        };
-        ([0, 1, 2].map(|c| [0, 1, 2].map(|axis| at(triangle[c], axis))), triangle[3])
+        ([0, 1, 2].map(|c| chunk.vertices[triangle[c] as usize].position().to_array()), triangle[3])
     }
 
     #[test]

@@ -10,8 +10,10 @@ pub struct Counts {
     pub cull_items: u64,
     /// (cluster, node) items that split read.
     pub split_items: u64,
-    /// (triangle group, node) items that bin read.
+    /// (triangle group, node) items that small read, or bin where there is no small.
     pub bin_items: u64,
+    /// (triangle, node) items that small left to bin.
+    pub large_items: u64,
     /// (triangle, tile) pairs that raster read.
     pub pairs: u64,
     /// Pairs that bin tested. This and the next three are counted only in frames that count fragments.
@@ -22,9 +24,7 @@ pub struct Counts {
     pub fragments_tested: u64,
     /// Those that the triangle covers.
     pub fragments_kept: u64,
-    /// Half tiles of pairs that recheck read.
-    pub recheck_items: u64,
-    /// Pixels of pairs whose coverage f32 did not prove.
+    /// Pixels of triangles whose coverage f32 did not prove.
     pub rechecked: u64,
     /// Pixels with an edge, in frames of several samples.
     pub edges: u64,
@@ -41,13 +41,13 @@ impl Counts {
             cull_items: (0..Counter::Work.index()).map(sum).sum(),
             split_items: sum(Counter::Work.index()),
             bin_items: sum(Counter::Tasks.index()),
+            large_items: sum(Counter::Large.index()),
             pairs: sum(Counter::Pairs.index()),
             pairs_tested: sum(Counter::PairsTested.index()),
             pairs_kept: sum(Counter::PairsKept.index()),
             fragments_tested: sum(Counter::FragmentsTested.index()),
             fragments_kept: sum(Counter::FragmentsKept.index()),
-            recheck_items: sum(Counter::RecheckItems.index()),
-            rechecked: sum(Counter::Rechecked.index()),
+            rechecked: sum(Counter::RecheckItems.index()),
             edges: sum(Counter::Edges.index()),
             recheck_sample_items: sum(Counter::RecheckSamples.index()),
         }
@@ -59,12 +59,12 @@ impl AddAssign for Counts {
         self.cull_items += other.cull_items;
         self.split_items += other.split_items;
         self.bin_items += other.bin_items;
+        self.large_items += other.large_items;
         self.pairs += other.pairs;
         self.pairs_tested += other.pairs_tested;
         self.pairs_kept += other.pairs_kept;
         self.fragments_tested += other.fragments_tested;
         self.fragments_kept += other.fragments_kept;
-        self.recheck_items += other.recheck_items;
         self.rechecked += other.rechecked;
         self.edges += other.edges;
         self.recheck_sample_items += other.recheck_sample_items;

@@ -284,7 +284,7 @@ impl Frames {
         if clustered.refit(&moved.mesh) {
             return self.resident.place_scene(&self.gpu, clustered);
         }
-        *clustered = cluster(&moved.mesh, self.plan.anchor, self.plan.variant.textured, self.gpu.binding_limit());
+        *clustered = cluster(&moved.mesh, self.plan.anchor, self.plan.variant.textured, self.gpu.table_limit());
         self.resident.upload_scene(&self.gpu, clustered)?;
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }

@@ -23,6 +23,8 @@ pub struct Planner {
     pub has: AdapterFeatures,
     /// Bytes that a kernel can see at once.
     pub limit: u64,
+    /// Bytes of the largest table of triangles or vertices.
+    pub table_limit: u64,
 }
 
 /// A frame, planned.
@@ -124,7 +126,7 @@ impl Planner {
         let plan = self.plan_of(&scene, &camera, extent, wanted, run, last);
         let clustered = match last.filter(|l| same_clusters(l, &scene, &plan)) {
             Some(last) => last.clustered.clone(),
-            None => Arc::new(cluster(&scene.mesh, plan.anchor, plan.variant.textured, self.limit)),
+            None => Arc::new(cluster(&scene.mesh, plan.anchor, plan.variant.textured, self.table_limit)),
         };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
         let (asked, ray_order, wanted) = (camera.clone(), None, wanted.clone());

@@ -185,7 +185,7 @@ impl Resident {
             work: 4 * clusters + 1024,
             tasks: 16 * clusters + 4096,
             pairs: 2 * scene.mesh.triangles.len() as u64 + 4 * cells + 1024,
-            recheck_items: scene.mesh.triangles.len() as u64 / 16 + 1024,
+            recheck_items: scene.mesh.triangles.len() as u64 / 16 + pixels / 64 + 1024,
             edges: pixels / 8 + 1024,
         }
     }
@@ -328,9 +328,8 @@ fn chunk_on_device(gpu: &Gpu, chunk: &Chunk, mut buffers: Buffers) -> Result<Chu
 
 /// What depends on positions.
 fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk) -> Result<()> {
-    buffers.upload(gpu, "vertices_hi", &chunk.vertices_hi)?;
-    buffers.upload(gpu, "vertices_lo", &chunk.vertices_lo)?;
-    buffers.upload(gpu, "triangles", &chunk.triangles)?;
+    buffers.upload_texels(gpu, "vertices", &chunk.vertices)?;
+    buffers.upload_texels(gpu, "triangles", &chunk.triangles)?;
     buffers.upload(gpu, "clusters", &chunk.clusters)?;
     buffers.upload(gpu, "triangle_groups", &chunk.triangle_groups)
 }

@@ -79,7 +79,7 @@ impl Frames {
             queue: (0..CULL_QUEUES).map(most).max().unwrap_or(0),
             work: most_of(Counter::Work),
             tasks: most_of(Counter::Tasks),
-            pairs: most_of(Counter::Pairs),
+            pairs: most_of(Counter::Pairs).max(most_of(Counter::Large)),
             recheck_items: most_of(Counter::RecheckItems).max(2 * most_of(Counter::RecheckSamples)),
             edges: most_of(Counter::Edges),
         };

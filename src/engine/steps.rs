@@ -19,6 +19,7 @@ use super::stage::recheck::recheck;
 use super::stage::resolve::resolve;
 use super::stage::sample::{sample, sample_by_tile};
 use super::stage::shade::shade;
+use super::stage::small::small;
 use super::stage::sort::sort;
 use super::stage::split::split;
 use super::stage::write::write;
@@ -226,7 +227,7 @@ impl StepList<'_> {
         }
     }
 
-    /// Lists the pairs of a job: cull, split, bin and sort.
+    /// Draws the small triangles of a job, where there is `small`, and lists the pairs of the others: cull to sort.
     fn add_pairs(&mut self, at: StepScope) {
         let inputs = self.inputs;
         let variant = inputs.variant(at.bounce);
@@ -239,7 +240,10 @@ impl StepList<'_> {
         let steps = if variant.bounced { nodes.levels.len() as u32 } else { nodes.cull_steps() };
         self.pass("cull", at, cull(inputs.jobs[at.job], steps));
         self.pass("split", at, [split()]);
-        self.pass("bin", at, [bin()]);
+        if variant.small {
+            self.pass("small", at, [small()]);
+        }
+        self.pass("bin", at, [bin(variant)]);
         if variant.by_tile {
             self.pass("sort", at, sort(inputs.tiles(at.band)));
         }

@@ -2,6 +2,7 @@
 
 use super::device::{Gpu, one_line};
 use super::kernels::{Access, Binding, Kernel};
+use super::layout::TEXELS_A_ROW;
 use crate::input::{Error, Result};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::mpsc::{Receiver, channel};
@@ -15,9 +16,13 @@ pub struct Buffers {
 }
 
 struct Texture {
+    texture: wgpu::Texture,
     view: wgpu::TextureView,
     bytes: u64,
 }
+
+/// Bytes of a texel of a table.
+const TEXEL_BYTES: u32 = 16;
 
 /// What every buffer may be used for: kernels see it, the host writes, clears and copies it.
 const USAGE: wgpu::BufferUsages =
@@ -81,6 +86,46 @@ impl Buffers {
         self.buffers.get(name)
     }
 
+    /// A texture that holds a table, four words a texel, [`TEXELS_A_ROW`] texels a row, and zeros behind it: the one that is there, if it
+    /// is as large.
+    pub fn upload_texels<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, name: &'static str, items: &[T]) -> Result<()> {
+        let bytes: &[u8] = bytemuck::cast_slice(items);
+        let row_bytes = TEXEL_BYTES * TEXELS_A_ROW;
+        let rows = bytes.len().div_ceil(row_bytes as usize).max(1) as u32;
+        let most = gpu.limits.max_texture_dimension_2d;
+        if rows > most {
+            return Err(Error::work(format!("texture {name}: {rows} rows needed, the adapter has {most} at most")));
+        }
+        let size = wgpu::Extent3d { width: TEXELS_A_ROW, height: rows, depth_or_array_layers: 1 };
+        if self.textures.get(name).is_none_or(|there| there.texture.size() != size) {
+            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(name),
+                size,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba32Uint,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            });
+            self.place_texture(name, &texture, wgpu::TextureViewDimension::D2);
+        }
+        let target = self.textures[name].texture.as_image_copy();
+        // full rows, then what is left and zeros
+        let (full, rest) = bytes.split_at(bytes.len() / row_bytes as usize * row_bytes as usize);
+        let mut last = rest.to_vec();
+        last.resize(if rest.is_empty() { 0 } else { row_bytes as usize }, 0);
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None };
+        for (bytes, y) in [(full, 0), (&last, rows - 1)] {
+            if !bytes.is_empty() {
+                let to = wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y, z: 0 }, ..target };
+                let size = wgpu::Extent3d { height: bytes.len() as u32 / row_bytes, ..size };
+                gpu.queue.write_texture(to, bytes, layout, size);
+            }
+        }
+        Ok(())
+    }
+
     /// A texture, all of it.
     pub fn place_texture(
         &mut self,
@@ -92,7 +137,8 @@ impl Buffers {
         let size = texture.size();
         let texels = u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers);
         let descriptor = wgpu::TextureViewDescriptor { dimension: Some(dimension), ..Default::default() };
-        let placed = Texture { view: texture.create_view(&descriptor), bytes: texel * texels };
+        let view = texture.create_view(&descriptor);
+        let placed = Texture { texture: texture.clone(), view, bytes: texel * texels };
         self.textures.insert(name, placed);
     }
 
@@ -100,6 +146,14 @@ impl Buffers {
     pub fn bytes(&self) -> u64 {
         let textures: u64 = self.textures.values().map(|t| t.bytes).sum();
         textures + self.buffers.values().map(wgpu::Buffer::size).sum::<u64>()
+    }
+}
+
+impl Gpu {
+    /// The largest table that both a buffer and a texture of tables hold, bytes.
+    pub fn table_limit(&self) -> u64 {
+        let texels = u64::from(self.limits.max_texture_dimension_2d) * u64::from(TEXELS_A_ROW);
+        self.binding_limit().min(texels * u64::from(TEXEL_BYTES))
     }
 }
 

@@ -49,8 +49,8 @@ pub struct AdapterFeatures {
     pub f64: bool,
     /// 64-bit atomic minimum and maximum: one dispatch for the depth test instead of two.
     pub atomics64: bool,
-    /// Subgroups of as many threads as a tile has columns: `raster` goes tile by tile. Software adapters have these; what would suit
-    /// the larger ones of GPUs has not been measured.
+    /// Subgroups of as many threads as a tile has columns: `raster` goes tile by tile, and `small` draws small triangles. Software
+    /// adapters have these; what would suit the larger ones of GPUs has not been measured.
     pub lanes: bool,
     /// Times of single stages.
     pub timestamps: bool,
@@ -228,8 +228,8 @@ fn note(failed: &Mutex<Option<String>>, text: String) {
     failed.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(text);
 }
 
-/// Storage buffers of the kernels that bind most: `shade`, `resolve` and others.
-pub const STORAGE_BUFFERS: u32 = 14;
+/// Storage buffers of the kernels that bind most: `raster`, `resolve` and others.
+pub const STORAGE_BUFFERS: u32 = 12;
 
 /// The device's error, with advice if its memory is full.
 fn described(e: &wgpu::Error) -> String {

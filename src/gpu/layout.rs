@@ -4,6 +4,7 @@
 //! `tests/wgsl_layout.rs` compares names, offsets, sizes and constants of both sides.
 
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
 
 /// Threads a workgroup, everywhere.
 pub const GROUP: u32 = 64;
@@ -62,15 +63,13 @@ counters! {
     Work = "count_work",
     /// (triangle, tile) pairs.
     Pairs = "count_pairs",
-    /// Pixels of pairs whose coverage f32 did not prove.
-    Rechecked = "count_rechecked",
     /// Pairs with a pixel that the triangle may cover, where fragments are counted.
     PairsKept = "count_pairs_kept",
     /// Pixels of these that raster tested.
     FragmentsTested = "count_fragments_tested",
     /// Those that the triangle covers.
     FragmentsKept = "count_fragments_kept",
-    /// Half tiles of pairs for recheck.
+    /// Pixels of triangles for recheck.
     RecheckItems = "count_recheck_items",
     /// Tiles with pairs that raster has not taken yet.
     Busy = "count_busy",
@@ -82,6 +81,8 @@ counters! {
     PairsTested = "count_pairs_tested",
     /// (triangle group, node) items for bin.
     Tasks = "count_tasks",
+    /// (triangle, node) items that small leaves to bin.
+    Large = "count_large",
     /// Pairs in runs of tiles.
     Sorted = "count_sorted",
     /// Pixels with an edge. This and those that follow stay while pairs are listed anew.
@@ -100,6 +101,30 @@ pub const ID_BITS_MAX: u32 = 28;
 pub const ID_MASK: u32 = (1 << ID_BITS_MAX) - 1;
 pub const ORDER_SHIFT: u32 = 28;
 pub const ONE_SIDED: u32 = 1 << 31;
+
+/// Texels of a row of the textures that hold tables.
+pub const TEXELS_A_ROW: u32 = 4096;
+
+/// A vertex relative to the anchor, two texels: the f32 nearest, and what it leaves.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+pub struct Vertex {
+    pub hi: [f32; 3],
+    pub lo: [f32; 3],
+    pad: [f32; 2],
+}
+
+impl Vertex {
+    pub fn new(position: DVec3) -> Vertex {
+        let [[a, b], [c, d], [e, f]] = position.to_array().map(split2);
+        Vertex { hi: [a, c, e], lo: [b, d, f], pad: [0.0; 2] }
+    }
+
+    /// As stored.
+    pub fn position(&self) -> DVec3 {
+        DVec3::from(self.hi.map(f64::from)) + DVec3::from(self.lo.map(f64::from))
+    }
+}
 
 /// One band of the image and one batch of clusters of one chunk.
 #[repr(C)]
@@ -174,7 +199,8 @@ pub struct Node {
     pub d: [f32; 3],
     pub width: f32,
     pub dx: [f32; 3],
-    pub pad1: f32,
+    /// That owns all pixels of the square; [`NONE`]: there is none.
+    pub piece: u32,
     pub dy: [f32; 3],
     pub pad2: f32,
 }

@@ -45,14 +45,14 @@ pub fn take(variant: Variant) -> Kernel {
 }
 
 /// The triangles of a chunk.
-fn triangles() -> [Binding; 2] {
-    [reads("triangles", "array<vec4<u32>>"), reads("vertices_hi", "array<f32>")]
+fn mesh() -> [Binding; 2] {
+    [triangles(), vertices()]
 }
 
 /// A draw of triangles through pieces.
 fn pieces_draw(name: &'static str, layers: u32, more: &[Binding], own: &[Parts]) -> Kernel {
     let rays = [reads("pieces", "array<Piece>"), reads("outlines", "array<Outline>")];
-    let bindings = [&[params()][..], &triangles(), &rays, more].concat();
+    let bindings = [&[params()][..], &mesh(), &rays, more].concat();
     let mut kernel = Kernel::new(
         name,
         bindings,
@@ -100,7 +100,7 @@ pub fn perspective(layers: u32, culling: bool) -> Kernel {
 pub fn replicate(culling: bool) -> Kernel {
     let rays = [reads("cones", "array<Cone>"), reads("pieces", "array<Piece>"), reads("outlines", "array<Outline>")];
     let own = [writes("replicas", "array<vec2<u32>>"), writes("draw_args", "array<atomic<u32>>")];
-    let bindings = [&[params()][..], &triangles(), &rays, &own].concat();
+    let bindings = [&[params()][..], &mesh(), &rays, &own].concat();
     let own = [OUTLINE, PERSPECTIVE, snippets!("rivals/replicate.wgsl")];
     let mut kernel = Kernel::new("replicate", bindings, &[&[PARAMS, ITEMS, VERTEX, RAY, LAYOUT][..], &own].concat());
     kernel.constants = vec![("CULLING", f64::from(u8::from(culling)))];
@@ -109,7 +109,7 @@ pub fn replicate(culling: bool) -> Kernel {
 
 /// Triangles onto a cube around the eye.
 pub fn cube() -> Kernel {
-    let bindings = [&[params(), uniform("cube", "Cube")][..], &triangles()].concat();
+    let bindings = [&[params(), uniform("cube", "Cube")][..], &mesh()].concat();
     Kernel::new(
         "cube",
         bindings,

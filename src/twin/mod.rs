@@ -43,7 +43,7 @@ use crate::engine::tables::{Appearance, Shadows, Span, after_bounce, params};
 use crate::engine::{Capacities, RunOptions};
 use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::RaysKind;
-use crate::gpu::layout::{Cell, Cluster, Node, ONE_SIDED, Params, Piece};
+use crate::gpu::layout::{Cell, Cluster, Node, ONE_SIDED, Params, Piece, Vertex};
 use crate::image::frame::{Channel, Frame, Plane};
 use crate::scene::Scene;
 use glam::DVec3;
@@ -66,8 +66,7 @@ pub struct KernelInputs<'a> {
     /// Keys begin with a layer.
     pub slabbed: bool,
     pub triangles: &'a [[u32; 4]],
-    pub vertices_hi: &'a [f32],
-    pub vertices_lo: &'a [f32],
+    pub vertices: &'a [Vertex],
     pub slot_of_id: &'a [u32],
     pub surfaces: &'a [[u32; 4]],
     /// Texture coordinates of each slot's corners, v downwards; empty if nothing needs them.
@@ -79,9 +78,7 @@ pub struct KernelInputs<'a> {
 impl KernelInputs<'_> {
     /// A vertex relative to the anchor, as stored.
     fn vertex(&self, index: u32) -> DVec3 {
-        let number = |k: usize| f64::from(self.vertices_hi[k]) + f64::from(self.vertices_lo[k]);
-        let at = 3 * index as usize;
-        DVec3::new(number(at), number(at + 1), number(at + 2))
+        self.vertices[index as usize].position()
     }
 
     /// The anchor: positions are relative to it.
@@ -162,8 +159,7 @@ impl Tables {
             rays: band.rays.as_ref(),
             slabbed: self.plan.variant.slabbed,
             triangles: &chunk.triangles,
-            vertices_hi: &chunk.vertices_hi,
-            vertices_lo: &chunk.vertices_lo,
+            vertices: &chunk.vertices,
             slot_of_id: &chunk.slot_of_id,
             surfaces: &chunk.surfaces,
             uvs: &chunk.uvs,

@@ -225,7 +225,7 @@ pub fn cases() -> Vec<Case> {
         common::camera(glc("cross-slit"), (160, 120), FORWARD),
     );
     // some 40 rows of ten channels a band, some 250 triangles a chunk
-    (case.band_limit, case.chunk_limit) = (161 * 40 * 50, 36 * 250);
+    (case.band_limit, case.chunk_limit) = (161 * 40 * 50, 96 * 250);
     case.scene.lights = [DVec3::new(-1.0, -2.0, -1.0), DVec3::new(1.0, 0.0, -1.0)].map(Light::distant).to_vec();
     list.push(case);
     let size = (600, 450);
@@ -358,9 +358,8 @@ pub fn upload(gpu: &Gpu, input: &KernelInputs) -> Buffers {
         b.upload(gpu, "rays_hi", &rays.hi).unwrap();
         b.upload(gpu, "rays_lo", &rays.lo).unwrap();
     }
-    b.upload(gpu, "triangles", input.triangles).unwrap();
-    b.upload(gpu, "vertices_hi", input.vertices_hi).unwrap();
-    b.upload(gpu, "vertices_lo", input.vertices_lo).unwrap();
+    b.upload_texels(gpu, "triangles", input.triangles).unwrap();
+    b.upload_texels(gpu, "vertices", input.vertices).unwrap();
     b.upload(gpu, "slot_of_id", input.slot_of_id).unwrap();
     if input.uvs.is_empty() {
         b.upload(gpu, "surfaces", input.surfaces).unwrap();

@@ -149,8 +149,8 @@ const SMALL_BINDING: u64 = 1 << 16;
 
 #[test]
 fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
-    // large triangles: some 50,000 pairs a band, of which a list holds 8,192
-    let scene = scene(soup(&mut Rng(4), 4000, 2.0));
+    // large triangles: of the pairs of a chunk in a band, some 2,000 to 5,000, a list holds 8,192
+    let scene = scene(soup(&mut Rng(4), 4000, 8.0));
     let mut cameras = cameras();
     cameras.push(("pieces", camera(mesh_camera(2, 5, 4, MeshShape::default()), SIZE, FORWARD)));
     for (name, camera) in cameras {

@@ -14,26 +14,27 @@ use common::{FORWARD, camera, scene};
 /// Bytes in lists whose layout depends on how raster goes over pairs.
 #[derive(Clone, Copy)]
 struct Lists {
-    /// A pair: itself; and for tile by tile its unsorted copy and its rank.
+    /// A pair: itself; for tile by tile its unsorted copy and its rank; and for small triangles one that is left.
     pair: f64,
     /// A tile: its run of pairs and its entry among the busy tiles.
     tile: f64,
 }
 
-const BY_TILE: Lists = Lists { pair: 8.0 + 8.0 + 4.0, tile: 8.0 + 8.0 };
+const BY_TILE: Lists = Lists { pair: 8.0 + 8.0 + 4.0 + 8.0, tile: 8.0 + 8.0 };
 const BY_PAIR: Lists = Lists { pair: 8.0, tile: 0.0 };
 
 /// Rows of a triangle and of its cluster and triangle group, and its share of the lists as they are at first: 2 pairs, 28 items of 8 for 64
-/// triangles in the lists before these, and an item to recheck of 8 bytes for 16. A vertex has 24 bytes, a normal 12.
+/// triangles in the lists before these, and an item to recheck of 8 bytes for 16. A vertex has 32 bytes, a normal 12.
 fn triangle(lists: Lists) -> f64 {
     40.5 + 2.0 * lists.pair + 3.5 + 0.5
 }
-const VERTEX: f64 = 24.0;
+const VERTEX: f64 = 32.0;
 const NORMAL: f64 = 12.0;
 
-/// Visibility, and what tiles of 64 pixels have: a node and its share of those above, a cell, a first cell, and capacity for 4 pairs.
+/// Visibility, and what tiles of 64 pixels have: a node and its share of those above, a cell, a first cell, and capacity for 4 pairs and
+/// an item to recheck.
 fn pixel(lists: Lists) -> f64 {
-    8.0 + (96.0 * 16.0 / 15.0 + 48.0 + 4.0 + lists.tile + 4.0 * lists.pair) / 64.0
+    8.0 + (96.0 * 16.0 / 15.0 + 48.0 + 4.0 + lists.tile + 4.0 * lists.pair + 8.0) / 64.0
 }
 
 /// Engines with their lists: one whose raster goes tile by tile if the adapter can, and one that goes pair by pair.
@@ -59,13 +60,16 @@ fn bytes((engine, lists): &mut (Engine, Lists), detail: u32, side: u32) -> (f64,
 /// Rows and lists end on their own sizes: a page of them.
 const ROUNDING: f64 = 4096.0;
 
+/// Triangles and vertices lie in textures of whole rows.
+const TEXTURE_ROW: f64 = 65536.0;
+
 #[test]
 fn a_triangle_takes_what_is_said() {
     for mut engine in engines().into_iter().flatten() {
         let (few, many) = (bytes(&mut engine, 4, 64), bytes(&mut engine, 6, 64));
         let (taken, said) = (many.0 - few.0, many.1 - few.1);
         println!("{taken} bytes taken, {said} said");
-        assert!((taken - said).abs() <= ROUNDING, "{taken} bytes taken, {said} said");
+        assert!((taken - said).abs() <= ROUNDING + 2.0 * TEXTURE_ROW, "{taken} bytes taken, {said} said");
     }
 }
 

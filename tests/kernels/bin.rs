@@ -59,7 +59,7 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &KernelI
     ];
     counters(gpu, &mut buffers, &[&zeros[..], &zero_of_lists].concat());
     run(gpu, |pass| {
-        let mut dispatches = vec![split(), stage::bin::bin()];
+        let mut dispatches = vec![split(), stage::bin::bin(variant)];
         dispatches.extend(variant.by_tile.then(|| sort(tiles as u32)).into_iter().flatten());
         stages.encode(gpu, pass, &[&buffers], &dispatches)
     });

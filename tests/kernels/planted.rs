@@ -269,29 +269,25 @@ enum Dispatching {
 /// A snippet, its text, what is planted, and what notices it.
 type Planted = (&'static str, &'static str, &'static str, Dispatching, Check);
 
-const PLANTED: [Planted; 29] = [
+const PLANTED: [Planted; 31] = [
     ("args.wgsl", "items = GROUP / TRIANGLE_GROUP;", "items = GROUP;", Dispatching::ByPair, seen),
     ("args.wgsl", "count = min(count, params.pair_capacity);", "count = count / 2u;", Dispatching::ByPair, seen),
     ("args.wgsl", "count -= first;", "count = first;", Dispatching::ByTile, seen),
     ("split.wgsl", "lane % TRIANGLE_GROUPS;", "(lane % TRIANGLE_GROUPS) / 2u;", Dispatching::ByPair, seen),
     ("split.wgsl", "vec2<u32>(index, address)", "vec2<u32>(index, work[0].y)", Dispatching::ByPair, seen),
     ("allot.wgsl", "ends[tile] = first + count;", "ends[tile] = first + count - 1u;", Dispatching::ByTile, seen),
-    ("allot.wgsl", "starts[tile] = first;", "starts[tile] = 0u;", Dispatching::ByTile, seen),
-    ("sort.wgsl", "+ ranks[index]]", "+ ranks[index] / 2u]", Dispatching::ByTile, seen),
+    ("allot.wgsl", "starts[tile] = first;", "starts[tile] = 0u;", Dispatching::ByTile, sampled),
+    ("sort.wgsl", "+ ranks[index]]", "+ ranks[index] / 2u]", Dispatching::ByTile, sampled),
     (
         "recheck.wgsl",
-        "covered = with_bit(covered, bit);",
-        "covered = with_bit(covered, 0u);",
+        "merge_hits(cell, slot, triangle, whole, v, own);",
+        "merge_hits(cell, slot, triangle, whole, v, bit_mask(0u));",
         Dispatching::ByPair,
         no_holes_at_centres,
     ),
-    (
-        "recheck.wgsl",
-        "vec2<u32>(0u, item.y), (item.x",
-        "vec2<u32>(0u, 0u), (item.x",
-        Dispatching::ByPair,
-        no_holes_at_centres,
-    ),
+    ("recheck.wgsl", ".y & 63u;", ".y & 31u;", Dispatching::ByPair, no_holes_at_centres),
+    ("small.wgsl", "first_slot + lane;", "first_slot + lane / 2u;", Dispatching::ByTile, seen),
+    ("small.wgsl", "vec2<u32>(slot, address);", "vec2<u32>(slot + 1u, address);", Dispatching::ByTile, seen),
     (
         "certify.wgsl",
         "select(PROOF_CONTESTED, PROOF_SURE, is_found",

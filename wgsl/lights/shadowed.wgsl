@@ -1,7 +1,7 @@
 // Shadows and ambient occlusion: segments traced through the hierarchy of the scene's triangles, which follows the lights in `lights`.
 // Provides: leaf_at, node_at, openness, reaches
-// Needs: BvhNode, Found, LeafTriangle, Lit, NONE, Segment, flat_normal, largest, traced
-// Binds: lights, shading, triangles
+// Needs: BvhNode, Found, LeafTriangle, Lit, NONE, Segment, flat_normal, largest, traced, triangle_at
+// Binds: lights, shading
 
 // Offset of segments above a surface, relative to the largest coordinate of the hit and its triangle.
 const ABOVE: f32 = 4e-6;
@@ -32,7 +32,7 @@ fn met(start: vec3<f32>, direction: vec3<f32>, far: f32) -> Found {
 
 // Whether no triangle lies between a hit and a light.
 fn reaches(lit: Lit, l: vec3<f32>, far: f32) -> bool {
-    let flat = flat_normal(triangles[lit.slot], lit.view);
+    let flat = flat_normal(triangle_at(lit.slot), lit.view);
     return dot(flat, l) > 0.0 && met(start_above(lit, flat), l, far).id == NONE;
 }
 
@@ -42,7 +42,7 @@ fn openness(lit: Lit) -> f32 {
     if shading.occlusion_rays == 0u {
         return 1.0;
     }
-    let flat = flat_normal(triangles[lit.slot], lit.view);
+    let flat = flat_normal(triangle_at(lit.slot), lit.view);
     let start = start_above(lit, flat);
     // a frame about the normal (Duff et al. 2017)
     let n = lit.n;

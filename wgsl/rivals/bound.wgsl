@@ -1,8 +1,8 @@
 // bound: a triangle around the image of each, and the ray of each pixel of it against the triangle's plane (Hou et al. 2006,
 // sections 2.1 and 2.2). An instance is a piece, the camera triangle.
 // Needs: Drawn, ID_MASK, Piece, clip_place, drawn, file_normal, in_range, is_back_face, outline_contains, outline_corners,
-//   outline_distances, outline_ray, piece_origin, vertex, winding
-// Binds: outlines, pieces, triangles
+//   outline_distances, outline_ray, piece_origin, triangle_at, vertex, winding
+// Binds: outlines, pieces
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -69,7 +69,7 @@ fn crossing(n: vec2<f32>, c: f32, m: vec2<f32>, e: f32) -> vec2<f32> {
 @vertex
 fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece: u32) -> Clipped {
     let q = pieces[piece];
-    let triangle = triangles[index / 3u];
+    let triangle = triangle_at(index / 3u);
     let v = array<vec3<f32>, 3>(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
     let plane = camera_plane(q);
     let around = outline_corners(outlines[q.number]);
@@ -123,7 +123,7 @@ fn bound_pixel(corner: Corner) -> Drawn {
     let o = outlines[q.number];
     let at = floor(corner.position.xy);
     let ray = outline_ray(q, at - piece_origin(q));
-    let triangle = triangles[corner.slot];
+    let triangle = triangle_at(corner.slot);
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);

@@ -1,6 +1,6 @@
 // cube: triangles onto the six faces of a cube around the eye, three beside each other in two rows.
-// Needs: Drawn, ID_MASK, drawn, file_normal, is_back_face, on_face, vertex
-// Binds: cube, triangles
+// Needs: Drawn, ID_MASK, drawn, file_normal, is_back_face, on_face, triangle_at, vertex
+// Binds: cube
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -12,7 +12,7 @@ struct Corner {
 
 @vertex
 fn cube_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) face: u32) -> Corner {
-    let triangle = triangles[index / 3u];
+    let triangle = triangle_at(index / 3u);
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);

@@ -1,14 +1,14 @@
 // perspective: pieces whose rays start in one point, each by its own perspective matrix; the rasterizer is exact then (Lorenz
 // and Doellner 2009, section 2). A triangle is drawn once for each piece that it may be seen in, as `replicate` lists them, and what
 // lies outside the piece is clipped off.
-// Needs: Clipped, Corner, Drawn, file_normal, outline_distances, perspective_image, piece_origin, seen_through, vertex
-// Binds: outlines, params, pieces, replicas, triangles
+// Needs: Clipped, Corner, Drawn, file_normal, outline_distances, perspective_image, piece_origin, seen_through, triangle_at, vertex
+// Binds: outlines, params, pieces, replicas
 
 @vertex
 fn perspective_corner(@builtin(vertex_index) index: u32) -> Clipped {
     let replica = replicas[index / 3u];
     let q = pieces[replica.y];
-    let triangle = triangles[replica.x];
+    let triangle = triangle_at(replica.x);
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);

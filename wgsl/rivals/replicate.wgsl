@@ -1,8 +1,8 @@
 // replicate: one thread per triangle of the chunk.
 // Reads triangles and pieces; writes a (slot, piece) item for each piece that the triangle may be seen in, and the arguments
 // of the draw of all. The list may overflow: the counter keeps counting.
-// Needs: CULLING, Cone, item_index, outline_corners, perspective_image, piece_origin, vertex, winding
-// Binds: cones, draw_args, outlines, pieces, replicas, triangles
+// Needs: CULLING, Cone, item_index, outline_corners, perspective_image, piece_origin, triangle_at, vertex, winding
+// Binds: cones, draw_args, outlines, pieces, replicas
 
 // Arguments of an indirect draw: vertices, instances, first vertex, first instance.
 const VERTICES: u32 = 0u;
@@ -41,12 +41,9 @@ fn replicate(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let slot = item_index(group, groups, lane);
-    if slot >= arrayLength(&triangles) {
-        return;
-    }
-    let triangle = triangles[slot];
+    let triangle = triangle_at(slot);
     if all(triangle == vec4<u32>(0u)) {
-        // capacity behind the last triangle
+        // behind the last triangle
         return;
     }
     let v0 = vertex(triangle.x);

@@ -1,7 +1,7 @@
 // splat_project: the first pass of Yu et al. 2009, section 3.3: every triangle fills a cell of the texture S, each texel with where
 // the camera shows it. A cell is for a triangle and a piece.
-// Needs: SAMPLES, cell_piece, cell_slot, cell_texel, image_of, piece_origin, vertex
-// Binds: pieces, splat, triangles
+// Needs: SAMPLES, cell_piece, cell_slot, cell_texel, image_of, piece_origin, triangle_at, vertex
+// Binds: pieces, splat
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -20,7 +20,7 @@ fn splat_project_corner(@builtin(vertex_index) index: u32) -> Corner {
 @fragment
 fn splat_project_pixel(corner: Corner) -> @location(0) vec4<f32> {
     let at = vec2<f32>(vec2<u32>(corner.position.xy) - cell_texel(corner.cell)) / f32(SAMPLES - 1u);
-    let triangle = triangles[cell_slot(corner.cell)];
+    let triangle = triangle_at(cell_slot(corner.cell));
     let v0 = vertex(triangle.x);
     let q = pieces[cell_piece(corner.cell)];
     let image = image_of(q, v0 + at.x * (vertex(triangle.y) - v0) + at.y * (vertex(triangle.z) - v0));

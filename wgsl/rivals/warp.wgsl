@@ -1,7 +1,7 @@
 // warp: vertices where the camera shows them, edges straight between them (Brosz et al. 2007; Popescu et al., section 4.2).
 // Every triangle is first split into 4^LEVELS. An instance is a piece.
-// Needs: Clipped, Corner, Drawn, clip_place, file_normal, image_of, outline_distances, piece_origin, seen_through, vertex
-// Binds: outlines, pieces, triangles
+// Needs: Clipped, Corner, Drawn, clip_place, file_normal, image_of, outline_distances, piece_origin, seen_through, triangle_at, vertex
+// Binds: outlines, pieces
 
 override LEVELS: u32 = 0u;
 
@@ -27,7 +27,7 @@ fn part_weights(part: u32, corner: u32) -> vec3<f32> {
 @vertex
 fn warp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece: u32) -> Clipped {
     let parts = 1u << (2u * LEVELS);
-    let triangle = triangles[index / 3u / parts];
+    let triangle = triangle_at(index / 3u / parts);
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);

@@ -4,8 +4,8 @@
 // counted instead.
 // Provides: measure, seen_next, share_of, whole
 // Needs: SAMPLES, all_samples, centre_of, key_id, key_layer, key_of, key_t, nearest_to, point_at, sample_differential, sample_offset,
-//   sample_ray, seen_alike, weights_at
-// Binds: params, slot_of_id, triangles
+//   sample_ray, seen_alike, triangle_at, weights_at
+// Binds: params, slot_of_id
 
 // Most triangles kept per pixel, the background among them.
 const KEPT_MAX: u32 = 6u;
@@ -124,7 +124,7 @@ fn find_lines(k: u32, pixel: u32, record: u32, sample: u32) -> bool {
     let y = pixel / params.width;
     let ray = sample_ray(key_layer(key), x, y, sample);
     let differential = sample_differential(key_layer(key), x, y, sample, key_t(key));
-    let w = weights_at(triangles[slot_of_id[key_id(key) - params.id_first]], point_at(ray, key_t(key)), ray.d, differential);
+    let w = weights_at(triangle_at(slot_of_id[key_id(key) - params.id_first]), point_at(ray, key_t(key)), ray.d, differential);
     let steep = sqrt(w.right * w.right + w.down * w.down);
     let own = sample_offset(sample);
     let centre = w.at - own.x * w.right - own.y * w.down;

@@ -12,5 +12,5 @@ fn item_node(index: u32, thread: u32) -> Node {
     let d = subgroupShuffle(own, 3u);
     let dx = subgroupShuffle(own, 4u);
     let dy = subgroupShuffle(own, 5u);
-    return Node(p.xyz, p.w, px.xyz, px.w, py.xyz, bitcast<u32>(py.w), d.xyz, d.w, dx.xyz, dx.w, dy.xyz, dy.w);
+    return Node(p.xyz, p.w, px.xyz, px.w, py.xyz, bitcast<u32>(py.w), d.xyz, d.w, dx.xyz, bitcast<u32>(dx.w), dy.xyz, dy.w);
 }

@@ -1,8 +1,8 @@
 // Structs that the host writes and kernels read, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
 // Provides: BRANCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_FRAGMENTS_KEPT,
-//   COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES,
+//   COUNT_FRAGMENTS_TESTED, COUNT_LARGE, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES,
 //   COUNT_SORTED, COUNT_TASKS, COUNT_WORK, Cell, Cluster, GROUP, LANES, LEVEL_CELL, NONE, Node, PERTURB_BOUND, Params, Piece, RAYS_AFFINE,
-//   RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE, SampleOffsets, Step, TILE, TRIANGLE_GROUP
+//   RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE, SampleOffsets, Step, TEXELS_A_ROW, TILE, TRIANGLE_GROUP
 
 const GROUP: u32 = 64u;        // threads a workgroup, everywhere
 const TILE: u32 = 8u;          // px a side of a tile
@@ -10,21 +10,22 @@ const LANES: u32 = 8u;         // threads a subgroup where raster goes tile by t
 const BRANCH: u32 = 4u;        // children a side of a node
 const CLUSTER: u32 = 64u;      // triangles a cluster at most
 const TRIANGLE_GROUP: u32 = 8u;         // triangles a triangle group, of which a cluster has eight
+const TEXELS_A_ROW: u32 = 4096u;        // of textures that hold tables
 const NONE: u32 = 0xffffffffu;
 
 // Indices into `counters`. Queues of the cull steps come first.
 const COUNT_WORK: u32 = 8u;
 const COUNT_PAIRS: u32 = 9u;
-const COUNT_RECHECKED: u32 = 10u;
-const COUNT_PAIRS_KEPT: u32 = 11u;
-const COUNT_FRAGMENTS_TESTED: u32 = 12u;
-const COUNT_FRAGMENTS_KEPT: u32 = 13u;
-const COUNT_RECHECK_ITEMS: u32 = 14u;
-const COUNT_BUSY: u32 = 15u;
-const COUNT_BUSY_FIRST: u32 = 16u;     // of the busy tiles that raster takes in this step
-const COUNT_BUSY_END: u32 = 17u;       // behind the last of them
-const COUNT_PAIRS_TESTED: u32 = 18u;
-const COUNT_TASKS: u32 = 19u;
+const COUNT_PAIRS_KEPT: u32 = 10u;
+const COUNT_FRAGMENTS_TESTED: u32 = 11u;
+const COUNT_FRAGMENTS_KEPT: u32 = 12u;
+const COUNT_RECHECK_ITEMS: u32 = 13u;
+const COUNT_BUSY: u32 = 14u;
+const COUNT_BUSY_FIRST: u32 = 15u;     // of the busy tiles that raster takes in this step
+const COUNT_BUSY_END: u32 = 16u;       // behind the last of them
+const COUNT_PAIRS_TESTED: u32 = 17u;
+const COUNT_TASKS: u32 = 18u;
+const COUNT_LARGE: u32 = 19u;
 const COUNT_SORTED: u32 = 20u;         // pairs in runs of tiles
 // These stay while pairs are listed anew, and so are the last.
 const COUNT_EDGES: u32 = 21u;          // edge pixels
@@ -107,7 +108,7 @@ struct Node {
     d: vec3<f32>,
     width: f32,             // for fit alone: how wide bundles are that cull hands on; 0 where the host wrote the node
     dx: vec3<f32>,
-    pad1: f32,
+    piece: u32,             // that owns all pixels of the square; NONE: there is none
     dy: vec3<f32>,
     pad2: f32,
 }

@@ -3,12 +3,17 @@
 // Needs: COUNT_RECHECK_ITEMS
 // Binds: counters, params, recheck_items
 
-// An item: twice the pair's index, 1 more for the tile's lower half; and the pixels there.
-fn leave_to_recheck(half: u32, uncertain: u32) {
-    if uncertain != 0u {
+// An item for each of some pixels of a tile, bit 8 y + x, 32 from `first` on: the triangle's slot; the tile, and in the low 6 bits the pixel.
+fn leave_to_recheck(slot: u32, tile: u32, first: u32, uncertain: u32) {
+    var left = uncertain;
+    loop {
+        if left == 0u {
+            break;
+        }
         let at = atomicAdd(&counters[COUNT_RECHECK_ITEMS], 1u);
         if at < params.recheck_capacity {
-            recheck_items[at] = vec2<u32>(half, uncertain);
+            recheck_items[at] = vec2<u32>(slot, (tile << 6u) | (first + firstTrailingBit(left)));
         }
+        left &= left - 1u;
     }
 }

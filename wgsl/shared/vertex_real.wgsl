@@ -1,7 +1,7 @@
 // Vertices in recheck arithmetic.
 // Provides: vertex_lo, vertex_real
-// Needs: real3, vertex
-// Binds: vertices_lo
+// Needs: real3, table_texel, vertex
+// Binds: vertices
 
 // A vertex relative to the anchor, as stored.
 fn vertex_real(index: u32) -> real3 {
@@ -9,5 +9,7 @@ fn vertex_real(index: u32) -> real3 {
 }
 
 fn vertex_lo(index: u32) -> vec3<f32> {
-    return vec3<f32>(vertices_lo[3u * index], vertices_lo[3u * index + 1u], vertices_lo[3u * index + 2u]);
+    let first = textureLoad(vertices, table_texel(2u * index), 0).w;
+    let more = textureLoad(vertices, table_texel(2u * index + 1u), 0).xy;
+    return bitcast<vec3<f32>>(vec3<u32>(first, more));
 }

@@ -1,8 +1,8 @@
 // Lines on surfaces, as wide in pixels as they shall be through any camera: distances in world or weights, over how these change from
 // pixel to pixel.
 // Provides: drawn
-// Needs: RayDifferential, ShadedHit, covered, narrowed, tangents, weights_at
-// Binds: shading, style, triangles
+// Needs: RayDifferential, ShadedHit, covered, narrowed, tangents, triangle_at, weights_at
+// Binds: shading, style
 
 fn drawn(hit: ShadedHit, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
     var seen = colour;
@@ -20,7 +20,7 @@ fn drawn(hit: ShadedHit, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
 
 // How far the nearest edge of the triangle is, px.
 fn edge_distance(hit: ShadedHit) -> f32 {
-    let w = weights_at(triangles[hit.slot], hit.p, hit.d, hit.differential);
+    let w = weights_at(triangle_at(hit.slot), hit.p, hit.d, hit.differential);
     let to = w.at / sqrt(w.right * w.right + w.down * w.down);
     return max(0.0, min(to.x, min(to.y, to.z)));
 }

@@ -1,7 +1,7 @@
 // Solid (3-D) patterns: src/geometry/pattern.rs has them at a point, here are their means over what a pixel covers.
 // Provides: STYLED, pattern_at, tangents
-// Needs: RayDifferential, ShadedHit, flat_normal, triangle_surface
-// Binds: materials, shading, triangles
+// Needs: RayDifferential, ShadedHit, flat_normal, triangle_at, triangle_surface
+// Binds: materials, shading
 
 const STYLED: bool = true;
 
@@ -11,7 +11,7 @@ const PATTERN_WOOD: u32 = 3u;
 
 // How a hit moves on the plane of its triangle for one pixel to the right, and downwards.
 fn tangents(hit: ShadedHit) -> RayDifferential {
-    let n = flat_normal(triangles[hit.slot], hit.d);
+    let n = flat_normal(triangle_at(hit.slot), hit.d);
     let along = hit.d / dot(n, hit.d);
     return RayDifferential(hit.differential.right - along * dot(n, hit.differential.right), hit.differential.down - along * dot(n, hit.differential.down));
 }

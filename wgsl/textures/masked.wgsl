@@ -1,16 +1,16 @@
 // Triangles with alpha masks. Whether a point is masked follows from the image's first level alone, whatever the camera: masks are part of
 // the scene's shape.
 // Provides: is_there
-// Needs: Bundle, NONE, bilinear, corner_uv, has_uv, image_place, into_image, on_triangle, real3, triangle_surface, vertex_real, wrap_u,
-//   wrap_v
-// Binds: materials, triangles
+// Needs: Bundle, NONE, bilinear, corner_uv, has_uv, image_place, into_image, on_triangle, real3, triangle_at, triangle_surface,
+//   vertex_real, wrap_u, wrap_v
+// Binds: materials
 
 fn is_there(slot: u32, b: Bundle) -> bool {
     let material = materials[triangle_surface(slot).w];
     if material.texture == NONE || material.cutoff <= 0.0 || !has_uv(slot) {
         return true;
     }
-    let triangle = triangles[slot];
+    let triangle = triangle_at(slot);
     let v0 = vertex_real(triangle.x);
     let v1 = vertex_real(triangle.y);
     let v2 = vertex_real(triangle.z);

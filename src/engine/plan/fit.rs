@@ -104,7 +104,7 @@ impl Fit {
             d: v(self.d[0]),
             width: 0.0,
             dx: v(self.d[1]),
-            pad1: 0.0,
+            piece: layout::NONE,
             dy: v(self.d[2]),
             pad2: 0.0,
         }

@@ -359,7 +359,7 @@ impl Band {
         };
         let tiler = tiles::Tiler { camera, slabs, curves: curves.as_ref(), sample_offsets, anchor, row, rows };
         let (tiles, sampled) = tiler.tiles();
-        let nodes = nodes::Nodes::new(
+        let mut nodes = nodes::Nodes::new(
             &sampled,
             (tiles.tiles_x, tiles.tiles_y),
             nodes::WidthMeasure {
@@ -369,6 +369,9 @@ impl Band {
                 scene_size: extent.scene_size,
             },
         );
+        if let [Rays::Pieces(_)] = camera.layers.as_slice() {
+            nodes.own(|x, y| tiles.sole_piece(x, y, [camera.width, rows]));
+        }
         let rays = match (&curves, camera.layers.as_slice()) {
             (Some(table), _) => Some(table.rays(anchor)),
             (None, [Rays::Field(field)]) => Some(RayTable::of_field(field, anchor, row, rows)),

@@ -98,6 +98,28 @@ impl Nodes {
         nodes
     }
 
+    /// Says of each node which piece owns all of its square's pixels; `alone` says it of a tile.
+    pub fn own(&mut self, alone: impl Fn(u32, u32) -> u32) {
+        for (k, level) in self.levels.clone().into_iter().enumerate() {
+            for y in 0..level.height {
+                for x in 0..level.width {
+                    let piece = match k.checked_sub(1).map(|k| self.levels[k]) {
+                        None => alone(x, y),
+                        Some(below) => {
+                            let rows = BRANCH * y..(BRANCH * (y + 1)).min(below.height);
+                            let columns = || BRANCH * x..(BRANCH * (x + 1)).min(below.width);
+                            let all = rows.flat_map(|j| columns().map(move |i| below.start + j * below.width + i));
+                            let mut all = all.map(|n| self.nodes[n as usize].piece);
+                            let first = all.next().unwrap_or(layout::NONE);
+                            if all.all(|p| p == first) { first } else { layout::NONE }
+                        }
+                    };
+                    self.nodes[(level.start + y * level.width + x) as usize].piece = piece;
+                }
+            }
+        }
+    }
+
     /// Dispatches in which cull descends: a level each, down to level 1; one more from there where rays are discontinuous.
     pub fn cull_steps(&self) -> u32 {
         self.levels.len() as u32 - 1 + u32::from(self.discontinuous)

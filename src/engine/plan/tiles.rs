@@ -29,6 +29,20 @@ pub struct Tiles {
     pub pieces: Vec<layout::Piece>,
 }
 
+impl Tiles {
+    /// The piece that owns all pixels of a tile in a band of this size, by its place in `pieces`; [`layout::NONE`] if there is none.
+    pub fn sole_piece(&self, x: u32, y: u32, [width, height]: [u32; 2]) -> u32 {
+        let tile = (y * self.tiles_x + x) as usize;
+        let [columns, rows] = [width - TILE * x, height - TILE * y].map(|left| left.min(TILE));
+        let row = (1u64 << columns) - 1;
+        let all = (0..rows).fold(0, |mask, j| mask | row << (TILE * j));
+        match self.cells[self.start[tile] as usize..self.start[tile + 1] as usize] {
+            [cell] if u64::from(cell.mask_hi) << 32 | u64::from(cell.mask_lo) == all => cell.piece,
+            _ => layout::NONE,
+        }
+    }
+}
+
 /// A ray of a tile: its place in [-1, 1]^2 over the tile, origin relative to the anchor and direction.
 #[derive(Debug, Clone, Copy)]
 pub struct TileRay {

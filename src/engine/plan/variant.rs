@@ -7,6 +7,7 @@ use crate::camera::ray_order::is_reordered;
 use crate::engine::{Arithmetic, RunOptions};
 use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::{LightsKind, OpticsKind, Variant};
+use crate::image::frame::Channel;
 
 /// The variant for a scene with these contents through `camera`, on an adapter with these abilities.
 pub fn variant(
@@ -21,6 +22,7 @@ pub fn variant(
         f64: run.arithmetic != Arithmetic::Single,
         atomics64: has.atomics64,
         by_tile: false,
+        small: false,
         rays: slabs::kind(camera),
         incoherent: is_reordered(camera),
         slabbed: Slabs::of(camera).count() > 1,
@@ -45,5 +47,6 @@ pub fn variant(
         samples: wanted.samples(),
         analytic: wanted.analytic && wanted.samples() > 1,
     };
-    if has.lanes && has.f64 { variant.with_tiles() } else { variant }
+    let variant = if has.lanes && has.f64 { variant.with_tiles() } else { variant };
+    if wanted.channels.contains(&Channel::Certified) { variant } else { variant.with_small() }
 }

@@ -1,4 +1,4 @@
-//! bin: the triangles of each kept triangle group against the tiles below its node.
+//! bin: the triangles of each kept triangle group, or those that small leaves, against the tiles below their node.
 
 use super::{Dispatch, KernelId};
 use crate::gpu::kernels::Variant;
@@ -8,25 +8,35 @@ use crate::gpu::layout::Counter;
 pub fn kernel(variant: Variant) -> Kernel {
     let mut bindings = vec![
         params(),
-        reads("triangle_groups", variant.list_type("array<Cluster>")),
-        reads("nodes", variant.list_type("array<Node>")),
-        reads("tasks", "array<vec2<u32>>"),
-        reads("triangles", "array<vec4<u32>>"),
-        reads("vertices_hi", "array<f32>"),
+        reads("nodes", if variant.small { "array<Node>" } else { variant.list_type("array<Node>") }),
+        triangles(),
+        vertices(),
         reads("cells", "array<Cell>"),
         counters(),
     ];
-    let mut own = snippets!("shared/triangle_group_load.wgsl", "shared/by_pair.wgsl");
+    let items: &[Parts] = if variant.small {
+        bindings.push(reads("large", "array<vec2<u32>>"));
+        &[snippets!("shared/bin_large.wgsl")]
+    } else {
+        let groups = reads("triangle_groups", variant.list_type("array<Cluster>"));
+        bindings.extend([groups, reads("tasks", "array<vec2<u32>>")]);
+        let loads = match variant.by_tile {
+            true => snippets!("shared/triangle_group_by_lanes.wgsl"),
+            false => snippets!("shared/triangle_group_load.wgsl"),
+        };
+        &[loads, variant.item_node(), snippets!("shared/bin_groups.wgsl")]
+    };
+    let mut own = snippets!("shared/by_pair.wgsl");
     if variant.by_tile {
         let unsorted = writes("unsorted", "array<vec2<u32>>");
         bindings.extend([unsorted, writes("ranks", "array<u32>"), writes("ends", "array<atomic<u32>>")]);
-        own = snippets!("shared/triangle_group_by_lanes.wgsl", "shared/by_tile.wgsl");
+        own = snippets!("shared/by_tile.wgsl");
     } else {
         bindings.push(writes("pairs", "array<vec2<u32>>"));
     }
-    let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, SLABS, VERTEX, PAIR, WITHIN, BOX_MET, variant.item_node()];
     bindings.extend(variant.incoherent_rays(variant.culling));
-    let snippets = [&snippets[..], &[variant.item_rays(), own, snippets!("bin.wgsl")]].concat();
+    let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, SLABS, VERTEX, PAIR, WITHIN, BOX_MET, variant.item_rays()];
+    let snippets = [&snippets[..], items, &[own, snippets!("bin.wgsl")]].concat();
     let mut kernel = Kernel::new("bin", bindings, &snippets);
     kernel.constants.push(("SLABBED", variant.slabbed as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
@@ -34,6 +44,6 @@ pub fn kernel(variant: Variant) -> Kernel {
     kernel
 }
 
-pub fn bin() -> Dispatch {
-    Dispatch::counted(KernelId::Bin, Counter::Tasks)
+pub fn bin(variant: Variant) -> Dispatch {
+    Dispatch::counted(KernelId::Bin, if variant.small { Counter::Large } else { Counter::Tasks })
 }

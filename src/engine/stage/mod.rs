@@ -1,6 +1,7 @@
 //! The stages of a frame, one file each: the dispatches of its kernels, as data, by pure functions.
 //!
-//! `cull -> split -> bin -> sort -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name.
+//! `cull -> split -> small -> bin -> sort -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name.
+//! [`small`] and [`sort`] are left out where raster goes pair by pair.
 //! Where the camera has a mirror or a lens, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again, or
 //! [`paste`] from an atlas that was rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow recheck and
 //! [`resolve`] follows shade; [`outline`] draws lines over what they came to. Caustics are added up by [`deposit`] before the first
@@ -25,6 +26,7 @@ pub mod resolve;
 pub mod sample;
 pub mod shade;
 pub mod sift;
+pub mod small;
 pub mod sort;
 pub mod split;
 pub mod write;
@@ -68,6 +70,7 @@ kernels! {
     Args, |_, _| true, |_, _| args::kernel();
     Cull, |_, _| true, |v, _| cull::kernel(v);
     Split, |_, _| true, |v, _| split::kernel(v);
+    Small, |v, _| v.small, |v, _| small::kernel(v);
     Bin, |_, _| true, |v, _| bin::kernel(v);
     Allot, |v, _| v.by_tile, |_, _| sort::allot_kernel();
     Sort, |v, _| v.by_tile, |_, _| sort::kernel();

@@ -9,7 +9,8 @@ pub fn kernel(variant: Variant) -> Kernel {
     if variant.by_tile {
         return by_tile(variant);
     }
-    let mut kernel = into_visibility("raster", variant, &[UNCERTAIN, snippets!("raster.wgsl")]);
+    let mut kernel = into_visibility("raster", variant, &[PAIR, UNCERTAIN, snippets!("raster.wgsl")]);
+    kernel.bindings.push(reads("pairs", "array<vec2<u32>>"));
     kernel.constants.push(("ALL_UNCERTAIN", f64::from(u8::from(variant.all_uncertain && variant.rechecks()))));
     kernel
 }
@@ -22,9 +23,8 @@ fn by_tile(variant: Variant) -> Kernel {
         reads("ends", "array<u32>"),
         writes("busy", "array<u32>"),
         writes("recheck_items", "array<vec2<u32>>"),
-        reads("triangles", "array<vec4<u32>>"),
-        reads("vertices_hi", "array<f32>"),
-        reads("vertices_lo", "array<f32>"),
+        triangles(),
+        vertices(),
         reads("nodes", "array<vec4<f32>>"),
         writes("visibility", "array<atomic<u64>>"),
         counters(),
@@ -62,16 +62,14 @@ fn by_tile(variant: Variant) -> Kernel {
     kernel
 }
 
-/// A kernel from pairs to the visibility buffer.
+/// A kernel that merges hits of triangles into the visibility buffer.
 pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts]) -> Kernel {
     let mut bindings = vec![
         params(),
         step(),
-        reads("pairs", "array<vec2<u32>>"),
         writes("recheck_items", "array<vec2<u32>>"),
-        reads("triangles", "array<vec4<u32>>"),
-        reads("vertices_hi", "array<f32>"),
-        reads("vertices_lo", "array<f32>"),
+        triangles(),
+        vertices(),
         writes("visibility", variant.keys()),
         counters(),
     ];
@@ -85,7 +83,7 @@ pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts
         bindings.extend(variant.pages());
     }
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.alpha_masks()];
-    let shared = [PAIR, BITS, variant.merge(), MEETING, snippets!("shared/hits.wgsl"), variant.camera()];
+    let shared = [BITS, variant.merge(), MEETING, snippets!("shared/hits.wgsl"), variant.camera()];
     let all = [&snippets[..], &shared[..], own, variant.coverage(), variant.start()].concat();
     let mut kernel = Kernel::new(name, bindings, &all);
     kernel.constants = variant.constants();

@@ -9,9 +9,8 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     let mut bindings = vec![
         params(),
         uniform("shading", "Shading"),
-        reads("triangles", "array<vec4<u32>>"),
-        reads("vertices_hi", "array<f32>"),
-        reads("vertices_lo", "array<f32>"),
+        triangles(),
+        vertices(),
         reads("slot_of_id", "array<u32>"),
         reads("surfaces", "array<vec4<u32>>"),
         reads("normals", "array<f32>"),

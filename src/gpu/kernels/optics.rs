@@ -43,7 +43,7 @@ impl Variant {
 
     /// For the rays of the next bounce.
     pub fn after_bounce(self) -> Variant {
-        Variant { rays: RaysKind::Field, incoherent: false, slabbed: false, bounced: true, ..self }
+        Variant { rays: RaysKind::Field, small: false, incoherent: false, slabbed: false, bounced: true, ..self }
     }
 
     /// A smooth surface is to be met.

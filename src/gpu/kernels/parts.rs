@@ -7,6 +7,7 @@ pub(crate) const ITEMS: Parts = snippets!("shared/items.wgsl");
 pub(crate) const INDEX: Parts = snippets!("shared/index.wgsl");
 pub(crate) const ADDRESS: Parts = snippets!("shared/address.wgsl");
 pub(crate) const SLABS: Parts = snippets!("shared/slabs.wgsl");
+/// Triangles and vertices from their textures.
 pub(crate) const VERTEX: Parts = snippets!("shared/vertex.wgsl");
 pub(crate) const PACKED_TRIANGLE: Parts = snippets!("shared/triangle.wgsl");
 pub(crate) const TRIANGLE: Parts = snippets!("shared/triangle.wgsl", "shared/vertex_real.wgsl");
@@ -47,6 +48,17 @@ pub(crate) const REFRACT: Parts = snippets!("optics/refract.wgsl");
 pub(crate) fn params() -> Binding {
     uniform("params", "Params")
 }
+
+pub(crate) fn triangles() -> Binding {
+    texture("triangles", TEXELS)
+}
+
+pub(crate) fn vertices() -> Binding {
+    texture("vertices", TEXELS)
+}
+
+/// A table in a texture.
+const TEXELS: &str = "texture_2d<u32>";
 
 pub(crate) fn step() -> Binding {
     uniform("step", "Step")

@@ -34,6 +34,8 @@ pub struct Variant {
     pub atomics64: bool,
     /// `raster` goes tile by tile, not pair by pair.
     pub by_tile: bool,
+    /// `small` draws the triangles of few pixels, and bin pairs the others with tiles.
+    pub small: bool,
     pub rays: RaysKind,
     /// The rays are incoherent even after sorting: they are tested one by one against boxes.
     pub incoherent: bool,
@@ -76,6 +78,7 @@ impl Variant {
         f64: false,
         atomics64: false,
         by_tile: false,
+        small: false,
         rays: RaysKind::Pieces,
         incoherent: false,
         slabbed: false,
@@ -153,6 +156,12 @@ impl Variant {
     pub fn with_tiles(self) -> Variant {
         let by_tile = self.f64 && self.atomics64 && !self.all_uncertain && self.rechecks() && !self.masked;
         Variant { by_tile, ..self }
+    }
+
+    /// The same, with small triangles drawn by themselves where there is that: what is found of samples and of proofs takes all pairs.
+    pub fn with_small(self) -> Variant {
+        let small = self.by_tile && self.culling && self.rays == RaysKind::Pieces && !self.slabbed && self.samples == 1;
+        Variant { small, ..self }
     }
 
     pub(crate) fn real(self) -> Parts {

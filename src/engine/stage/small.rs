@@ -1,0 +1,51 @@
+//! small: triangles of few pixels of one piece, drawn by one thread each; the others are listed for bin.
+
+use super::{Dispatch, KernelId};
+use crate::gpu::kernels::Variant;
+use crate::gpu::kernels::parts::*;
+use crate::gpu::layout::Counter;
+
+pub fn kernel(variant: Variant) -> Kernel {
+    let bindings = vec![
+        params(),
+        reads("triangle_groups", "array<u32>"),
+        reads("nodes", "array<vec4<f32>>"),
+        reads("tasks", "array<u32>"),
+        triangles(),
+        vertices(),
+        reads("pieces", "array<vec4<f32>>"),
+        reads("cells", "array<Cell>"),
+        writes("large", "array<vec2<u32>>"),
+        writes("visibility", variant.keys()),
+        writes("recheck_items", "array<vec2<u32>>"),
+        counters(),
+    ];
+    let shared = [
+        PARAMS,
+        ITEMS,
+        INDEX,
+        ADDRESS,
+        SLABS,
+        VERTEX,
+        WITHIN,
+        NODE_BY_LANES,
+        variant.real(),
+        TRIANGLE,
+        snippets!("shared/bundle.wgsl"),
+        KEY,
+    ];
+    let own = [
+        variant.merge(),
+        MEETING,
+        MEETING_OF_RAYS,
+        UNCERTAIN,
+        snippets!("camera/piece.wgsl", "camera/piece_by_lanes.wgsl", "camera/pieces_small.wgsl", "small.wgsl"),
+    ];
+    let mut kernel = Kernel::new("small", bindings, &[&shared[..], &own].concat());
+    kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
+    kernel
+}
+
+pub fn small() -> Dispatch {
+    Dispatch::counted(KernelId::Small, Counter::Tasks)
+}

@@ -1,0 +1,205 @@
+// A small triangle that lies in one piece, drawn pixel by pixel.
+// Provides: draw_small
+// Needs: Bundle, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, LEAST, MOST, ONE_SIDED, Piece, TILE,
+//   bundle_at, leave_to_recheck, merge, piece_bundle, ray_meeting, real, real3, size1, triangle_id, triangle_reversed, vertex_lo,
+//   visibility_key
+// Binds: counters, params
+
+override COUNTING: bool = false;
+
+// Rounding of one f32 operation, relative.
+const UNIT: f32 = 1.0 / 16777216.0;
+
+// Relative error of a stored position: 8 units of 2^-48.
+const STORED_UNIT: f32 = 1.0 / 35184372088832.0;
+
+// d x m of a corner as a quadratic in px about a centre, m = v h - p.
+struct CornerMoment {
+    c: vec3<f32>,
+    x: vec3<f32>,
+    y: vec3<f32>,
+    xx: vec3<f32>,
+    xy: vec3<f32>,
+    yy: vec3<f32>,
+    size: f32,
+}
+
+// Directions about the centre of a box.
+struct BoxRays {
+    d: vec3<f32>,
+    dx: vec3<f32>,
+    dy: vec3<f32>,
+    size: f32,
+}
+
+fn corner_moment(v: real3, b: Bundle, r: BoxRays, half: vec2<f32>) -> CornerMoment {
+    let m = vec3<f32>(v * b.h - b.p);
+    let mx = vec3<f32>(v * b.hx - b.px);
+    let my = vec3<f32>(v * b.hy - b.py);
+    return CornerMoment(
+        cross(r.d, m),
+        cross(r.dx, m) + cross(r.d, mx),
+        cross(r.dy, m) + cross(r.d, my),
+        cross(r.dx, mx),
+        cross(r.dx, my) + cross(r.dy, mx),
+        cross(r.dy, my),
+        size1(m) + half.x * size1(mx) + half.y * size1(my),
+    );
+}
+
+// E = e . (d x m) over the box, in units of what rounding may be off.
+struct BoxEdge {
+    c: f32,
+    x: f32,
+    y: f32,
+    xx: f32,
+    xy: f32,
+    yy: f32,
+}
+
+// d, m and e as rounded 1 unit each, a cross product 2, the sum of two 1, the product with e 3, Horner's scheme 8, and 1 for the scaling:
+// 18 units of the sizes' product, which bounds all terms. A perturbation of the ray, up to 2^-24 px, is less than one more.
+fn box_edge(e: vec3<f32>, q: CornerMoment, r: BoxRays, stored: f32) -> BoxEdge {
+    let size_e = size1(e);
+    let product = size_e * q.size * r.size;
+    let bound = 20.0 * UNIT * product + stored * r.size * (size_e + q.size) + LEAST * (1.0 + product);
+    let share = select(0.0, 1.0 / bound, product < MOST);
+    return BoxEdge(
+        share * dot(e, q.c), share * dot(e, q.x), share * dot(e, q.y),
+        share * dot(e, q.xx), share * dot(e, q.xy), share * dot(e, q.yy),
+    );
+}
+
+fn box_edge_at(k: BoxEdge, x: f32, y: f32) -> f32 {
+    return k.c + y * (k.y + y * k.yy) + x * (k.x + y * k.xy + x * k.xx);
+}
+
+// Draws the pixels of a box of the band, from its first column and row up to one past the last.
+fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Piece, pixels: vec4<u32>, is_small: bool) {
+    let id = triangle_id(triangle);
+    var lo = array<vec3<f32>, 3>(vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
+    if is_small {
+        lo = array<vec3<f32>, 3>(vertex_lo(triangle.x), vertex_lo(triangle.y), vertex_lo(triangle.z));
+    }
+    let v0 = real3(hi[0]) + real3(lo[0]);
+    let v1 = real3(hi[1]) + real3(lo[1]);
+    let v2 = real3(hi[2]) + real3(lo[2]);
+
+    // about the centre of the box
+    let half = 0.5 * vec2<f32>(pixels.zw - pixels.xy - 1u);
+    let at = vec2<f32>(pixels.xy) + half - vec2<f32>(piece.origin_x, piece.origin_y);
+    let b = bundle_at(piece_bundle(piece), real(at.x), real(at.y));
+    let reach = half + 1.0;
+    var r = BoxRays(vec3<f32>(b.d), vec3<f32>(b.dx), vec3<f32>(b.dy), 0.0);
+    r.size = size1(r.d) + reach.x * size1(r.dx) + reach.y * size1(r.dy);
+    let q0 = corner_moment(v0, b, r, reach);
+    let q1 = corner_moment(v1, b, r, reach);
+    let reach_h = abs(f32(b.h)) + reach.x * abs(f32(b.hx)) + reach.y * abs(f32(b.hy));
+    let size_v = max(size1(hi[0]), max(size1(hi[1]), size1(hi[2])));
+    let stored = STORED_UNIT * (size_v * (1.0 + reach_h) + q0.size);
+    let e01 = box_edge(vec3<f32>(v1 - v0), q0, r, stored);
+    let e20 = box_edge(vec3<f32>(v0 - v2), q0, r, stored);
+    let e12 = box_edge(vec3<f32>(v2 - v1), q1, r, stored);
+
+    // t is the ratio of two affine functions
+    let normal = cross(v1 - v0, v2 - v0);
+    let along = real3(dot(normal, v0 * b.h - b.p), dot(normal, v0 * b.hx - b.px), dot(normal, v0 * b.hy - b.py));
+    let across = real3(dot(normal, b.d), dot(normal, b.dx), dot(normal, b.dy));
+    let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
+    let back_sign = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
+
+    // 128 pixels at a time, row by row
+    let box_size = pixels.zw - pixels.xy;
+    let count = select(1u, box_size.x * box_size.y, is_small);
+    let words = vec4<u32>(0u, 1u, 2u, 3u);
+    let share = 1.0 / f32(box_size.x);
+    var place = -half;
+    var n = 0u;
+    var kept = 0u;
+    loop {
+        // find those that it covers
+        var covered = vec4<u32>(0u);
+        var uncertain = vec4<u32>(0u);
+        let first = n;
+        loop {
+            let p = box_edge_at(e01, place.x, place.y);
+            let q = box_edge_at(e20, place.x, place.y);
+            let s = box_edge_at(e12, place.x, place.y);
+            let least = min(p, min(q, s));
+            let most = max(p, max(q, s));
+            let inside = least > 1.0 || most < -1.0;
+            let outside = least < -1.0 && most > 1.0;
+            let bit = select(vec4<u32>(0u), vec4<u32>(1u << (n & 31u)), words == vec4<u32>((n - first) >> 5u));
+            covered |= select(vec4<u32>(0u), bit, inside);
+            uncertain |= select(bit, vec4<u32>(0u), inside || outside);
+            place.x += 1.0;
+            if place.x > half.x {
+                place = vec2<f32>(-half.x, place.y + 1.0);
+            }
+            n++;
+            if n >= count || n >= first + 128u {
+                break;
+            }
+        }
+        if !is_small {
+            covered = vec4<u32>(0u);
+            uncertain = vec4<u32>(0u);
+        }
+
+        // merge the keys of these
+        loop {
+            let at = first + first_of(covered);
+            let row = floor((f32(at) + 0.5) * share);
+            let column = f32(at) - row * f32(box_size.x);
+            let x = real(column - half.x);
+            let y = real(row - half.y);
+            let meeting = ray_meeting(along.x + x * along.y + y * along.z, across.x + x * across.y + y * across.z, real(0.0), back_sign);
+            let pixel = pixels.xy + vec2<u32>(vec2<f32>(column, row));
+            if any(covered != vec4<u32>(0u)) && meeting.visible {
+                merge(pixel.y * params.width + pixel.x, ~visibility_key(0u, meeting.t, id));
+                kept++;
+            }
+            covered = without_first(covered);
+            if all(covered == vec4<u32>(0u)) {
+                break;
+            }
+        }
+
+        // leave what is not proven
+        loop {
+            if all(uncertain == vec4<u32>(0u)) {
+                break;
+            }
+            let at = first + first_of(uncertain);
+            uncertain = without_first(uncertain);
+            let row = floor((f32(at) + 0.5) * share);
+            let pixel = pixels.xy + vec2<u32>(vec2<f32>(f32(at) - row * f32(box_size.x), row));
+            let tile = (pixel.y / TILE) * params.tiles_x + pixel.x / TILE;
+            leave_to_recheck(slot, tile, (pixel.y % TILE) * TILE + pixel.x % TILE, 1u);
+        }
+        if n >= count {
+            break;
+        }
+    }
+    if COUNTING && is_small {
+        atomicAdd(&counters[COUNT_PAIRS_TESTED], 1u);
+        atomicAdd(&counters[COUNT_PAIRS_KEPT], 1u);
+        atomicAdd(&counters[COUNT_FRAGMENTS_TESTED], box_size.x * box_size.y);
+        atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], kept);
+    }
+}
+
+// The first of 128 bits.
+fn first_of(bits: vec4<u32>) -> u32 {
+    let low = select(32u + firstTrailingBit(bits.y), firstTrailingBit(bits.x), bits.x != 0u);
+    let high = select(96u + firstTrailingBit(bits.w), 64u + firstTrailingBit(bits.z), bits.z != 0u);
+    return select(high, low, (bits.x | bits.y) != 0u);
+}
+
+fn without_first(bits: vec4<u32>) -> vec4<u32> {
+    let x = bits.x & (bits.x - 1u);
+    let y = select(bits.y, bits.y & (bits.y - 1u), bits.x == 0u);
+    let z = select(bits.z, bits.z & (bits.z - 1u), (bits.x | bits.y) == 0u);
+    let w = select(bits.w, bits.w & (bits.w - 1u), (bits.x | bits.y | bits.z) == 0u);
+    return vec4<u32>(x, y, z, w);
+}
