@@ -90,6 +90,20 @@ pub fn table() -> Vec<BufferSpec> {
     use KernelId::*;
     use Lasts::{Band, Job, Upload};
     const SAMPLED: &[KernelId] = &[Edges, Sample, EdgesByTile, SampleByTile, RecheckSamples, Resolve];
+    const OF_TRIANGLES: &[KernelId] = &[
+        Small,
+        Bin,
+        Raster,
+        Recheck,
+        Certify,
+        Edges,
+        Sample,
+        EdgesByTile,
+        SampleByTile,
+        RecheckSamples,
+        Shade,
+        Resolve,
+    ];
     let uploaded =
         |name, item, read_by| BufferSpec { name, bytes: Bytes::Items(item), written_by: &[], read_by, lasts: Upload };
     let list = |name, lasts, bytes: fn(&Sizes) -> Option<u64>, written_by, read_by| BufferSpec {
@@ -110,42 +124,8 @@ pub fn table() -> Vec<BufferSpec> {
         // the scene
         uploaded("clusters", size_of::<layout::Cluster>(), &[Cull]),
         uploaded("triangle_groups", size_of::<layout::Cluster>(), &[Split, Small, Bin]),
-        uploaded(
-            "triangles",
-            16,
-            &[
-                Small,
-                Bin,
-                Raster,
-                Recheck,
-                Certify,
-                Edges,
-                Sample,
-                EdgesByTile,
-                SampleByTile,
-                RecheckSamples,
-                Shade,
-                Resolve,
-            ],
-        ),
-        uploaded(
-            "vertices",
-            size_of::<layout::Vertex>(),
-            &[
-                Small,
-                Bin,
-                Raster,
-                Recheck,
-                Certify,
-                Edges,
-                Sample,
-                EdgesByTile,
-                SampleByTile,
-                RecheckSamples,
-                Shade,
-                Resolve,
-            ],
-        ),
+        uploaded("triangles", 16, OF_TRIANGLES),
+        uploaded("vertices", size_of::<layout::Vertex>(), OF_TRIANGLES),
         uploaded("slot_of_id", 4, &[Edges, Shade, Resolve]),
         uploaded("surfaces", 16, &[Raster, Recheck, Shade, Resolve]),
         uploaded("normals", 4, &[Shade, Resolve]),

@@ -127,8 +127,8 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Mode, 
 
 /// How a visibility buffer stands against the twin's.
 #[derive(Debug, Default)]
-struct Compared {
-    wrong: Vec<String>,
+pub struct Compared {
+    pub wrong: Vec<String>,
     /// Pixels that differ where the twin's own signs are within rounding, or two hits closer than their ts are known.
     excused: usize,
     /// Largest difference of t where the ids agree, relative to t, and relative to what it may be.
@@ -136,7 +136,7 @@ struct Compared {
     t_share: f64,
 }
 
-fn compare(jobs: &[Job], real: Real, kernel: &[[u32; 2]], twin: &Visibility) -> Compared {
+pub fn compare(jobs: &[Job], real: Real, kernel: &[[u32; 2]], twin: &Visibility) -> Compared {
     let mut seen = Compared::default();
     let keys = jobs[0].0.keys(real);
     for (pixel, words) in kernel.iter().enumerate() {

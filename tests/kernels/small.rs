@@ -1,23 +1,22 @@
 //! small: what it draws and what it leaves to bin and raster come, together, to what the twin's raster draws.
 
-use crate::kernels::raster::{Job, assert_drawn};
+use crate::kernels::raster::{Job, assert_drawn, compare};
 use crate::stages::{
     Bench, Case, POISON, assert_poisoned, cases, counters, list, many_clusters, random_case, read, read_list, run,
     seeds, upload,
 };
-use anamorph::internals::engine::Capacities;
 use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::recheck::recheck;
 use anamorph::internals::engine::stage::small::small;
 use anamorph::internals::engine::stage::sort::sort;
 use anamorph::internals::engine::stage::split::split;
 use anamorph::internals::gpu::buffers::Buffers;
-use anamorph::internals::gpu::kernels::Variant;
+use anamorph::internals::gpu::kernels::{Snippet, Variant};
 use anamorph::internals::gpu::layout::{COUNTERS, Counter};
 use anamorph::internals::twin::bin::bin;
 use anamorph::internals::twin::cull::{Bound, cull};
 use anamorph::internals::twin::raster::{Visibility, raster};
-use anamorph::internals::twin::{KernelInputs, LARGE, Real};
+use anamorph::internals::twin::{KernelInputs, LARGE, Real, Tables};
 use std::collections::HashSet;
 
 /// The kernels' list of what small leaves, and how long it should be.
@@ -74,10 +73,31 @@ fn draw(bench: &mut Bench, case: &Case, variant: Variant, input: &KernelInputs, 
     Left { large: items[..count].to_vec(), demand, drawn: all - demand }
 }
 
-/// Space for all that may be listed.
-fn spacious(input: &KernelInputs) -> Capacities {
-    let pixels = u64::from(input.params.width * input.params.height);
-    Capacities { pairs: 1 << 18, recheck_items: 8 * pixels + (1 << 16), ..LARGE }
+/// The bands of a case: their inputs with all pairs that the twin finds, and what it draws of these.
+fn bands<'a>(case: &Case, tables: &'a Tables) -> Vec<(Vec<Job<'a>>, Visibility)> {
+    let with_pairs = |mut input: KernelInputs<'a>| {
+        let pixels = input.params.width * input.params.height;
+        input.params.pair_capacity = 1 << 18;
+        input.params.recheck_capacity = 8 * pixels + (1 << 16);
+        let binned = bin(&input, &cull(&input, Bound::PLAIN).work, Real::F64);
+        (input, binned.iter().map(|b| b.pair().pack()).collect())
+    };
+    let band = |inputs: Vec<KernelInputs<'a>>| {
+        let jobs: Vec<Job> = inputs.into_iter().map(with_pairs).collect();
+        let mut twin = Visibility::new((jobs[0].0.params.width * jobs[0].0.params.height) as usize);
+        jobs.iter().for_each(|(input, pairs)| raster(input, pairs, Real::F64, &mut twin));
+        (jobs, twin)
+    };
+    case.bands(tables).into_iter().map(band).collect()
+}
+
+/// Draws the jobs of a band into one buffer, and what each leaves.
+fn draw_band(bench: &mut Bench, case: &Case, variant: Variant, jobs: &[Job]) -> (Vec<[u32; 2]>, Vec<Left>) {
+    let pixels = (jobs[0].0.params.width * jobs[0].0.params.height) as usize;
+    let mut shared = Buffers::default();
+    shared.upload(&bench.gpu, "visibility", &vec![[0u32; 2]; pixels]).unwrap();
+    let left = jobs.iter().map(|(input, _)| draw(bench, case, variant, input, &shared)).collect();
+    (read(&bench.gpu, &shared, "visibility").chunks_exact(2).map(|w| [w[0], w[1]]).collect(), left)
 }
 
 #[test]
@@ -87,37 +107,43 @@ fn small_and_large_triangles_come_to_what_the_twin_draws() {
     for case in cases().into_iter().chain([many_clusters()]).chain(seeds().map(random_case)) {
         let Some(variant) = variant(&bench, &case) else { continue };
         let tables = case.tables();
-        for band in case.bands(&tables) {
-            let capacities = spacious(&band[0]);
-            let jobs: Vec<Job> = band
-                .into_iter()
-                .map(|mut input| {
-                    input.params.pair_capacity = capacities.pairs as u32;
-                    input.params.recheck_capacity = capacities.recheck_items as u32;
-                    let binned = bin(&input, &cull(&input, Bound::PLAIN).work, Real::F64);
-                    (input, binned.iter().map(|b| b.pair().pack()).collect())
-                })
-                .collect();
-            let pixels = (jobs[0].0.params.width * jobs[0].0.params.height) as usize;
-            let mut twin = Visibility::new(pixels);
-            jobs.iter().for_each(|(input, pairs)| raster(input, pairs, Real::F64, &mut twin));
-            let mut shared = Buffers::default();
-            shared.upload(&bench.gpu, "visibility", &vec![[0u32; 2]; pixels]).unwrap();
-            for (input, _) in &jobs {
-                let found = draw(&mut bench, &case, variant, input, &shared);
+        for (jobs, twin) in bands(&case, &tables) {
+            let (words, found) = draw_band(&mut bench, &case, variant, &jobs);
+            for found in found {
                 let once: HashSet<&[u32; 2]> = found.large.iter().collect();
                 assert_eq!(once.len(), found.large.len(), "{}: an item is left twice", case.name);
                 drawn += found.drawn;
                 left += found.demand;
             }
-            let words: Vec<[u32; 2]> =
-                read(&bench.gpu, &shared, "visibility").chunks_exact(2).map(|w| [w[0], w[1]]).collect();
             assert_drawn(&case.name, &jobs, &words, &twin);
         }
     }
     if bench.gpu.has.lanes && bench.gpu.has.f64 && bench.gpu.has.atomics64 {
         assert!(drawn > 1000 && left > 100, "the cases must draw triangles ({drawn}) and leave some ({left})");
     }
+}
+
+/// The bound adds up the worst of every rounding, and real ones cancel: measured, 4 pixels are wrong at a hundredth of it, 126 at half of
+/// that.
+#[test]
+fn a_bound_on_coverage_two_hundred_times_smaller_is_noticed() {
+    let (name, bound) = ("camera/pieces_small.wgsl", "20.0 * UNIT");
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("wgsl").join(name);
+    let text = std::fs::read_to_string(path).unwrap();
+    assert_eq!(text.matches(bound).count(), 1);
+    let Some(mut bench) = Bench::open() else { return };
+    let planted = text.replacen(bound, "0.1 * UNIT", 1);
+    bench.gpu.replaced.push(Box::leak(Box::new(Snippet { name, text: planted.leak() })));
+    let mut wrong = 0;
+    for case in cases().into_iter().filter(|c| c.name.starts_with("vertices on rays")) {
+        let Some(variant) = variant(&bench, &case) else { return };
+        let tables = case.tables();
+        for (jobs, twin) in bands(&case, &tables) {
+            let (words, _) = draw_band(&mut bench, &case, variant, &jobs);
+            wrong += compare(&jobs, Real::F64, &words, &twin).wrong.len();
+        }
+    }
+    assert!(wrong > 0, "nothing notices the bound");
 }
 
 #[test]

@@ -1,8 +1,8 @@
 // A small triangle that lies in one piece, drawn pixel by pixel.
 // Provides: draw_small
 // Needs: Bundle, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, LEAST, MOST, ONE_SIDED, Piece, TILE,
-//   bundle_at, leave_to_recheck, merge, piece_bundle, ray_meeting, real, real3, size1, triangle_id, triangle_reversed, vertex_lo,
-//   visibility_key
+//   bundle_at, first_of, leave_to_recheck, long_bit, merge, piece_bundle, ray_meeting, real, real3, size1, triangle_id, triangle_reversed,
+//   vertex_lo, visibility_key, without_first
 // Binds: counters, params
 
 override COUNTING: bool = false;
@@ -58,7 +58,8 @@ struct BoxEdge {
 }
 
 // d, m and e as rounded 1 unit each, a cross product 2, the sum of two 1, the product with e 3, Horner's scheme 8, and 1 for the scaling:
-// 18 units of the sizes' product, which bounds all terms. A perturbation of the ray, up to 2^-24 px, is less than one more.
+// 18 units of the sizes' product, which bounds all terms. A perturbation moves the ray by up to 2^-24 px to the right and less down: the
+// sizes reach a pixel beyond the box, so d and m change by 1 unit of theirs each.
 fn box_edge(e: vec3<f32>, q: CornerMoment, r: BoxRays, stored: f32) -> BoxEdge {
     let size_e = size1(e);
     let product = size_e * q.size * r.size;
@@ -72,6 +73,12 @@ fn box_edge(e: vec3<f32>, q: CornerMoment, r: BoxRays, stored: f32) -> BoxEdge {
 
 fn box_edge_at(k: BoxEdge, x: f32, y: f32) -> f32 {
     return k.c + y * (k.y + y * k.yy) + x * (k.x + y * k.xy + x * k.xx);
+}
+
+// Column and row of the n-th pixel of a box, row by row. Of up to 512 pixels: half a pixel is far more than what the division is off.
+fn place_in_box(n: u32, width: f32) -> vec2<f32> {
+    let row = floor((f32(n) + 0.5) / width);
+    return vec2<f32>(f32(n) - row * width, row);
 }
 
 // Draws the pixels of a box of the band, from its first column and row up to one past the last.
@@ -111,8 +118,6 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
     // 128 pixels at a time, row by row
     let box_size = pixels.zw - pixels.xy;
     let count = select(1u, box_size.x * box_size.y, is_small);
-    let words = vec4<u32>(0u, 1u, 2u, 3u);
-    let share = 1.0 / f32(box_size.x);
     var place = -half;
     var n = 0u;
     var kept = 0u;
@@ -129,7 +134,7 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
             let most = max(p, max(q, s));
             let inside = least > 1.0 || most < -1.0;
             let outside = least < -1.0 && most > 1.0;
-            let bit = select(vec4<u32>(0u), vec4<u32>(1u << (n & 31u)), words == vec4<u32>((n - first) >> 5u));
+            let bit = long_bit(n - first);
             covered |= select(vec4<u32>(0u), bit, inside);
             uncertain |= select(bit, vec4<u32>(0u), inside || outside);
             place.x += 1.0;
@@ -148,13 +153,11 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
 
         // merge the keys of these
         loop {
-            let at = first + first_of(covered);
-            let row = floor((f32(at) + 0.5) * share);
-            let column = f32(at) - row * f32(box_size.x);
-            let x = real(column - half.x);
-            let y = real(row - half.y);
+            let at = place_in_box(first + first_of(covered), f32(box_size.x));
+            let x = real(at.x - half.x);
+            let y = real(at.y - half.y);
             let meeting = ray_meeting(along.x + x * along.y + y * along.z, across.x + x * across.y + y * across.z, real(0.0), back_sign);
-            let pixel = pixels.xy + vec2<u32>(vec2<f32>(column, row));
+            let pixel = pixels.xy + vec2<u32>(at);
             if any(covered != vec4<u32>(0u)) && meeting.visible {
                 merge(pixel.y * params.width + pixel.x, ~visibility_key(0u, meeting.t, id));
                 kept++;
@@ -170,10 +173,8 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
             if all(uncertain == vec4<u32>(0u)) {
                 break;
             }
-            let at = first + first_of(uncertain);
+            let pixel = pixels.xy + vec2<u32>(place_in_box(first + first_of(uncertain), f32(box_size.x)));
             uncertain = without_first(uncertain);
-            let row = floor((f32(at) + 0.5) * share);
-            let pixel = pixels.xy + vec2<u32>(vec2<f32>(f32(at) - row * f32(box_size.x), row));
             let tile = (pixel.y / TILE) * params.tiles_x + pixel.x / TILE;
             leave_to_recheck(slot, tile, (pixel.y % TILE) * TILE + pixel.x % TILE, 1u);
         }
@@ -187,19 +188,4 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
         atomicAdd(&counters[COUNT_FRAGMENTS_TESTED], box_size.x * box_size.y);
         atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], kept);
     }
-}
-
-// The first of 128 bits.
-fn first_of(bits: vec4<u32>) -> u32 {
-    let low = select(32u + firstTrailingBit(bits.y), firstTrailingBit(bits.x), bits.x != 0u);
-    let high = select(96u + firstTrailingBit(bits.w), 64u + firstTrailingBit(bits.z), bits.z != 0u);
-    return select(high, low, (bits.x | bits.y) != 0u);
-}
-
-fn without_first(bits: vec4<u32>) -> vec4<u32> {
-    let x = bits.x & (bits.x - 1u);
-    let y = select(bits.y, bits.y & (bits.y - 1u), bits.x == 0u);
-    let z = select(bits.z, bits.z & (bits.z - 1u), (bits.x | bits.y) == 0u);
-    let w = select(bits.w, bits.w & (bits.w - 1u), (bits.x | bits.y | bits.z) == 0u);
-    return vec4<u32>(x, y, z, w);
 }

@@ -16,7 +16,7 @@ pub fn kernel(variant: Variant) -> Kernel {
     ];
     let items: &[Parts] = if variant.small {
         bindings.push(reads("large", "array<vec2<u32>>"));
-        &[snippets!("shared/bin_large.wgsl")]
+        &[snippets!("shared/bin_item.wgsl", "shared/bin_large.wgsl")]
     } else {
         let groups = reads("triangle_groups", variant.list_type("array<Cluster>"));
         bindings.extend([groups, reads("tasks", "array<vec2<u32>>")]);
@@ -24,7 +24,7 @@ pub fn kernel(variant: Variant) -> Kernel {
             true => snippets!("shared/triangle_group_by_lanes.wgsl"),
             false => snippets!("shared/triangle_group_load.wgsl"),
         };
-        &[loads, variant.item_node(), snippets!("shared/bin_groups.wgsl")]
+        &[loads, variant.item_node(), snippets!("shared/bin_item.wgsl", "shared/bin_groups.wgsl")]
     };
     let mut own = snippets!("shared/by_pair.wgsl");
     if variant.by_tile {

@@ -37,7 +37,7 @@ fn by_tile(variant: Variant) -> Kernel {
         _ => {
             let pieces = reads("pieces", "array<vec4<f32>>");
             bindings.extend([pieces, reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
-            snippets!("camera/piece.wgsl", "camera/pieces_column.wgsl")
+            snippets!("camera/piece.wgsl", "camera/piece_by_lanes.wgsl", "camera/pieces_column.wgsl")
         }
     };
     if variant.bounced {

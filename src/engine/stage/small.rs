@@ -39,7 +39,13 @@ pub fn kernel(variant: Variant) -> Kernel {
         MEETING,
         MEETING_OF_RAYS,
         UNCERTAIN,
-        snippets!("camera/piece.wgsl", "camera/piece_by_lanes.wgsl", "camera/pieces_small.wgsl", "small.wgsl"),
+        snippets!(
+            "camera/piece.wgsl",
+            "camera/piece_by_lanes.wgsl",
+            "shared/long_bits.wgsl",
+            "camera/pieces_small.wgsl",
+            "small.wgsl"
+        ),
     ];
     let mut kernel = Kernel::new("small", bindings, &[&shared[..], &own].concat());
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
