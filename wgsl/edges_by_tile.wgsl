@@ -15,8 +15,9 @@ fn edges(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
-    @builtin(subgroup_invocation_id) lane: u32,
+    @builtin(subgroup_invocation_id) place: u32,
 ) {
+    let lane = take_lane(place);
     // take a tile that has pairs
     let tile = group_index(group, groups) * (GROUP / LANES) + thread / LANES;
     if tile >= params.tiles_x * params.tiles_y {
@@ -96,7 +97,7 @@ fn edges(
     if lane == 0u {
         first = atomicAdd(&counters[COUNT_EDGES], count);
     }
-    first = subgroupShuffle(first, 0u);
+    first = subgroupShuffle(first, subgroup_lane(0u));
     if count == 0u || first + count > params.edge_capacity {
         return;
     }
@@ -119,7 +120,7 @@ fn edges(
     if lane == 0u {
         block = atomicAdd(&counters[COUNT_BLOCKS], block_count);
     }
-    block = subgroupShuffle(block, 0u);
+    block = subgroupShuffle(block, subgroup_lane(0u));
     for (var k = lane; k < block_count; k += LANES) {
         let size = min(strips - k * LANES, LANES);
         blocks[block + k] = vec4<u32>(tile | (size << 24u), first * STRIPS + k * LANES, starts[tile], end);

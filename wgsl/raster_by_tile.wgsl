@@ -22,8 +22,9 @@ fn raster(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
-    @builtin(subgroup_invocation_id) lane: u32,
+    @builtin(subgroup_invocation_id) place: u32,
 ) {
+    let lane = take_lane(place);
     // take a busy tile
     let item = atomicLoad(&counters[COUNT_BUSY_FIRST]) + group_index(group, groups) * (GROUP / LANES) + thread / LANES;
     if item >= atomicLoad(&counters[COUNT_BUSY_END]) {
@@ -147,7 +148,7 @@ fn raster(
             }
             let k = firstTrailingBit(uncertain) / 4u;
             uncertain &= ~(15u << (4u * k));
-            let uncertain_slot = subgroupShuffle(slot, k);
+            let uncertain_slot = subgroupShuffle(slot, subgroup_lane(k));
             leave_to_recheck(uncertain_slot, tile, 0u, rows_mask(1u << lane, (uncertain_upper >> (4u * k)) & 15u));
             leave_to_recheck(uncertain_slot, tile, 32u, rows_mask(1u << lane, (uncertain_lower >> (4u * k)) & 15u));
         }

@@ -14,8 +14,9 @@ fn sample(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
-    @builtin(subgroup_invocation_id) lane: u32,
+    @builtin(subgroup_invocation_id) place: u32,
 ) {
+    let lane = take_lane(place);
     // take a block
     let item = group_index(group, groups) * (GROUP / LANES) + thread / LANES;
     if item >= atomicLoad(&counters[COUNT_BLOCKS]) {
@@ -94,7 +95,7 @@ fn sample(
             }
             let k = firstTrailingBit(uncertain) / 4u;
             uncertain &= ~(15u << (4u * k));
-            leave_to_recheck_samples(pixel, subgroupShuffle(pair.index, k), strip, (unproven >> (4u * k)) & 15u);
+            leave_to_recheck_samples(pixel, subgroupShuffle(pair.index, subgroup_lane(k)), strip, (unproven >> (4u * k)) & 15u);
         }
         if waiting == 0u && at >= end {
             break;

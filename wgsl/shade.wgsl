@@ -8,22 +8,28 @@
 //   segment_length, sent_back, surface_albedo, surface_normal, surface_uv, triangle_at, vertex_real
 // Binds: params, planes, shading, slot_of_id, visibility
 
-fn store(plane: u32, at: Place, word: u32) {
-    if plane != NONE && says_what_is_seen() {
-        planes[plane * at.count + at.pixel] = word;
-    }
-}
-
-fn add(plane: u32, at: Place, light: f32) {
-    if plane != NONE {
-        planes[plane * at.count + at.pixel] = bitcast<u32>(light_before(plane, at) + light);
-    }
-}
+// Some plane shows more than the key says.
+override FOLLOWS_RAYS: bool = true;
 
 // A pixel's index, and the number of pixels in a plane.
 struct Place {
     pixel: u32,
     count: u32,
+}
+
+// What the planes say of a pixel.
+struct Seen {
+    id: u32,
+    t: f32,
+    z: f32,
+    alpha: f32,
+    piece: u32,             // of the camera's own ray, where it has not bounced
+    weights: vec2<f32>,     // of the triangle's second and third corner
+    n: vec3<f32>,
+    p: vec3<f32>,
+    albedo: vec3<f32>,
+    uv: vec2<f32>,
+    light: vec3<f32>,
 }
 
 @compute @workgroup_size(64)
@@ -38,121 +44,146 @@ fn shade(
     if pixel >= at.count {
         return;
     }
-    let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
-    if all(won == vec2<u32>(0u)) {
-        if params.id_first == 0u && has_path(pixel % params.width, pixel / params.width) {
-            store_miss(at, beyond(pixel % params.width, pixel / params.width));
-        }
-        return;
-    }
+    let won = pixel_key(pixel);
     let id = key_id(~won);
-    if goes_on(id) {
-        return;
-    }
+    let is_hit = any(won != vec2<u32>(0u));
     let x = pixel % params.width;
     let y = pixel / params.width;
-    if ends_on_smooth(id) {
-        if params.id_first == 0u {
-            let t = key_t(~won);
-            let ray = pixel_ray(0u, x, y, t);
-            store_place(at, id, t, path_length(pixel) + reached(ray, 0u, x, y, t));
-            store(PLANE_A, at, bitcast<u32>(1.0));
-            store_no_weights(at);
-            store_piece(at, 0u);
-            let own = colour_of(id, vec3<f32>(0.0));
-            store_surface(at, vec3<f32>(0.0), point_at(ray, t) + shading.anchor, own);
-            store_uv(at, vec2<f32>(0.0));
-            store_light(at, own);
+
+    // find what it shows; one store a plane for all cases: software adapters run every case
+    var seen: Seen;
+    if !is_hit {
+        if params.id_first != 0u || !has_path(x, y) {
+            return;
         }
+        seen = miss(at, beyond(x, y));
+    } else if goes_on(id) {
         return;
+    } else if ends_on_smooth(id) {
+        if params.id_first != 0u {
+            return;
+        }
+        seen = hit_of_smooth(at, id, key_t(~won));
+    } else {
+        if id - params.id_first >= params.id_count {
+            return;
+        }
+        seen = hit_of_triangle(at, id, key_layer(~won), key_t(~won));
     }
-    if id - params.id_first >= params.id_count {
-        return;
+
+    // store it
+    store(PLANE_T, at, bitcast<u32>(seen.t));
+    store(PLANE_Z, at, bitcast<u32>(seen.z));
+    store(PLANE_TRIANGLE_ID, at, seen.id);
+    store(PLANE_A, at, bitcast<u32>(seen.alpha));
+    store(PLANE_BARY_U, at, bitcast<u32>(seen.weights.x));
+    store(PLANE_BARY_V, at, bitcast<u32>(seen.weights.y));
+    // the piece of the camera's own ray, or the surface of its first bounce
+    let surface = first_surface(pixel);
+    store(PLANE_PIECE_ID, at, select(first_piece(pixel), seen.piece, surface == NONE));
+    store(PLANE_MIRROR_ID, at, surface);
+    store(PLANE_N_X, at, bitcast<u32>(seen.n.x));
+    store(PLANE_N_Y, at, bitcast<u32>(seen.n.y));
+    store(PLANE_N_Z, at, bitcast<u32>(seen.n.z));
+    store(PLANE_P_X, at, bitcast<u32>(seen.p.x));
+    store(PLANE_P_Y, at, bitcast<u32>(seen.p.y));
+    store(PLANE_P_Z, at, bitcast<u32>(seen.p.z));
+    store(PLANE_ALBEDO_R, at, bitcast<u32>(seen.albedo.x));
+    store(PLANE_ALBEDO_G, at, bitcast<u32>(seen.albedo.y));
+    store(PLANE_ALBEDO_B, at, bitcast<u32>(seen.albedo.z));
+    store(PLANE_UV_U, at, bitcast<u32>(seen.uv.x));
+    store(PLANE_UV_V, at, bitcast<u32>(seen.uv.y));
+    let left = light_left(pixel) * seen.light;
+    add(PLANE_R, at, left.x);
+    add(PLANE_G, at, left.y);
+    add(PLANE_B, at, left.z);
+}
+
+fn store(plane: u32, at: Place, word: u32) {
+    if plane != NONE && says_what_is_seen() {
+        planes[plane * at.count + at.pixel] = word;
+    }
+}
+
+fn add(plane: u32, at: Place, light: f32) {
+    if plane != NONE {
+        planes[plane * at.count + at.pixel] = bitcast<u32>(light_before(plane, at) + light);
+    }
+}
+
+fn miss(at: Place, light: vec3<f32>) -> Seen {
+    let none = vec3<f32>(0.0);
+    let infinity = bitcast<f32>(0x7f800000u);
+    let alpha = select(1.0, 0.0, first_surface(at.pixel) == NONE);
+    return Seen(NONE, infinity, infinity, alpha, NONE, none.xy, none, none, none, none.xy, light);
+}
+
+// A hit at t of the last ray on a smooth surface where rays end.
+fn hit_of_smooth(at: Place, id: u32, t: f32) -> Seen {
+    var seen = miss(at, colour_of(id, vec3<f32>(0.0)));
+    seen.id = id;
+    seen.t = t;
+    seen.alpha = 1.0;
+    if !FOLLOWS_RAYS {
+        return seen;
+    }
+    let x = at.pixel % params.width;
+    let y = at.pixel / params.width;
+    let ray = pixel_ray(0u, x, y, t);
+    seen.z = path_length(at.pixel) + reached(ray, 0u, x, y, t);
+    seen.piece = 0u;
+    seen.p = point_at(ray, t) + shading.anchor;
+    seen.albedo = seen.light;
+    return seen;
+}
+
+// A hit at t of the last ray, in a layer, on a triangle of this chunk.
+fn hit_of_triangle(at: Place, id: u32, layer: u32, t: f32) -> Seen {
+    var seen = miss(at, vec3<f32>(0.0));
+    seen.id = id;
+    seen.t = f32(layer) + t;
+    seen.alpha = 1.0;
+    if !FOLLOWS_RAYS {
+        return seen;
     }
 
     // what the key does not say: the ray and the triangle
+    let x = at.pixel % params.width;
+    let y = at.pixel / params.width;
     let slot = slot_of_id[id - params.id_first];
     let triangle = triangle_at(slot);
-    let layer = key_layer(~won);
-    let t = key_t(~won);
     let ray = pixel_ray(layer, x, y, t);
-    var z = 0.0;
+    seen.z = 0.0;
     if PLANE_Z != NONE || STYLED {
         // all of the segments in lower layers, of the rays before, and a part of the last
-        z = path_length(pixel) + reached(ray, layer, x, y, t);
+        seen.z = path_length(at.pixel) + reached(ray, layer, x, y, t);
         for (var k = 0u; SLABBED && k < layer; k++) {
-            z += segment_length(k, x, y);
+            seen.z += segment_length(k, x, y);
         }
     }
-    store(PLANE_A, at, bitcast<u32>(1.0));
-    store_place(at, id, f32(layer) + t, z);
     if PLANE_PIECE_ID != NONE || PLANE_MIRROR_ID != NONE {
-        store_piece(at, piece_number(layer, x, y));
+        seen.piece = piece_number(layer, x, y);
     }
     if PLANE_BARY_U != NONE || PLANE_BARY_V != NONE {
-        let weights = weights_real(ray_bundle(layer, x, y, t), triangle);
-        store(PLANE_BARY_U, at, bitcast<u32>(weights.y));
-        store(PLANE_BARY_V, at, bitcast<u32>(weights.z));
+        seen.weights = weights_real(ray_bundle(layer, x, y, t), triangle).yz;
     }
     var differential: RayDifferential;
     if TEXTURED || STYLED {
         differential = ray_differential(layer, x, y, t);
     }
-    let hit = ShadedHit(slot, point_at(ray, t), z, ray.d, differential, shading.filter_width);
+    let hit = ShadedHit(slot, point_at(ray, t), seen.z, ray.d, differential, shading.filter_width);
     let diffuse = surface_albedo(slot, triangle, ray, differential) * pattern_at(hit);
-    let n = surface_normal(slot, triangle, ray);
-    store_surface(at, n, point_at(ray, t) + shading.anchor, colour_of(id, diffuse));
+    seen.n = surface_normal(slot, triangle, ray);
+    seen.p = point_at(ray, t) + shading.anchor;
+    seen.albedo = colour_of(id, diffuse);
     if PLANE_UV_U != NONE || PLANE_UV_V != NONE {
-        store_uv(at, surface_uv(slot, triangle, ray));
+        seen.uv = surface_uv(slot, triangle, ray);
     }
     if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
-        let lit = sent_back(Lit(slot, point_at(ray, t), reach_of(ray, t), n, normalize(ray.d), 1.0), diffuse);
-        store_light(at, colour_of(id, drawn(hit, n, lit)));
+        let lit = sent_back(Lit(slot, point_at(ray, t), reach_of(ray, t), seen.n, normalize(ray.d), 1.0), diffuse);
+        seen.light = colour_of(id, drawn(hit, seen.n, lit));
     }
-}
-
-// A hit at t of the last ray, and its depth z along the whole path.
-fn store_place(at: Place, id: u32, t: f32, z: f32) {
-    store(PLANE_T, at, bitcast<u32>(t));
-    store(PLANE_Z, at, bitcast<u32>(z));
-    store(PLANE_TRIANGLE_ID, at, id);
-}
-
-fn store_no_weights(at: Place) {
-    store(PLANE_BARY_U, at, 0u);
-    store(PLANE_BARY_V, at, 0u);
-}
-
-// The piece of the camera's own ray, or the surface of its first bounce.
-fn store_piece(at: Place, piece: u32) {
-    let surface = first_surface(at.pixel);
-    store(PLANE_PIECE_ID, at, select(first_piece(at.pixel), piece, surface == NONE));
-    store(PLANE_MIRROR_ID, at, surface);
-}
-
-// The surface: its normal, the hit, and its unlit colour.
-fn store_surface(at: Place, n: vec3<f32>, p: vec3<f32>, albedo: vec3<f32>) {
-    store(PLANE_N_X, at, bitcast<u32>(n.x));
-    store(PLANE_N_Y, at, bitcast<u32>(n.y));
-    store(PLANE_N_Z, at, bitcast<u32>(n.z));
-    store(PLANE_P_X, at, bitcast<u32>(p.x));
-    store(PLANE_P_Y, at, bitcast<u32>(p.y));
-    store(PLANE_P_Z, at, bitcast<u32>(p.z));
-    store(PLANE_ALBEDO_R, at, bitcast<u32>(albedo.x));
-    store(PLANE_ALBEDO_G, at, bitcast<u32>(albedo.y));
-    store(PLANE_ALBEDO_B, at, bitcast<u32>(albedo.z));
-}
-
-fn store_uv(at: Place, uv: vec2<f32>) {
-    store(PLANE_UV_U, at, bitcast<u32>(uv.x));
-    store(PLANE_UV_V, at, bitcast<u32>(uv.y));
-}
-
-fn store_light(at: Place, colour: vec3<f32>) {
-    let left = light_left(at.pixel) * colour;
-    add(PLANE_R, at, left.x);
-    add(PLANE_G, at, left.y);
-    add(PLANE_B, at, left.z);
+    return seen;
 }
 
 // Weights of the file's corners in recheck arithmetic: E12, E20 and E01 over their sum, which is h N . d.
@@ -163,15 +194,4 @@ fn weights_real(b: Bundle, triangle: vec4<u32>) -> vec3<f32> {
     let g0 = cross(b.d, v0 * b.h - b.p);
     let w = real3(dot(v2 - v1, cross(b.d, v1 * b.h - b.p)), dot(v0 - v2, g0), dot(v1 - v0, g0));
     return in_file_order(vec3<f32>(w / (w.x + w.y + w.z)), triangle);
-}
-
-fn store_miss(at: Place, colour: vec3<f32>) {
-    let infinity = 0x7f800000u;
-    store_place(at, NONE, bitcast<f32>(infinity), bitcast<f32>(infinity));
-    store(PLANE_A, at, select(bitcast<u32>(1.0), 0u, first_surface(at.pixel) == NONE));
-    store_no_weights(at);
-    store_piece(at, NONE);
-    store_surface(at, vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
-    store_uv(at, vec2<f32>(0.0));
-    store_light(at, colour);
 }

@@ -14,27 +14,28 @@ fn small(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
+    @builtin(subgroup_invocation_id) place: u32,
 ) {
     // take a triangle of a task; the lanes load it together
-    let lane = thread % LANES;
+    let lane = take_lane(place);
     let index = item_index(group, groups, thread) / TRIANGLE_GROUP;
     var word = 0u;
     if lane == 0u {
         word = atomicLoad(&counters[COUNT_TASKS]);
     }
-    if index >= min(subgroupShuffle(word, 0u), params.task_capacity) {
+    if index >= min(subgroupShuffle(word, subgroup_lane(0u)), params.task_capacity) {
         return;
     }
     if lane < 2u {
         word = tasks[2u * index + lane];
     }
-    let address = subgroupShuffle(word, 1u);
-    let triangle_group = subgroupShuffle(word, 0u);
+    let address = subgroupShuffle(word, subgroup_lane(1u));
+    let triangle_group = subgroupShuffle(word, subgroup_lane(0u));
     if lane == 3u || lane == 7u {
         word = triangle_groups[8u * triangle_group + lane];
     }
-    let first_slot = subgroupShuffle(word, 3u);
-    let count = subgroupShuffle(word, 7u);
+    let first_slot = subgroupShuffle(word, subgroup_lane(3u));
+    let count = subgroupShuffle(word, subgroup_lane(7u));
     let level = node_level(address);
     let node = item_node(address_node(address), lane);
     let piece = lanes_piece(select(node.piece, 0u, node.piece == NONE), lane);

@@ -128,7 +128,7 @@ pub fn table() -> Vec<BufferSpec> {
         uploaded("vertices", size_of::<layout::Vertex>(), OF_TRIANGLES),
         uploaded("slot_of_id", 4, &[Edges, Shade, Resolve]),
         uploaded("surfaces", 16, &[Raster, Recheck, Shade, Resolve]),
-        uploaded("normals", 4, &[Shade, Resolve]),
+        uploaded("normals", 16, &[Shade, Resolve]),
         uploaded("materials", size_of::<layout::Material>(), &[Raster, Recheck, Shade, Resolve]),
         // texels
         uploaded("pages", 8, &[Raster, Recheck, Shade, Resolve]),

@@ -165,9 +165,9 @@ impl Resident {
         if plan.variant.styled || plan.variant.outlined {
             self.shared.upload_uniform(gpu, "style", &style)?;
         }
-        self.shared.upload(gpu, "lights", &lights)?;
-        self.shared.upload(gpu, "materials", &materials)?;
-        self.shared.upload(gpu, "normals", &normals)?;
+        self.shared.upload_texels(gpu, "lights", &lights)?;
+        self.shared.upload_texels(gpu, "materials", &materials)?;
+        self.shared.upload_texels(gpu, "normals", &normals)?;
         let masks = materials.iter().map(|m| (m.cutoff > 0.0).then_some((m.texture, m.cutoff, m.page, m.origin)));
         let masks = (pages, masks.collect());
         let keeps_masks = self.alpha_masks.0.has_the_images_of(&masks.0) && self.alpha_masks.1 == masks.1;
@@ -316,9 +316,9 @@ impl Resident {
 fn chunk_on_device(gpu: &Gpu, chunk: &Chunk, mut buffers: Buffers) -> Result<ChunkOnDevice> {
     place(gpu, &mut buffers, chunk)?;
     if chunk.uvs.is_empty() {
-        buffers.upload(gpu, "surfaces", &chunk.surfaces)?;
+        buffers.upload_texels(gpu, "surfaces", &chunk.surfaces)?;
     } else {
-        buffers.upload(gpu, "surfaces", &mapped_surfaces(&chunk.surfaces, &chunk.uvs))?;
+        buffers.upload_texels(gpu, "surfaces", &mapped_surfaces(&chunk.surfaces, &chunk.uvs))?;
     }
     buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
     let clusters = chunk.clusters.len() as u32;
@@ -339,7 +339,7 @@ fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
     buffers.upload(gpu, "nodes", &band.nodes.nodes)?;
     buffers.upload(gpu, "tile_start", &band.tiles.start)?;
     buffers.upload(gpu, "cells", &band.tiles.cells)?;
-    buffers.upload(gpu, "pieces", &band.tiles.pieces)?;
+    buffers.upload_texels(gpu, "pieces", &band.tiles.pieces)?;
     if let Some(rays) = &band.rays {
         buffers.upload(gpu, "rays_hi", &rays.hi)?;
         buffers.upload(gpu, "rays_lo", &rays.lo)?;

@@ -33,7 +33,7 @@ pub struct Appearance {
     /// Plain lights: the direction of travel; else two vec4s each, see `lights/positional.wgsl`, and what hides them.
     pub lights: Vec<[f32; 4]>,
     pub materials: Vec<layout::Material>,
-    pub normals: Vec<[f32; 3]>,
+    pub normals: Vec<[f32; 4]>,
     pub style: layout::Style,
 }
 
@@ -74,7 +74,7 @@ impl Appearance {
             },
             lights,
             materials: materials(scene).iter().enumerate().map(|(k, m)| pages.packed(k, m)).collect(),
-            normals: mesh.normals.iter().map(|n| n.to_array()).collect(),
+            normals: mesh.normals.iter().map(|n| n.extend(0.0).to_array()).collect(),
             style: style(&scene.style),
         }
     }

@@ -49,9 +49,10 @@ pub struct AdapterFeatures {
     pub f64: bool,
     /// 64-bit atomic minimum and maximum: one dispatch for the depth test instead of two.
     pub atomics64: bool,
-    /// Subgroups of as many threads as a tile has columns: `raster` goes tile by tile, and `small` draws small triangles. Software
-    /// adapters have these; what would suit the larger ones of GPUs has not been measured.
+    /// Subgroups of at least as many threads as a tile has columns: `raster` goes tile by tile, and `small` draws small triangles.
     pub lanes: bool,
+    /// Some subgroups have more threads than that.
+    pub wide: bool,
     /// Times of single stages.
     pub timestamps: bool,
     /// Clip distances: rivals clip at the edges of a camera's pieces.
@@ -61,11 +62,12 @@ pub struct AdapterFeatures {
 impl AdapterFeatures {
     pub fn of(features: wgpu::Features, info: &wgpu::AdapterInfo) -> AdapterFeatures {
         let int64 = features.contains(wgpu::Features::SHADER_INT64);
-        let lanes = [info.subgroup_min_size, info.subgroup_max_size] == [LANES; 2];
+        let lanes = features.contains(wgpu::Features::SUBGROUP) && info.subgroup_min_size >= LANES;
         AdapterFeatures {
             f64: int64 && features.contains(wgpu::Features::SHADER_F64),
             atomics64: int64 && features.contains(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX),
-            lanes: lanes && features.contains(wgpu::Features::SUBGROUP),
+            lanes,
+            wide: lanes && info.subgroup_max_size > LANES,
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
             clip_distances: features.contains(wgpu::Features::CLIP_DISTANCES),
         }

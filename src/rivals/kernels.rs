@@ -51,12 +51,12 @@ fn mesh() -> [Binding; 2] {
 
 /// A draw of triangles through pieces.
 fn pieces_draw(name: &'static str, layers: u32, more: &[Binding], own: &[Parts]) -> Kernel {
-    let rays = [reads("pieces", "array<Piece>"), reads("outlines", "array<Outline>")];
+    let rays = [pieces(), reads("outlines", "array<Outline>")];
     let bindings = [&[params()][..], &mesh(), &rays, more].concat();
     let mut kernel = Kernel::new(
         name,
         bindings,
-        &[&[PARAMS, VERTEX, PACKED_TRIANGLE, RAY, LAYOUT, RANGE, DRAWN, OUTLINE][..], own].concat(),
+        &[&[PARAMS, VERTEX, PACKED_TRIANGLE, PIECE_AT, RAY, LAYOUT, RANGE, DRAWN, OUTLINE][..], own].concat(),
     );
     kernel.constants = vec![("LAYERS", f64::from(layers))];
     kernel
@@ -98,11 +98,12 @@ pub fn perspective(layers: u32, culling: bool) -> Kernel {
 
 /// What perspective pieces each triangle is drawn in.
 pub fn replicate(culling: bool) -> Kernel {
-    let rays = [reads("cones", "array<Cone>"), reads("pieces", "array<Piece>"), reads("outlines", "array<Outline>")];
+    let rays = [reads("cones", "array<Cone>"), pieces(), reads("outlines", "array<Outline>")];
     let own = [writes("replicas", "array<vec2<u32>>"), writes("draw_args", "array<atomic<u32>>")];
     let bindings = [&[params()][..], &mesh(), &rays, &own].concat();
     let own = [OUTLINE, PERSPECTIVE, snippets!("rivals/replicate.wgsl")];
-    let mut kernel = Kernel::new("replicate", bindings, &[&[PARAMS, ITEMS, VERTEX, RAY, LAYOUT][..], &own].concat());
+    let mut kernel =
+        Kernel::new("replicate", bindings, &[&[PARAMS, ITEMS, VERTEX, PIECE_AT, RAY, LAYOUT][..], &own].concat());
     kernel.constants = vec![("CULLING", f64::from(u8::from(culling)))];
     kernel
 }

@@ -56,5 +56,5 @@ pub fn upload_in_order(
         packed_piece(&pieces.bundle_at(k, i, j), setup.anchor, [i as f32, j as f32], number)
     };
     buffers.upload(gpu, "outlines", &all.iter().map(outline).collect::<Vec<_>>())?;
-    buffers.upload(gpu, "pieces", &order.iter().map(piece).collect::<Vec<_>>())
+    buffers.upload_texels(gpu, "pieces", &order.iter().map(piece).collect::<Vec<_>>())
 }

@@ -6,7 +6,7 @@ use super::shade::UNIT;
 use super::{KernelInputs, Real};
 use crate::engine::clusters::CORNER_ORDERS;
 use crate::gpu::layout::NONE;
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
 /// A unit vector from a given one: length 3, division 2.5 (as a Vulkan driver may).
 pub(super) const NORMALIZE_UNITS: f64 = 6.0;
@@ -141,7 +141,7 @@ impl Surface<'_> {
         }
         let (w, error) = self.stored_weights(UNIT, STORED_UNITS);
         let w = self.in_file_order(w);
-        let normals = corners.map(|k| DVec3::from(appearance.normals[k as usize].map(f64::from)));
+        let normals = corners.map(|k| DVec4::from(appearance.normals[k as usize].map(f64::from)).truncate());
         let sum: DVec3 = (0..3).map(|k| w[k] * normals[k]).sum();
         let smooth = sum.try_normalize()?;
         // weights add up to 1, so their errors change the sum only by the differences of the normals

@@ -176,7 +176,14 @@ impl Case {
 
     /// What is planned of it, or why not. No device is touched.
     fn plan(&self) -> Result<()> {
-        let has = AdapterFeatures { f64: true, atomics64: true, lanes: true, timestamps: false, clip_distances: false };
+        let has = AdapterFeatures {
+            f64: true,
+            atomics64: true,
+            lanes: true,
+            wide: false,
+            timestamps: false,
+            clip_distances: false,
+        };
         let planner = Planner { name: "test".into(), has, limit: self.limit, table_limit: self.limit };
         planner.plan(&self.scene, self.camera.clone(), &self.wanted, &self.run, None).map(|_| ())
     }

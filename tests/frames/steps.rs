@@ -44,7 +44,7 @@ fresnel = true
 depth = 2"#;
 
 const HAS: AdapterFeatures =
-    AdapterFeatures { f64: true, atomics64: true, lanes: true, timestamps: true, clip_distances: true };
+    AdapterFeatures { f64: true, atomics64: true, lanes: true, wide: false, timestamps: true, clip_distances: true };
 
 /// What frames are made of: a camera, an adapter, contents, and what is wanted of them.
 struct Case {

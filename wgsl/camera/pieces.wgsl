@@ -8,7 +8,7 @@ const TILE_REACH: f32 = 3.5;
 
 // The bundle about the centre of the cell's tile.
 fn cell_bundle(cell: Cell) -> Bundle {
-    let q = pieces[cell.piece];
+    let q = piece_at(cell.piece);
     let centre = vec2<f32>(tile_corner(cell.tile)) + TILE_REACH - vec2<f32>(q.origin_x, q.origin_y);
     return bundle_at(piece_bundle(q), real(centre.x), real(centre.y));
 }

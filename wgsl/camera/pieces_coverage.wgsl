@@ -95,7 +95,7 @@ fn coverage(
     v1: vec3<f32>,
     v2: vec3<f32>,
 ) -> vec4<u32> {
-    let piece = pieces[cell.piece];
+    let piece = piece_at(cell.piece);
     let q0 = moment(cell, piece, v0);
     let q1 = moment(cell, piece, v1);
     let e01 = conic(v0, v1, q0);

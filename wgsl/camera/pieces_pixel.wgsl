@@ -6,7 +6,7 @@
 
 // The bundle of a pixel of the band in a layer.
 fn ray_bundle(layer: u32, x: u32, y: u32, t: f32) -> Bundle {
-    let q = pieces[cells[pixel_cell(layer, x, y)].piece];
+    let q = piece_at(cells[pixel_cell(layer, x, y)].piece);
     return bundle_at(piece_bundle(q), real(f32(x) - q.origin_x), real(f32(y) - q.origin_y));
 }
 
@@ -27,11 +27,11 @@ fn cell_ray(cell: Cell, x: u32, y: u32) -> Ray {
 fn cell_ray_at(cell: Cell, place: vec2<f32>) -> Ray {
     let fx = place.x;
     let fy = place.y;
-    let px = pieces[cell.piece].px_hi;
-    let py = pieces[cell.piece].py_hi;
-    let dx = pieces[cell.piece].dx_hi;
-    let dy = pieces[cell.piece].dy_hi;
-    let h = cell.h + fx * pieces[cell.piece].hx_hi + fy * pieces[cell.piece].hy_hi;
+    let px = piece_at(cell.piece).px_hi;
+    let py = piece_at(cell.piece).py_hi;
+    let dx = piece_at(cell.piece).dx_hi;
+    let dy = piece_at(cell.piece).dy_hi;
+    let h = cell.h + fx * piece_at(cell.piece).hx_hi + fy * piece_at(cell.piece).hy_hi;
     return Ray((cell.p + fx * px + fy * py) / h, (cell.d + fx * dx + fy * dy) / h);
 }
 
@@ -42,12 +42,12 @@ fn ray_differential(layer: u32, x: u32, y: u32, t: f32) -> RayDifferential {
 // P and D are ratios of affine functions, so their slopes follow from those of numerator and denominator.
 fn cell_differential(cell: Cell, place: vec2<f32>, t: f32) -> RayDifferential {
     let ray = cell_ray_at(cell, place);
-    let hx = pieces[cell.piece].hx_hi;
-    let hy = pieces[cell.piece].hy_hi;
+    let hx = piece_at(cell.piece).hx_hi;
+    let hy = piece_at(cell.piece).hy_hi;
     let h = cell.h + place.x * hx + place.y * hy;
     let point = ray.p + t * ray.d;
-    let right = pieces[cell.piece].px_hi + t * pieces[cell.piece].dx_hi - hx * point;
-    let down = pieces[cell.piece].py_hi + t * pieces[cell.piece].dy_hi - hy * point;
+    let right = piece_at(cell.piece).px_hi + t * piece_at(cell.piece).dx_hi - hx * point;
+    let down = piece_at(cell.piece).py_hi + t * piece_at(cell.piece).dy_hi - hy * point;
     return RayDifferential(right / h, down / h);
 }
 
@@ -58,7 +58,7 @@ fn point_at(ray: Ray, t: f32) -> vec3<f32> {
 
 // The index of the piece that owns the pixel, through all layers.
 fn piece_number(layer: u32, x: u32, y: u32) -> u32 {
-    return pieces[cells[pixel_cell(layer, x, y)].piece].number;
+    return piece_at(cells[pixel_cell(layer, x, y)].piece).number;
 }
 
 // Distance along its ray to a hit, in its layer.

@@ -6,7 +6,7 @@
 // A stored number 1 unit, a slope times a distance from the piece's origin 2, sums 2: 4 of what is summed up, which at the origin is
 // at most what it is here and the slopes' part.
 fn weighed(cell: Cell, whole: Bundle, x: u32, y: u32) -> Weighed {
-    let q = pieces[cell.piece];
+    let q = piece_at(cell.piece);
     let at = vec2<f32>(tile_corner(cell.tile) + vec2<u32>(x, y)) - vec2<f32>(q.origin_x, q.origin_y);
     let far_x = 2.0 * real(abs(at.x));
     let far_y = 2.0 * real(abs(at.y));

@@ -76,8 +76,8 @@ fn box_edge_at(k: BoxEdge, x: f32, y: f32) -> f32 {
 }
 
 // Column and row of the n-th pixel of a box, row by row. Of up to 512 pixels: half a pixel is far more than what the division is off.
-fn place_in_box(n: u32, width: f32) -> vec2<f32> {
-    let row = floor((f32(n) + 0.5) / width);
+fn place_in_box(n: u32, width: f32, share: f32) -> vec2<f32> {
+    let row = floor((f32(n) + 0.5) * share);
     return vec2<f32>(f32(n) - row * width, row);
 }
 
@@ -119,12 +119,18 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
     let box_size = pixels.zw - pixels.xy;
     let count = select(1u, box_size.x * box_size.y, is_small);
     var place = -half;
+    let width = f32(box_size.x);
+    let share = 1.0 / width;
+    let t_min = real_from_bits(params.t_words.xy);
+    let t_max = real_from_bits(params.t_words.zw);
+    let id_mask = (1u << params.id_bits) - 1u;
+    let image_width = params.width;
     var n = 0u;
     var kept = 0u;
     loop {
         // find those that it covers
-        var covered = vec4<u32>(0u);
-        var uncertain = vec4<u32>(0u);
+        var covered = vec2<u32>(0u);
+        var uncertain = vec2<u32>(0u);
         let first = n;
         loop {
             let p = box_edge_at(e01, place.x, place.y);
@@ -135,45 +141,45 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
             let inside = least > 1.0 || most < -1.0;
             let outside = least < -1.0 && most > 1.0;
             let bit = long_bit(n - first);
-            covered |= select(vec4<u32>(0u), bit, inside);
-            uncertain |= select(bit, vec4<u32>(0u), inside || outside);
+            covered |= select(vec2<u32>(0u), bit, inside);
+            uncertain |= select(bit, vec2<u32>(0u), inside || outside);
             place.x += 1.0;
             if place.x > half.x {
                 place = vec2<f32>(-half.x, place.y + 1.0);
             }
             n++;
-            if n >= count || n >= first + 128u {
+            if n >= count || n >= first + 64u {
                 break;
             }
         }
         if !is_small {
-            covered = vec4<u32>(0u);
-            uncertain = vec4<u32>(0u);
+            covered = vec2<u32>(0u);
+            uncertain = vec2<u32>(0u);
         }
 
         // merge the keys of these
         loop {
-            let at = place_in_box(first + first_of(covered), f32(box_size.x));
+            let at = place_in_box(first + first_of(covered), width, share);
             let x = real(at.x - half.x);
             let y = real(at.y - half.y);
-            let meeting = ray_meeting(along.x + x * along.y + y * along.z, across.x + x * across.y + y * across.z, real(0.0), back_sign);
+            let meeting = meeting_between(along.x + x * along.y + y * along.z, across.x + x * across.y + y * across.z, real(0.0), back_sign, t_min, t_max);
             let pixel = pixels.xy + vec2<u32>(at);
-            if any(covered != vec4<u32>(0u)) && meeting.visible {
-                merge(pixel.y * params.width + pixel.x, ~visibility_key(0u, meeting.t, id));
+            if any(covered != vec2<u32>(0u)) && meeting.visible {
+                merge(pixel.y * image_width + pixel.x, ~key_above(0u, meeting.t, id, id_mask));
                 kept++;
             }
             covered = without_first(covered);
-            if all(covered == vec4<u32>(0u)) {
+            if all(covered == vec2<u32>(0u)) {
                 break;
             }
         }
 
         // leave what is not proven
         loop {
-            if all(uncertain == vec4<u32>(0u)) {
+            if all(uncertain == vec2<u32>(0u)) {
                 break;
             }
-            let pixel = pixels.xy + vec2<u32>(place_in_box(first + first_of(uncertain), f32(box_size.x)));
+            let pixel = pixels.xy + vec2<u32>(place_in_box(first + first_of(uncertain), width, share));
             uncertain = without_first(uncertain);
             let tile = (pixel.y / TILE) * params.tiles_x + pixel.x / TILE;
             leave_to_recheck(slot, tile, (pixel.y % TILE) * TILE + pixel.x % TILE, 1u);

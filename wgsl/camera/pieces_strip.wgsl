@@ -37,7 +37,7 @@ fn sample_strip(tile: u32, x: u32, y: u32, first: u32, less: real3) -> SampleStr
                 owns[n] = any((pixels_of_sample(k, first + n) & bit) != vec2<u32>(0u));
             }
         }
-        let q = pieces[cells[k].piece];
+        let q = piece_at(cells[k].piece);
         let at = vec2<f32>(f32(x), f32(y)) - vec2<f32>(q.origin_x, q.origin_y);
         let xs = real4(vec4<f32>(a.x, b.x, c.x, d.x)) + real(at.x);
         let ys = real4(vec4<f32>(a.y, b.y, c.y, d.y)) + real(at.y);

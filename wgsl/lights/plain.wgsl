@@ -4,7 +4,7 @@
 // Binds: lights
 
 fn arriving(k: u32, lit: Lit) -> Arriving {
-    return Arriving(-lights[k].xyz, vec3<f32>(1.0));
+    return Arriving(-light_row(k).xyz, vec3<f32>(1.0));
 }
 
 fn openness(lit: Lit) -> f32 {

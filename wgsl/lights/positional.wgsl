@@ -5,8 +5,8 @@
 // Binds: lights
 
 fn arriving(k: u32, lit: Lit) -> Arriving {
-    let from_there = lights[2u * k];
-    let colour = lights[2u * k + 1u];
+    let from_there = light_row(2u * k);
+    let colour = light_row(2u * k + 1u);
     var l = -from_there.xyz;
     var strength = colour.xyz;
     // infinity

@@ -7,16 +7,16 @@
 const ABOVE: f32 = 4e-6;
 
 fn node_at(k: u32) -> BvhNode {
-    let a = lights[shading.nodes_first + 2u * k];
-    let b = lights[shading.nodes_first + 2u * k + 1u];
+    let a = light_row(shading.nodes_first + 2u * k);
+    let b = light_row(shading.nodes_first + 2u * k + 1u);
     return BvhNode(a.xyz, bitcast<u32>(a.w), b.xyz, bitcast<u32>(b.w));
 }
 
 fn leaf_at(k: u32) -> LeafTriangle {
     let at = shading.leaves_first + 3u * k;
-    let a = lights[at];
-    let b = lights[at + 1u];
-    let c = lights[at + 2u];
+    let a = light_row(at);
+    let b = light_row(at + 1u);
+    let c = light_row(at + 2u);
     return LeafTriangle(a.xyz, bitcast<u32>(a.w), b.xyz, bitcast<u32>(b.w), c.xyz, 0u);
 }
 

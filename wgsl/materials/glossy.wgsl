@@ -6,17 +6,17 @@
 const PI: f32 = 3.14159265;
 
 fn sent_back(lit: Lit, albedo: vec3<f32>) -> vec3<f32> {
-    let material = materials[triangle_surface(lit.slot).w];
+    let material = material_at(triangle_surface(lit.slot).w);
     let n = lit.n;
     let view = lit.view;
     let open = openness(lit);
     let base = albedo * (1.0 - material.metallic);
     let f0 = mix(material.specular, albedo, material.metallic);
     var sum = material.emissive + open * from_around(base, f0, material.alpha, n, -view);
-    if shading.light_count == 0u && !SKY {
+    if light_count() == 0u && !SKY {
         sum += (1.0 - shading.ambient) * open * glossy(base, f0, material.alpha, n, -view, -view);
     }
-    for (var k = 0u; k < shading.light_count; k++) {
+    for (var k = 0u; k < light_count(); k++) {
         let light = arriving(k, lit);
         sum += (1.0 - shading.ambient) * light.strength * glossy(base, f0, material.alpha, n, -view, light.l);
     }

@@ -50,7 +50,7 @@ fn sky_mean(d: vec3<f32>, right: vec3<f32>, down: vec3<f32>) -> vec3<f32> {
     );
     f.right = vec2<f32>(dot(right, longitude), dot(right, latitude));
     f.down = vec2<f32>(dot(down, longitude), dot(down, latitude));
-    return shading.sky_strength * image_mean(materials[shading.sky], f);
+    return shading.sky_strength * image_mean(material_at(shading.sky), f);
 }
 
 // Colour of a pixel that hits nothing: the sky in its ray's last direction.

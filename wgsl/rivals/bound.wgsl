@@ -68,7 +68,7 @@ fn crossing(n: vec2<f32>, c: f32, m: vec2<f32>, e: f32) -> vec2<f32> {
 
 @vertex
 fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece: u32) -> Clipped {
-    let q = pieces[piece];
+    let q = piece_at(piece);
     let triangle = triangle_at(index / 3u);
     let v = array<vec3<f32>, 3>(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
     let plane = camera_plane(q);
@@ -119,7 +119,7 @@ const DIVERGENT: f32 = 1e-3;
 
 @fragment
 fn bound_pixel(corner: Corner) -> Drawn {
-    let q = pieces[corner.piece];
+    let q = piece_at(corner.piece);
     let o = outlines[q.number];
     let at = floor(corner.position.xy);
     let ray = outline_ray(q, at - piece_origin(q));

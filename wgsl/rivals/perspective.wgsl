@@ -7,7 +7,7 @@
 @vertex
 fn perspective_corner(@builtin(vertex_index) index: u32) -> Clipped {
     let replica = replicas[index / 3u];
-    let q = pieces[replica.y];
+    let q = piece_at(replica.y);
     let triangle = triangle_at(replica.x);
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);

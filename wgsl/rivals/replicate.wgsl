@@ -55,7 +55,7 @@ fn replicate(
             continue;
         }
         for (var piece = some.first; piece < some.first + some.count; piece++) {
-            let q = pieces[piece];
+            let q = piece_at(piece);
             let o = outlines[q.number];
             let seen = array<vec3<f32>, 3>(perspective_image(q, v0), perspective_image(q, v1), perspective_image(q, v2));
             let around = outline_corners(o);

@@ -23,7 +23,7 @@ struct Clipped {
 
 // What its fragment leaves, of the part of the image that the piece holds.
 fn seen_through(corner: Corner) -> Drawn {
-    let q = pieces[corner.piece];
+    let q = piece_at(corner.piece);
     let o = outlines[q.number];
     let at = floor(corner.position.xy);
     let ray = outline_ray(q, at - piece_origin(q));

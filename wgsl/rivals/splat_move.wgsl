@@ -36,14 +36,14 @@ fn splat_move_corner(@builtin(vertex_index) index: u32) -> Clipped {
     let parts = (SAMPLES - 1u) * (SAMPLES - 1u);
     let cell = index / 3u / parts;
     let sample = textureLoad(s, cell_texel(cell) + neighbour(index / 3u % parts, index % 3u), 0);
-    let distances = outline_distances(outlines[pieces[cell_piece(cell)].number], vec3<f32>(sample.xy, 1.0));
+    let distances = outline_distances(outlines[piece_at(cell_piece(cell)).number], vec3<f32>(sample.xy, 1.0));
     return Clipped(vec4<f32>(clip_place(sample.xy), 0.5, 1.0), distances, sample.z, cell);
 }
 
 @fragment
 fn splat_move_pixel(corner: Corner) -> Drawn {
     let triangle = triangle_at(cell_slot(corner.cell));
-    let q = pieces[cell_piece(corner.cell)];
+    let q = piece_at(cell_piece(corner.cell));
     let o = outlines[q.number];
     let at = floor(corner.position.xy);
     let ray = outline_ray(q, at - piece_origin(q));

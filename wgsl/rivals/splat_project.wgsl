@@ -22,7 +22,7 @@ fn splat_project_pixel(corner: Corner) -> @location(0) vec4<f32> {
     let at = vec2<f32>(vec2<u32>(corner.position.xy) - cell_texel(corner.cell)) / f32(SAMPLES - 1u);
     let triangle = triangle_at(cell_slot(corner.cell));
     let v0 = vertex(triangle.x);
-    let q = pieces[cell_piece(corner.cell)];
+    let q = piece_at(cell_piece(corner.cell));
     let image = image_of(q, v0 + at.x * (vertex(triangle.y) - v0) + at.y * (vertex(triangle.z) - v0));
     return vec4<f32>(piece_origin(q) + image.place, image.t, 0.0);
 }

@@ -32,7 +32,7 @@ fn warp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);
     let w = part_weights(index / 3u % parts, index % 3u);
-    let q = pieces[piece];
+    let q = piece_at(piece);
     let image = image_of(q, w.x * v0 + w.y * v1 + w.z * v2);
     // what lies behind an eye is clipped off
     let width = select(image.width, -image.width, image.t < 0.0);

@@ -39,15 +39,16 @@ struct Bounds {
     id: u32,
 }
 
-fn given_side(own: Side, k: u32) -> Side {
-    return Side(subgroupShuffle(own.c, k), subgroupShuffle(own.q, k));
+fn given_side(own: Side, place: u32) -> Side {
+    return Side(subgroupShuffle(own.c, place), subgroupShuffle(own.q, place));
 }
 
 fn given_bounds(own: Bounds, k: u32) -> Bounds {
+    let place = subgroup_lane(k);
     return Bounds(
-        given_side(own.a, k), given_side(own.b, k), given_side(own.c, k),
-        subgroupShuffle(own.along, k), subgroupShuffle(own.across, k), subgroupShuffle(own.margin, k),
-        subgroupShuffle(own.id, k),
+        given_side(own.a, place), given_side(own.b, place), given_side(own.c, place),
+        subgroupShuffle(own.along, place), subgroupShuffle(own.across, place), subgroupShuffle(own.margin, place),
+        subgroupShuffle(own.id, place),
     );
 }
 

@@ -5,12 +5,16 @@
 // Binds: params
 
 fn visibility_key(layer: u32, t: real, id: u32) -> vec2<u32> {
+    return key_above(layer, t, id, (1u << params.id_bits) - 1u);
+}
+
+fn key_above(layer: u32, t: real, id: u32, id_mask: u32) -> vec2<u32> {
     var bits = ordered_bits(t);
     if SLABBED {
         // t in [0, 1] has ordered bits that begin with 10: these two go, the layer's four come
         bits = vec2<u32>((bits.x >> 2u) | (bits.y << 30u), ((bits.y & 0x3fffffffu) >> 2u) | (layer << 28u));
     }
-    return vec2<u32>((bits.x & ~((1u << params.id_bits) - 1u)) | id, bits.y);
+    return vec2<u32>((bits.x & ~id_mask) | id, bits.y);
 }
 
 fn key_id(key: vec2<u32>) -> u32 {

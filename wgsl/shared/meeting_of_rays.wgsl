@@ -7,11 +7,13 @@
 // `rounding` (of `along`) beyond an end of its segment counts as on that end: the next segment starts there, up to
 // rounding, and what lies in the face between them must not fall through.
 fn ray_meeting(along: real, across: real, rounding: real, back_sign: real) -> Meeting {
+    return meeting_between(along, across, rounding, back_sign, real_from_bits(params.t_words.xy), real_from_bits(params.t_words.zw));
+}
+
+fn meeting_between(along: real, across: real, rounding: real, back_sign: real, t_min: real, t_max: real) -> Meeting {
     if across == 0.0 || across * back_sign > 0.0 {
         return Meeting(0.0, false);
     }
-    let t_min = real_from_bits(params.t_words.xy);
-    let t_max = real_from_bits(params.t_words.zw);
     let t = along / across;
     if SLABBED {
         let margin = rounding / abs(across);

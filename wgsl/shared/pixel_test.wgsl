@@ -82,20 +82,21 @@ struct Shared {
 // The value of one lane.
 fn lanes_real(value: real, lane: u32) -> real {
     let words = real_to_bits(value);
-    return real_from_bits(vec2<u32>(subgroupShuffle(words.x, lane), subgroupShuffle(words.y, lane)));
+    return real_from_bits(vec2<u32>(subgroupShuffle(words.x, subgroup_lane(lane)), subgroupShuffle(words.y, subgroup_lane(lane))));
 }
 
 // The values of lane k.
 fn given(own: Shared, k: u32) -> Shared {
+    let place = subgroup_lane(k);
     return Shared(
-        Edge(subgroupShuffle(own.a.c, k), subgroupShuffle(own.a.e, k)),
-        Edge(subgroupShuffle(own.b.c, k), subgroupShuffle(own.b.e, k)),
-        Edge(subgroupShuffle(own.c.c, k), subgroupShuffle(own.c.e, k)),
+        Edge(subgroupShuffle(own.a.c, place), subgroupShuffle(own.a.e, place)),
+        Edge(subgroupShuffle(own.b.c, place), subgroupShuffle(own.b.e, place)),
+        Edge(subgroupShuffle(own.c.c, place), subgroupShuffle(own.c.e, place)),
         real3(lanes_real(own.normal.x, k), lanes_real(own.normal.y, k), lanes_real(own.normal.z, k)),
         lanes_real(own.height, k),
         lanes_real(own.back_sign, k),
         lanes_real(own.margin, k),
-        subgroupShuffle(own.id, k),
+        subgroupShuffle(own.id, place),
     );
 }
 

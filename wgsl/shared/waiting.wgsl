@@ -28,7 +28,7 @@ fn lane_of(bits: u32, n: u32) -> u32 {
 fn in_line(before: Waiting, added: Waiting, bits: u32, place: u32, count: u32) -> Waiting {
     let lane = lane_of(bits, place - count);
     let is_new = place >= count && lane < LANES;
-    let index = subgroupShuffle(added.index, lane % LANES);
-    let halves = subgroupShuffle(added.halves, lane % LANES);
+    let index = subgroupShuffle(added.index, subgroup_lane(lane % LANES));
+    let halves = subgroupShuffle(added.halves, subgroup_lane(lane % LANES));
     return Waiting(select(before.index, index, is_new), select(before.halves, halves, is_new));
 }

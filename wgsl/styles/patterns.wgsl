@@ -18,7 +18,7 @@ fn tangents(hit: ShadedHit) -> RayDifferential {
 
 // What the material's colour is multiplied by.
 fn pattern_at(hit: ShadedHit) -> vec3<f32> {
-    let material = materials[triangle_surface(hit.slot).w];
+    let material = material_at(triangle_surface(hit.slot).w);
     if material.pattern == 0u {
         return vec3<f32>(1.0);
     }

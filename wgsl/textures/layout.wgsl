@@ -7,17 +7,17 @@
 const SURFACE_VEC4S: u32 = 3u;
 
 fn triangle_surface(slot: u32) -> vec4<u32> {
-    return surfaces[SURFACE_VEC4S * slot];
+    return surface_row(SURFACE_VEC4S * slot);
 }
 
 fn has_uv(slot: u32) -> bool {
-    return surfaces[SURFACE_VEC4S * slot + 2u].z != 0u;
+    return surface_row(SURFACE_VEC4S * slot + 2u).z != 0u;
 }
 
 // Of the stored corners.
 fn corner_uv(slot: u32, triangle: vec4<u32>) -> array<vec2<f32>, 3> {
-    let ab = bitcast<vec4<f32>>(surfaces[SURFACE_VEC4S * slot + 1u]);
-    let c = bitcast<vec4<f32>>(surfaces[SURFACE_VEC4S * slot + 2u]);
+    let ab = bitcast<vec4<f32>>(surface_row(SURFACE_VEC4S * slot + 1u));
+    let c = bitcast<vec4<f32>>(surface_row(SURFACE_VEC4S * slot + 2u));
     let order = corner_order(triangle_order(triangle));
     var uv: array<vec2<f32>, 3>;
     uv[order.x] = ab.xy;

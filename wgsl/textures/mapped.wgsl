@@ -7,7 +7,7 @@
 const TEXTURED: bool = true;
 
 fn surface_albedo(slot: u32, triangle: vec4<u32>, ray: Ray, differential: RayDifferential) -> vec3<f32> {
-    let material = materials[triangle_surface(slot).w];
+    let material = material_at(triangle_surface(slot).w);
     if material.texture == NONE || !has_uv(slot) {
         return material.diffuse;
     }

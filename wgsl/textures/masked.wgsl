@@ -6,7 +6,7 @@
 // Binds: materials
 
 fn is_there(slot: u32, b: Bundle) -> bool {
-    let material = materials[triangle_surface(slot).w];
+    let material = material_at(triangle_surface(slot).w);
     if material.texture == NONE || material.cutoff <= 0.0 || !has_uv(slot) {
         return true;
     }

@@ -6,7 +6,7 @@
 const TEXTURED: bool = false;
 
 fn surface_albedo(slot: u32, triangle: vec4<u32>, ray: Ray, differential: RayDifferential) -> vec3<f32> {
-    return materials[surfaces[slot].w].diffuse;
+    return material_at(surface_row(slot).w).diffuse;
 }
 
 fn surface_uv(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec2<f32> {
@@ -14,5 +14,5 @@ fn surface_uv(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec2<f32> {
 }
 
 fn triangle_surface(slot: u32) -> vec4<u32> {
-    return surfaces[slot];
+    return surface_row(slot);
 }

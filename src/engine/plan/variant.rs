@@ -22,6 +22,7 @@ pub fn variant(
         f64: run.arithmetic != Arithmetic::Single,
         atomics64: has.atomics64,
         by_tile: false,
+        wide: false,
         small: false,
         rays: slabs::kind(camera),
         incoherent: is_reordered(camera),
@@ -47,6 +48,6 @@ pub fn variant(
         samples: wanted.samples(),
         analytic: wanted.analytic && wanted.samples() > 1,
     };
-    let variant = if has.lanes && has.f64 { variant.with_tiles() } else { variant };
+    let variant = if has.lanes && has.f64 { Variant { wide: has.wide, ..variant }.with_tiles() } else { variant };
     if wanted.channels.contains(&Channel::Certified) { variant } else { variant.with_small() }
 }

@@ -20,7 +20,7 @@ pub fn kernel(variant: Variant) -> Kernel {
     } else {
         let groups = reads("triangle_groups", variant.list_type("array<Cluster>"));
         bindings.extend([groups, reads("tasks", "array<vec2<u32>>")]);
-        let loads = match variant.by_tile {
+        let loads = match variant.loads_by_lanes() {
             true => snippets!("shared/triangle_group_by_lanes.wgsl"),
             false => snippets!("shared/triangle_group_load.wgsl"),
         };

@@ -41,7 +41,7 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
         triangles(),
         vertices(),
         reads("visibility", "array<vec2<u32>>"),
-        reads("nodes", "array<vec4<f32>>"),
+        reads("nodes", variant.list_type("array<Node>")),
         reads("tile_start", "array<u32>"),
         reads("cell_samples", "array<vec2<u32>>"),
         writes("edge_of", "array<u32>"),
@@ -53,7 +53,7 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
     // of keys the ids alone are read
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, PACKED_TRIANGLE, REAL_F32, KEY, PAIR, BITS, WITHIN, COLUMN];
     let four = snippets!("samples/four.wgsl");
-    let own = [DEPTH_BOUNDS, LANES, NODE_BY_LANES, CELL_SAMPLES, four, snippets!("edges_by_tile.wgsl")];
+    let own = [DEPTH_BOUNDS, variant.lanes(), variant.item_node(), CELL_SAMPLES, four, snippets!("edges_by_tile.wgsl")];
     let mut kernel = Kernel::new("edges", bindings, &[&snippets[..], &own].concat());
     kernel.constants = variant.sample_constants();
     kernel.constants.push(("STRIPS", variant.strips()));

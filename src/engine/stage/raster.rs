@@ -25,19 +25,18 @@ fn by_tile(variant: Variant) -> Kernel {
         writes("recheck_items", "array<vec2<u32>>"),
         triangles(),
         vertices(),
-        reads("nodes", "array<vec4<f32>>"),
+        reads("nodes", variant.list_type("array<Node>")),
         writes("visibility", "array<atomic<u64>>"),
         counters(),
     ];
-    let column = match variant.rays {
+    let [piece, column] = match variant.rays {
         RaysKind::Field => {
             bindings.extend([reads("rays_hi", "array<vec2<f32>>"), reads("rays_lo", "array<vec2<f32>>")]);
-            snippets!("camera/field_column.wgsl")
+            [&[] as Parts, snippets!("camera/field_column.wgsl")]
         }
         _ => {
-            let pieces = reads("pieces", "array<vec4<f32>>");
-            bindings.extend([pieces, reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
-            snippets!("camera/piece.wgsl", "camera/piece_by_lanes.wgsl", "camera/pieces_column.wgsl")
+            bindings.extend([pieces(), reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
+            [variant.lanes_piece(), snippets!("camera/pieces_column.wgsl")]
         }
     };
     if variant.bounced {
@@ -48,9 +47,10 @@ fn by_tile(variant: Variant) -> Kernel {
         WITHIN,
         variant.merge(),
         UNCERTAIN,
-        LANES,
-        NODE_BY_LANES,
+        variant.lanes(),
+        variant.item_node(),
         COLUMN,
+        piece,
         column,
         snippets!("shared/waiting.wgsl"),
         snippets!("shared/pixel_test.wgsl"),
@@ -79,7 +79,7 @@ pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts
         bindings.extend([optic(), paths()]);
     }
     if variant.masked {
-        bindings.extend([reads("surfaces", "array<vec4<u32>>"), reads("materials", "array<Material>")]);
+        bindings.extend([table("surfaces"), table("materials")]);
         bindings.extend(variant.pages());
     }
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.alpha_masks()];

@@ -40,7 +40,7 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
         reads("touches", "array<vec4<u32>>"),
         triangles(),
         vertices(),
-        reads("nodes", "array<vec4<f32>>"),
+        reads("nodes", variant.list_type("array<Node>")),
         writes("samples", "array<vec2<u32>>"),
         writes("recheck_items", "array<vec2<u32>>"),
         counters(),
@@ -54,16 +54,12 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
             &[snippets!("camera/field_column.wgsl"), snippets!("camera/field_strip.wgsl")]
         }
         _ => {
-            bindings.extend([
-                reads("pieces", "array<Piece>"),
-                reads("cells", "array<Cell>"),
-                uniform("sample_offsets", "SampleOffsets"),
-            ]);
-            &[snippets!("camera/piece.wgsl"), SAMPLE_OFFSETS, snippets!("camera/pieces_strip.wgsl")]
+            bindings.extend([pieces(), reads("cells", "array<Cell>"), uniform("sample_offsets", "SampleOffsets")]);
+            &[PIECES, SAMPLE_OFFSETS, snippets!("camera/pieces_strip.wgsl")]
         }
     };
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
-    let own = [LANES, NODE_BY_LANES, COLUMN, CELL_SAMPLES];
+    let own = [variant.lanes(), variant.item_node(), COLUMN, CELL_SAMPLES];
     let stage =
         [snippets!("shared/waiting.wgsl"), snippets!("shared/pixel_test.wgsl"), snippets!("sample_by_tile.wgsl")];
     let mut kernel = Kernel::new("sample", bindings, &[&snippets[..], &own, rays, &stage].concat());

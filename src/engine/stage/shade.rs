@@ -12,11 +12,11 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         triangles(),
         vertices(),
         reads("slot_of_id", "array<u32>"),
-        reads("surfaces", "array<vec4<u32>>"),
-        reads("normals", "array<f32>"),
-        reads("materials", "array<Material>"),
-        reads("lights", "array<vec4<f32>>"),
-        reads("visibility", "array<u32>"),
+        table("surfaces"),
+        table("normals"),
+        table("materials"),
+        table("lights"),
+        reads("visibility", variant.keys_read()),
         writes("planes", "array<u32>"),
     ];
     bindings.extend(variant.pages());
@@ -26,11 +26,21 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     }
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     bindings.extend(variant.style_binding());
-    let own = [variant.camera(), SHADING, SURFACE, variant.images(), variant.style(), snippets!("shade.wgsl")];
+    let own = [
+        variant.camera(),
+        SHADING,
+        SURFACE,
+        variant.images(),
+        variant.style(),
+        variant.pixel_key(),
+        snippets!("shade.wgsl"),
+    ];
     let mut all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
     all.extend(variant.weights());
     let mut kernel = Kernel::new("shade", bindings, &all).with_planes(planes);
     kernel.constants.extend(variant.constants());
+    let follows_rays = planes.iter().any(|c| !matches!(c, Channel::T | Channel::A | Channel::TriangleId));
+    kernel.constants.push(("FOLLOWS_RAYS", follows_rays as u32 as f64));
     kernel.constants.push(("NORMALS", variant.normals as u32 as f64));
     if let Some(optics) = variant.optics {
         kernel.constants.push(("SMOOTH", optics.is_smooth() as u32 as f64));

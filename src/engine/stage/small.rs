@@ -9,11 +9,11 @@ pub fn kernel(variant: Variant) -> Kernel {
     let bindings = vec![
         params(),
         reads("triangle_groups", "array<u32>"),
-        reads("nodes", "array<vec4<f32>>"),
+        reads("nodes", variant.list_type("array<Node>")),
         reads("tasks", "array<u32>"),
         triangles(),
         vertices(),
-        reads("pieces", "array<vec4<f32>>"),
+        pieces(),
         reads("cells", "array<Cell>"),
         writes("large", "array<vec2<u32>>"),
         writes("visibility", variant.keys()),
@@ -28,7 +28,8 @@ pub fn kernel(variant: Variant) -> Kernel {
         SLABS,
         VERTEX,
         WITHIN,
-        NODE_BY_LANES,
+        variant.lanes(),
+        variant.item_node(),
         variant.real(),
         TRIANGLE,
         snippets!("shared/bundle.wgsl"),
@@ -39,13 +40,8 @@ pub fn kernel(variant: Variant) -> Kernel {
         MEETING,
         MEETING_OF_RAYS,
         UNCERTAIN,
-        snippets!(
-            "camera/piece.wgsl",
-            "camera/piece_by_lanes.wgsl",
-            "shared/long_bits.wgsl",
-            "camera/pieces_small.wgsl",
-            "small.wgsl"
-        ),
+        variant.lanes_piece(),
+        snippets!("shared/long_bits.wgsl", "camera/pieces_small.wgsl", "small.wgsl"),
     ];
     let mut kernel = Kernel::new("small", bindings, &[&shared[..], &own].concat());
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));

@@ -23,8 +23,9 @@ pub(crate) const SIDES: Parts = snippets!("shared/sides.wgsl", "shared/perturb.w
 pub(crate) const NEARNESS: Parts = snippets!("shared/nearness.wgsl");
 /// The cell of a pixel.
 pub(crate) const CELLS: Parts = snippets!("shared/cells.wgsl");
-pub(crate) const LANES: Parts = snippets!("shared/lanes.wgsl");
-pub(crate) const NODE_BY_LANES: Parts = snippets!("shared/node_by_lanes.wgsl");
+pub(crate) const PIECE_AT: Parts = snippets!("camera/piece_at.wgsl");
+/// A camera's pieces and their bundles.
+pub(crate) const PIECES: Parts = snippets!("camera/piece_at.wgsl", "camera/piece.wgsl");
 pub(crate) const COLUMN: Parts = snippets!("shared/column.wgsl");
 /// No triangle has an alpha mask.
 pub(crate) const SOLID: Parts = snippets!("textures/solid.wgsl");
@@ -50,15 +51,21 @@ pub(crate) fn params() -> Binding {
 }
 
 pub(crate) fn triangles() -> Binding {
-    texture("triangles", TEXELS)
+    table("triangles")
 }
 
 pub(crate) fn vertices() -> Binding {
-    texture("vertices", TEXELS)
+    table("vertices")
 }
 
-/// A table in a texture.
-const TEXELS: &str = "texture_2d<u32>";
+pub(crate) fn pieces() -> Binding {
+    table("pieces")
+}
+
+/// A table in a texture, four words a texel: see [`crate::gpu::buffers::Buffers::upload_texels`].
+pub(crate) fn table(name: &'static str) -> Binding {
+    texture(name, "texture_2d<u32>")
+}
 
 pub(crate) fn step() -> Binding {
     uniform("step", "Step")

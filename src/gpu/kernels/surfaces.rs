@@ -31,10 +31,16 @@ impl Variant {
     /// What light arrives at a surface, and what it sends back.
     pub(crate) fn light(self) -> [Parts; 2] {
         let lights = match self.lights {
-            LightsKind::Plain => snippets!("lights/plain.wgsl"),
-            LightsKind::Positional => snippets!("lights/positional.wgsl", "lights/unshadowed.wgsl"),
+            LightsKind::Plain => snippets!("lights/rows.wgsl", "lights/plain.wgsl"),
+            LightsKind::Positional => snippets!("lights/rows.wgsl", "lights/positional.wgsl", "lights/unshadowed.wgsl"),
             LightsKind::Shadowed => {
-                snippets!("lights/positional.wgsl", "lights/shadowed.wgsl", "shared/segment.wgsl", "shared/bvh.wgsl")
+                snippets!(
+                    "lights/rows.wgsl",
+                    "lights/positional.wgsl",
+                    "lights/shadowed.wgsl",
+                    "shared/segment.wgsl",
+                    "shared/bvh.wgsl"
+                )
             }
         };
         let materials = match (self.glossy, self.sky) {

@@ -34,6 +34,8 @@ pub struct Variant {
     pub atomics64: bool,
     /// `raster` goes tile by tile, not pair by pair.
     pub by_tile: bool,
+    /// Subgroups have more threads than a tile has columns: those of a tile are a part of one.
+    pub wide: bool,
     /// `small` draws the triangles of few pixels, and bin pairs the others with tiles.
     pub small: bool,
     pub rays: RaysKind,
@@ -78,6 +80,7 @@ impl Variant {
         f64: false,
         atomics64: false,
         by_tile: false,
+        wide: false,
         small: false,
         rays: RaysKind::Pieces,
         incoherent: false,
@@ -177,9 +180,19 @@ impl Variant {
         if self.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" }
     }
 
+    /// The type of the visibility buffer where each pixel's key is read once.
+    pub(crate) fn keys_read(self) -> &'static str {
+        if self.atomics64 { "array<u64>" } else { "array<vec2<u32>>" }
+    }
+
+    /// How such a key is read.
+    pub(crate) fn pixel_key(self) -> Parts {
+        if self.atomics64 { snippets!("shared/pixel_key_u64.wgsl") } else { snippets!("shared/pixel_key_u32.wgsl") }
+    }
+
     pub(crate) fn camera(self) -> Parts {
         match self.rays {
-            RaysKind::Pieces => snippets!("camera/piece.wgsl", "camera/pieces.wgsl"),
+            RaysKind::Pieces => snippets!("camera/piece_at.wgsl", "camera/piece.wgsl", "camera/pieces.wgsl"),
             RaysKind::Field => snippets!("camera/field_rays.wgsl", "camera/field.wgsl"),
             RaysKind::Curves { .. } => snippets!("camera/curves.wgsl"),
         }
@@ -237,10 +250,11 @@ impl Variant {
 
     /// Tests of an item's rays against a box.
     pub(crate) fn item_rays(self) -> Parts {
-        match (self.incoherent && self.culling, self.by_tile) {
+        match (self.incoherent && self.culling, self.loads_by_lanes()) {
             (true, true) => snippets!(
                 "camera/field_rays.wgsl",
                 "shared/rays_incoherent.wgsl",
+                "shared/lanes_of_whole.wgsl",
                 "shared/lanes.wgsl",
                 "shared/items_incoherent_by_lanes.wgsl"
             ),
@@ -256,20 +270,42 @@ impl Variant {
         (self.incoherent && asks).then(|| reads("rays_hi", "array<f32>"))
     }
 
+    /// The lanes of a tile in their subgroup.
+    pub(crate) fn lanes(self) -> Parts {
+        match self.wide {
+            true => snippets!("shared/lanes_of_part.wgsl", "shared/lanes.wgsl"),
+            false => snippets!("shared/lanes_of_whole.wgsl", "shared/lanes.wgsl"),
+        }
+    }
+
+    /// What all lanes of a tile need they load together: the subgroups of software adapters have no more of them, and load each number
+    /// of each lane by itself.
+    pub(crate) fn loads_by_lanes(self) -> bool {
+        self.by_tile && !self.wide
+    }
+
     /// How a kernel sees a list of structs: as it is, or as vec4s that the lanes of a subgroup load together.
     pub(crate) fn list_type(self, list: &'static str) -> &'static str {
-        if self.by_tile { "array<vec4<f32>>" } else { list }
+        if self.loads_by_lanes() { "array<vec4<f32>>" } else { list }
     }
 
     /// How a kernel loads the node of its item.
     pub(crate) fn item_node(self) -> Parts {
-        if self.by_tile { NODE_BY_LANES } else { snippets!("shared/node_load.wgsl") }
+        if self.loads_by_lanes() { snippets!("shared/node_by_lanes.wgsl") } else { snippets!("shared/node_load.wgsl") }
+    }
+
+    /// How a kernel loads the piece that all lanes need.
+    pub(crate) fn lanes_piece(self) -> Parts {
+        match self.loads_by_lanes() {
+            true => snippets!("camera/piece_at.wgsl", "camera/piece.wgsl", "camera/piece_by_lanes.wgsl"),
+            false => snippets!("camera/piece_at.wgsl", "camera/piece.wgsl", "camera/piece_load.wgsl"),
+        }
     }
 
     /// The buffers that hold the camera's rays.
     pub(crate) fn rays(self) -> Vec<Binding> {
         match self.rays {
-            RaysKind::Pieces => vec![reads("pieces", "array<Piece>")],
+            RaysKind::Pieces => vec![pieces()],
             RaysKind::Field | RaysKind::Curves { .. } => {
                 vec![reads("rays_hi", "array<f32>"), reads("rays_lo", "array<f32>")]
             }

@@ -1,0 +1,9 @@
+// What the visibility buffer holds of a pixel.
+// Provides: pixel_key
+// Needs: nothing
+// Binds: visibility
+
+// A complemented visibility key, low word first; 0 of none.
+fn pixel_key(pixel: u32) -> vec2<u32> {
+    return visibility[pixel];
+}
