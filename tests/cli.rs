@@ -15,4 +15,5 @@ mod cli {
     pub mod models;
     pub mod outputs;
     pub mod program;
+    pub mod widths;
 }

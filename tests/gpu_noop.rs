@@ -53,11 +53,18 @@ fn adapter_features_follow_from_those_of_wgpu_and_ask_for_no_more() {
         let has = AdapterFeatures::of(features, &gpu.info);
         assert_eq!((has.f64, has.atomics64), (f64, atomics64), "{features:?}");
         assert!(features.contains(has.features()), "{features:?}: asks for {:?}", has.features());
-        // subgroups help where they are as wide as a tile
-        let info = |size| wgpu::AdapterInfo { subgroup_min_size: size, subgroup_max_size: size, ..gpu.info.clone() };
-        let lanes = |features, size| AdapterFeatures::of(features, &info(size)).lanes;
+        // subgroups help where they are no narrower than a tile
+        let lanes = |features, [subgroup_min_size, subgroup_max_size]: [u32; 2]| {
+            let info = wgpu::AdapterInfo { subgroup_min_size, subgroup_max_size, ..gpu.info.clone() };
+            let has = AdapterFeatures::of(features, &info);
+            (has.lanes, has.wide)
+        };
         let more = features.union(Features::SUBGROUP);
-        assert!(lanes(more, LANES) && !lanes(features, LANES) && !lanes(more, 2 * LANES));
+        assert_eq!(lanes(more, [LANES, LANES]), (true, false));
+        assert_eq!(lanes(more, [LANES, 4 * LANES]), (true, true));
+        assert_eq!(lanes(more, [4 * LANES, 4 * LANES]), (true, true));
+        assert_eq!(lanes(more, [LANES / 2, LANES]), (false, false));
+        assert_eq!(lanes(features, [LANES, LANES]), (false, false));
         assert_eq!(gpu.device.features(), has.features());
     }
     let all = open(Features::all(), limits(), &GpuOptions::default()).unwrap();

@@ -50,10 +50,11 @@ fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
         Capabilities::SHADER_INT64_ATOMIC_MIN_MAX,
         variant.atomics64 && (merges || kernel.name == "sample" && !variant.by_tile),
     );
-    caps.set(Capabilities::SHADER_INT64, !caps.is_empty());
+    // shade reads a key as one number
+    caps.set(Capabilities::SHADER_INT64, !caps.is_empty() || variant.atomics64 && kernel.name == "shade");
     let has_lanes = !["allot", "sort", "recheck_samples"].contains(&kernel.name);
     // then each of its threads has a node of its own
-    let has_lanes = has_lanes && !(variant.small && kernel.name == "bin");
+    let has_lanes = has_lanes && !((variant.small || variant.wide) && kernel.name == "bin");
     caps.set(Capabilities::SUBGROUP, variant.by_tile && has_lanes);
     caps
 }
@@ -69,27 +70,33 @@ fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
 fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
     for variant in variants() {
         stage::all_kernels(variant, &Channel::every().collect::<Vec<_>>()).iter().for_each(|k| check(k, variant));
-        let by_tile = variant.with_tiles();
-        if by_tile.by_tile {
-            let kernels = [
-                stage::bin::kernel(by_tile),
-                stage::sort::allot_kernel(),
-                stage::sort::kernel(),
-                stage::raster::kernel(by_tile),
-            ];
-            kernels.iter().for_each(|k| check(k, by_tile));
-        }
-        let small = by_tile.with_small();
-        if small.small {
-            [stage::small::kernel(small), stage::bin::kernel(small)].iter().for_each(|k| check(k, small));
-        }
-        if by_tile.samples_by_tile() {
-            let kernels = [stage::edges::by_tile_kernel, stage::sample::by_tile_kernel, stage::sample::recheck_kernel];
-            kernels.iter().for_each(|k| check(&k(by_tile), by_tile));
+        for wide in [false, true] {
+            each_by_tile(Variant { wide, ..variant.with_tiles() }, &mut check);
         }
         if variant.optics.is_none() {
             rivals::kernels::all(variant).iter().for_each(|k| check(k, variant));
         }
+    }
+}
+
+/// What is different where raster goes tile by tile.
+fn each_by_tile(by_tile: Variant, check: &mut impl FnMut(&Kernel, Variant)) {
+    if by_tile.by_tile {
+        let kernels = [
+            stage::bin::kernel(by_tile),
+            stage::sort::allot_kernel(),
+            stage::sort::kernel(),
+            stage::raster::kernel(by_tile),
+        ];
+        kernels.iter().for_each(|k| check(k, by_tile));
+    }
+    let small = by_tile.with_small();
+    if small.small {
+        [stage::small::kernel(small), stage::bin::kernel(small)].iter().for_each(|k| check(k, small));
+    }
+    if by_tile.samples_by_tile() {
+        let kernels = [stage::edges::by_tile_kernel, stage::sample::by_tile_kernel, stage::sample::recheck_kernel];
+        kernels.iter().for_each(|k| check(&k(by_tile), by_tile));
     }
 }
 
@@ -137,10 +144,11 @@ fn every_kernel_is_valid_and_portable() {
     let by_pair = 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals + sample_and_resolve);
     // and four cameras of triangles with alpha masks, one of curves, and a mirror of facets with the rays that it bounces
     let masked = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 1) + 2 * (3 + 1 + 1));
-    // with 64-bit atomics too: raster of what is rechecked; sample and recheck_samples where the camera is no chain
-    let by_tile = 2 * (all - 6 + 2 * 2);
+    // with 64-bit atomics too, and subgroups of either kind: raster of what is rechecked; sample and recheck_samples where the camera is
+    // no chain
+    let by_tile = 2 * 2 * (all - 6 + 2 * 2);
     // and small where pieces have one layer and one sample: plain, with lights in places, and with each of five kinds of surface
-    let small = 2 * (1 + 1 + 5);
+    let small = 2 * 2 * (1 + 1 + 5);
     assert_eq!(wide, by_pair + masked + by_tile + small);
 }
 
@@ -186,7 +194,8 @@ fn every_kernel_does_without_f64_once_it_is_lowered() {
         }
         let module = lowered(&kernel.source()).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
         let mut caps = allowed(kernel, variant).difference(Capabilities::FLOAT64);
-        caps.set(Capabilities::SHADER_INT64, caps.contains(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX));
+        let reads_keys = variant.atomics64 && kernel.name == "shade";
+        caps.set(Capabilities::SHADER_INT64, caps.contains(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX) || reads_keys);
         validate(&module, caps).unwrap_or_else(|e| panic!("{} {variant:?} with {caps:?}: {e}", kernel.name));
     });
 }

@@ -7,7 +7,8 @@
 // Records and blocks may overflow: the counter of records keeps counting, and blocks have space for all records.
 // Needs: Bounds, CENTRES, COUNT_BLOCKS, COUNT_EDGES, GROUP, LANES, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, STRIPS, TILE, bit_mask, bound,
 //   conics, edge_pixels, extent, four, given_bounds, group_index, is_empty, item_node, key_id, lanes_any, may_cover, pair_slot,
-//   pixels_in_part, pixels_whole, pixels_within, plane, rows_mask, side, tile_corner, triangle_at, triangle_id, vertex
+//   pixels_in_part, pixels_whole, pixels_within, plane, rows_mask, side, subgroup_lane, take_lane, tile_corner, triangle_at, triangle_id,
+//   vertex
 // Binds: blocks, counters, edge_of, ends, pairs, params, samples, starts, tile_start, touches, visibility
 
 @compute @workgroup_size(64)

@@ -6,8 +6,8 @@
 // Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, FARTHEST,
 //   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, complemented_key, conics, extent, farthest, given, group_index, in_line,
 //   is_behind, is_empty, is_excluded, item_node, lanes_any, lanes_max, leave_to_recheck, lines_of, may_cover, merge, pair_slot,
-//   pixels_within, reach_of, real3, real4, row_bits, rows_mask, shared_of, size, start_of, test_pixels, tile_column, tile_corner,
-//   tile_layer, triangle_at, triangle_id, vertex, vertex_lo
+//   pixels_within, reach_of, real3, real4, row_bits, rows_mask, shared_of, size, start_of, subgroup_lane, take_lane, test_pixels,
+//   tile_column, tile_corner, tile_layer, triangle_at, triangle_id, vertex, vertex_lo
 // Binds: busy, counters, ends, pairs, params, starts
 
 // Rounds of LANES pairs that a subgroup looks at, at most: software adapters end a thread's loops after 65535 rounds in all. Of what a

@@ -6,7 +6,7 @@
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, FARTHEST, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, complemented_key,
 //   given, group_index, in_line, item_node, lanes_any, lanes_max, lines_of, reach_of, real3, real4, row_bits, sample_strip, shared_of,
-//   size, test_pixels, triangle_at, vertex, vertex_lo
+//   size, subgroup_lane, take_lane, test_pixels, triangle_at, vertex, vertex_lo
 // Binds: blocks, counters, params, recheck_items, samples, touches
 
 @compute @workgroup_size(64)

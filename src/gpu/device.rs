@@ -231,7 +231,7 @@ fn note(failed: &Mutex<Option<String>>, text: String) {
 }
 
 /// Storage buffers of the kernels that bind most: `raster`, `resolve` and others.
-pub const STORAGE_BUFFERS: u32 = 12;
+pub const STORAGE_BUFFERS: u32 = 11;
 
 /// The device's error, with advice if its memory is full.
 fn described(e: &wgpu::Error) -> String {

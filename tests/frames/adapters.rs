@@ -80,10 +80,12 @@ fn frames_are_the_same_by_tile_and_by_pair() {
     }
 }
 
-/// With and without 64-bit atomics, f64, and the checks that wgpu adds to kernels.
+/// With and without 64-bit atomics, f64, subgroups as wide as a tile, and the checks that wgpu adds to kernels.
 #[test]
 fn frames_are_the_same_whatever_the_adapter_has() {
-    let less: [(&str, Less); 4] = [
+    let less: [(&str, Less); 5] = [
+        // lanes may be a part of a subgroup, though here they are all of it
+        ("subgroups of a known width", |gpu| gpu.has.wide = true),
         ("64-bit atomics", |gpu| (gpu.has.lanes, gpu.has.atomics64) = (false, false)),
         ("f64", |gpu| (gpu.has.lanes, gpu.has.f64) = (false, false)),
         // SAFETY: what the kernels read and write is what this very test compares with checked ones

@@ -1,7 +1,6 @@
 // Rays of a camera made of pieces: of a pixel, and the bundle of a cell in recheck arithmetic.
 // Provides: TILE_REACH, cell_bundle, pixel_bundle
-// Needs: Bundle, Cell, bundle_at, piece_bundle, real, tile_corner
-// Binds: pieces
+// Needs: Bundle, Cell, bundle_at, piece_at, piece_bundle, real, tile_corner
 
 // Half of a tile from its centre to the outermost pixel centre, px.
 const TILE_REACH: f32 = 3.5;

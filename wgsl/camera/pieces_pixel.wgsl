@@ -1,8 +1,8 @@
 // Rays of a camera made of pieces, pixel by pixel; the piece is looked up.
 // Provides: cell_differential, cell_ray_at, has_ray, piece_number, pixel_ray, point_at, ray_bundle, ray_differential, reached,
 //   segment_length
-// Needs: Bundle, Cell, NONE, Ray, RayDifferential, TILE, TILE_REACH, bundle_at, piece_bundle, pixel_cell, real
-// Binds: cells, pieces
+// Needs: Bundle, Cell, NONE, Ray, RayDifferential, TILE, TILE_REACH, bundle_at, piece_at, piece_bundle, pixel_cell, real
+// Binds: cells
 
 // The bundle of a pixel of the band in a layer.
 fn ray_bundle(layer: u32, x: u32, y: u32, t: f32) -> Bundle {

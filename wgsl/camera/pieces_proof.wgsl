@@ -1,7 +1,7 @@
 // Error bounds of the ray of a pixel of a piece.
 // Provides: weighed
-// Needs: Bundle, Cell, REAL_UNIT, Weighed, pixel_bundle, real, size3, tile_corner
-// Binds: params, pieces
+// Needs: Bundle, Cell, REAL_UNIT, Weighed, piece_at, pixel_bundle, real, size3, tile_corner
+// Binds: params
 
 // A stored number 1 unit, a slope times a distance from the piece's origin 2, sums 2: 4 of what is summed up, which at the origin is
 // at most what it is here and the slopes' part.

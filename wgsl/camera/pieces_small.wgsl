@@ -1,8 +1,8 @@
 // A small triangle that lies in one piece, drawn pixel by pixel.
 // Provides: draw_small
 // Needs: Bundle, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, LEAST, MOST, ONE_SIDED, Piece, TILE,
-//   bundle_at, first_of, leave_to_recheck, long_bit, merge, piece_bundle, ray_meeting, real, real3, size1, triangle_id, triangle_reversed,
-//   vertex_lo, visibility_key, without_first
+//   bundle_at, first_of, key_above, leave_to_recheck, long_bit, meeting_between, merge, piece_bundle, real, real3, real_from_bits, size1,
+//   triangle_id, triangle_reversed, vertex_lo, without_first
 // Binds: counters, params
 
 override COUNTING: bool = false;

@@ -1,7 +1,8 @@
 // The rays of four samples of a pixel of a camera made of pieces.
 // Provides: sample_strip
-// Needs: Bundle, NO_STRIP, SAMPLES, Strip, TILE, bit_mask, either, piece_bundle, pixels_of_sample, real, real3, real4, sample_offset
-// Binds: cells, pieces, tile_start
+// Needs: Bundle, NO_STRIP, SAMPLES, Strip, TILE, bit_mask, either, piece_at, piece_bundle, pixels_of_sample, real, real3, real4,
+//   sample_offset
+// Binds: cells, tile_start
 
 struct SampleStrip {
     strip: Strip,

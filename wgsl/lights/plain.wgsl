@@ -1,7 +1,6 @@
 // White distant lights without shadows: one vec4 each, the direction of travel.
 // Provides: arriving, openness
-// Needs: Arriving, Lit
-// Binds: lights
+// Needs: Arriving, Lit, light_row
 
 fn arriving(k: u32, lit: Lit) -> Arriving {
     return Arriving(-light_row(k).xyz, vec3<f32>(1.0));

@@ -1,8 +1,7 @@
 // Distant and point lights of any colour: two vec4s each. The first is the direction of travel, or the position and the distance
 // at which its colour applies; the second the colour, and 1 if triangles cast shadows.
 // Provides: arriving
-// Needs: Arriving, Lit, largest, reaches
-// Binds: lights
+// Needs: Arriving, Lit, largest, light_row, reaches
 
 fn arriving(k: u32, lit: Lit) -> Arriving {
     let from_there = light_row(2u * k);

@@ -1,7 +1,7 @@
 // Shadows and ambient occlusion: segments traced through the hierarchy of the scene's triangles, which follows the lights in `lights`.
 // Provides: leaf_at, node_at, openness, reaches
-// Needs: BvhNode, Found, LeafTriangle, Lit, NONE, Segment, flat_normal, largest, traced, triangle_at
-// Binds: lights, shading
+// Needs: BvhNode, Found, LeafTriangle, Lit, NONE, Segment, flat_normal, largest, light_row, traced, triangle_at
+// Binds: shading
 
 // Offset of segments above a surface, relative to the largest coordinate of the hit and its triangle.
 const ABOVE: f32 = 4e-6;

@@ -1,7 +1,7 @@
 // Reflection by microfacets of Trowbridge and Reitz (GGX; Walter et al. 2007), and emission.
 // Provides: sent_back
-// Needs: Lit, SKY, arriving, from_around, openness, triangle_surface
-// Binds: materials, shading
+// Needs: Lit, SKY, arriving, from_around, light_count, material_at, openness, triangle_surface
+// Binds: shading
 
 const PI: f32 = 3.14159265;
 

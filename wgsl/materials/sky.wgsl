@@ -1,7 +1,7 @@
 // Environment light from an equirectangular image: longitude from left to right with -z in the middle, +y on top.
 // Provides: SKY, beyond, from_around
-// Needs: Footprint, SLABBED, both_sides, has_ray, image_mean, pixel_ray
-// Binds: materials, params, shading
+// Needs: Footprint, SLABBED, both_sides, has_ray, image_mean, material_at, pixel_ray
+// Binds: params, shading
 
 const SKY: bool = true;
 

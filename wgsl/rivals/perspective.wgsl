@@ -1,8 +1,9 @@
 // perspective: pieces whose rays start in one point, each by its own perspective matrix; the rasterizer is exact then (Lorenz
 // and Doellner 2009, section 2). A triangle is drawn once for each piece that it may be seen in, as `replicate` lists them, and what
 // lies outside the piece is clipped off.
-// Needs: Clipped, Corner, Drawn, file_normal, outline_distances, perspective_image, piece_origin, seen_through, triangle_at, vertex
-// Binds: outlines, params, pieces, replicas
+// Needs: Clipped, Corner, Drawn, file_normal, outline_distances, perspective_image, piece_at, piece_origin, seen_through, triangle_at,
+//   vertex
+// Binds: outlines, params, replicas
 
 @vertex
 fn perspective_corner(@builtin(vertex_index) index: u32) -> Clipped {

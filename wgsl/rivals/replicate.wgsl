@@ -1,8 +1,8 @@
 // replicate: one thread per triangle of the chunk.
 // Reads triangles and pieces; writes a (slot, piece) item for each piece that the triangle may be seen in, and the arguments
 // of the draw of all. The list may overflow: the counter keeps counting.
-// Needs: CULLING, Cone, item_index, outline_corners, perspective_image, piece_origin, triangle_at, vertex, winding
-// Binds: cones, draw_args, outlines, pieces, replicas
+// Needs: CULLING, Cone, item_index, outline_corners, perspective_image, piece_at, piece_origin, triangle_at, vertex, winding
+// Binds: cones, draw_args, outlines, replicas
 
 // Arguments of an indirect draw: vertices, instances, first vertex, first instance.
 const VERTICES: u32 = 0u;

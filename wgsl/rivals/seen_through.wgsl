@@ -1,7 +1,7 @@
 // A triangle that was projected by its corners, seen through a piece.
 // Provides: Clipped, Corner, seen_through
-// Needs: Drawn, ID_MASK, drawn, in_range, is_back_face, outline_contains, outline_ray, piece_origin
-// Binds: outlines, pieces
+// Needs: Drawn, ID_MASK, drawn, in_range, is_back_face, outline_contains, outline_ray, piece_at, piece_origin
+// Binds: outlines
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

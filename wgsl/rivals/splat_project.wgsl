@@ -1,7 +1,7 @@
 // splat_project: the first pass of Yu et al. 2009, section 3.3: every triangle fills a cell of the texture S, each texel with where
 // the camera shows it. A cell is for a triangle and a piece.
-// Needs: SAMPLES, cell_piece, cell_slot, cell_texel, image_of, piece_origin, triangle_at, vertex
-// Binds: pieces, splat
+// Needs: SAMPLES, cell_piece, cell_slot, cell_texel, image_of, piece_at, piece_origin, triangle_at, vertex
+// Binds: splat
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

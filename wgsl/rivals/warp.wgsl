@@ -1,7 +1,8 @@
 // warp: vertices where the camera shows them, edges straight between them (Brosz et al. 2007; Popescu et al., section 4.2).
 // Every triangle is first split into 4^LEVELS. An instance is a piece.
-// Needs: Clipped, Corner, Drawn, clip_place, file_normal, image_of, outline_distances, piece_origin, seen_through, triangle_at, vertex
-// Binds: outlines, pieces
+// Needs: Clipped, Corner, Drawn, clip_place, file_normal, image_of, outline_distances, piece_at, piece_origin, seen_through, triangle_at,
+//   vertex
+// Binds: outlines
 
 override LEVELS: u32 = 0u;
 

@@ -1,6 +1,6 @@
 // Four pixels of a column of a tile against a triangle: whether it may cover any of their samples, and its depth.
 // Provides: Bounds, bound, edge_pixels, four, given_bounds, side
-// Needs: BOUND_TOLERANCE, Conic, ENDLESS, LEAST, MOST, NODE_PX, SAMPLE_REACH, TILE, key_id, row_bits, tile_corner
+// Needs: BOUND_TOLERANCE, Conic, ENDLESS, LEAST, MOST, NODE_PX, SAMPLE_REACH, TILE, key_id, row_bits, subgroup_lane, tile_corner
 // Binds: params, visibility
 
 // No t at all, beyond that of bounds.

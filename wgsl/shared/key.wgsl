@@ -1,6 +1,6 @@
 // A visibility key, low word first: the ordered bits of t, cut off where the triangle id begins. The smaller key is
 // the nearer hit, and of equal ones the smaller id. With slabs the layer comes before t, in the top 4 bits.
-// Provides: key_id, key_layer, key_t, visibility_key
+// Provides: key_above, key_id, key_layer, key_t, visibility_key
 // Needs: SLABBED, from_ordered_bits, ordered_bits, real
 // Binds: params
 

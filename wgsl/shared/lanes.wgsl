@@ -1,5 +1,6 @@
 // What the threads of a subgroup of LANES find together, without loops: software adapters count the rounds of these.
 // Provides: lanes_any, lanes_max
+// Needs: subgroup_lane
 
 fn lanes_any(bits: u32, lane: u32) -> u32 {
     let two = bits | subgroupShuffle(bits, subgroup_lane(lane ^ 1u));

@@ -1,6 +1,5 @@
 // Lanes that are a whole subgroup.
 // Provides: subgroup_lane, take_lane
-// Needs: nothing
 
 // The lane of a thread, from its place in the subgroup.
 fn take_lane(place: u32) -> u32 {

@@ -1,5 +1,5 @@
 // Straight rays against a triangle's plane.
-// Provides: end_rounding, ray_meeting
+// Provides: end_rounding, meeting_between, ray_meeting
 // Needs: Bundle, Meeting, REAL_UNIT, SLABBED, real, real3, real_from_bits, size3
 // Binds: params
 

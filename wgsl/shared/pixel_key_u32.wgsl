@@ -1,6 +1,5 @@
 // What the visibility buffer holds of a pixel.
 // Provides: pixel_key
-// Needs: nothing
 // Binds: visibility
 
 // A complemented visibility key, low word first; 0 of none.

@@ -1,6 +1,5 @@
 // What the visibility buffer holds of a pixel, loaded as one number: software adapters load each number of each thread by itself.
 // Provides: pixel_key
-// Needs: nothing
 // Binds: visibility
 
 // A complemented visibility key, low word first; 0 of none.

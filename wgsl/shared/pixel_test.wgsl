@@ -1,7 +1,7 @@
 // Tests a triangle against four rays at once: coverage, proven by f32, and depth, in recheck arithmetic.
 // Provides: FARTHEST, INFINITE, complemented_key, farthest, given, is_behind, lines_of, reach_of, shared_of, size, test_pixels
 // Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_BOUND, REAL_UNIT, SLABBED, Strip, ordered_bits, real, real3, real4, real_from_bits,
-//   real_to_bits, size3, triangle_id, triangle_reversed
+//   real_to_bits, size3, subgroup_lane, triangle_id, triangle_reversed
 // Binds: params
 
 // Rounding of one f32 operation, relative.

@@ -1,7 +1,7 @@
 // Surface normals, and the light that arrives at a surface.
-// Provides: Arriving, Lit, NORMALS, flat_normal, in_file_order, largest, reach_of, received, stored_normal, surface_normal
-// Needs: NONE, Ray, arriving, corner_order, openness, triangle_order, triangle_surface, vertex
-// Binds: normals, shading
+// Provides: Arriving, Lit, NORMALS, flat_normal, in_file_order, largest, light_count, reach_of, received, stored_normal, surface_normal
+// Needs: NONE, Ray, arriving, corner_order, openness, table_texel, triangle_order, triangle_surface, vertex
+// Binds: normals, planes, shading
 
 // Whether the scene has vertex normals.
 override NORMALS: bool = true;

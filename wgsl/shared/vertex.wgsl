@@ -1,12 +1,7 @@
 // Triangles, and vertices relative to the anchor, rounded to f32.
-// Provides: table_texel, triangle_at, vertex
-// Needs: TEXELS_A_ROW
+// Provides: triangle_at, vertex
+// Needs: table_texel
 // Binds: triangles, vertices
-
-// The place of a texel of a table.
-fn table_texel(index: u32) -> vec2<u32> {
-    return vec2<u32>(index % TEXELS_A_ROW, index / TEXELS_A_ROW);
-}
 
 // The packed triangle of a slot.
 fn triangle_at(slot: u32) -> vec4<u32> {

@@ -1,6 +1,6 @@
 // Pairs that wait until every lane of a subgroup has one.
 // Provides: LOWER, UPPER, Waiting, in_line
-// Needs: LANES
+// Needs: LANES, subgroup_lane
 
 const UPPER: u32 = 1u;
 const LOWER: u32 = 2u;

@@ -1,7 +1,7 @@
 // Solid (3-D) patterns: src/geometry/pattern.rs has them at a point, here are their means over what a pixel covers.
 // Provides: STYLED, pattern_at, tangents
-// Needs: RayDifferential, ShadedHit, flat_normal, triangle_at, triangle_surface
-// Binds: materials, shading
+// Needs: RayDifferential, ShadedHit, flat_normal, material_at, triangle_at, triangle_surface
+// Binds: shading
 
 const STYLED: bool = true;
 

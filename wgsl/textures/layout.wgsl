@@ -1,8 +1,7 @@
 // Surfaces with images on them: three vec4s a slot, the last two with the texture coordinates of its corners in file order.
 // An image hangs downwards from its first texel, so v runs downwards here.
 // Provides: WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, corner_uv, has_uv, image_place, on_triangle, triangle_surface, wrap_u, wrap_v
-// Needs: corner_order, real, real3, triangle_order
-// Binds: surfaces
+// Needs: corner_order, real, real3, surface_row, triangle_order
 
 const SURFACE_VEC4S: u32 = 3u;
 

@@ -1,8 +1,8 @@
 // Colours of surfaces with images on them.
 // Provides: Footprint, TEXTURED, surface_albedo, surface_uv
-// Needs: NONE, NORMALS, Ray, RayDifferential, corner_order, corner_uv, flat_normal, has_uv, image_mean, image_place, on_triangle, real,
-//   real3, stored_normal, triangle_order, triangle_surface, vertex, weights_at
-// Binds: materials, shading
+// Needs: NONE, NORMALS, Ray, RayDifferential, corner_order, corner_uv, flat_normal, has_uv, image_mean, image_place, material_at,
+//   on_triangle, real, real3, stored_normal, triangle_order, triangle_surface, vertex, weights_at
+// Binds: shading
 
 const TEXTURED: bool = true;
 

@@ -1,9 +1,8 @@
 // Triangles with alpha masks. Whether a point is masked follows from the image's first level alone, whatever the camera: masks are part of
 // the scene's shape.
 // Provides: is_there
-// Needs: Bundle, NONE, bilinear, corner_uv, has_uv, image_place, into_image, on_triangle, real3, triangle_at, triangle_surface,
-//   vertex_real, wrap_u, wrap_v
-// Binds: materials
+// Needs: Bundle, NONE, bilinear, corner_uv, has_uv, image_place, into_image, material_at, on_triangle, real3, triangle_at,
+//   triangle_surface, vertex_real, wrap_u, wrap_v
 
 fn is_there(slot: u32, b: Bundle) -> bool {
     let material = material_at(triangle_surface(slot).w);

@@ -1,7 +1,6 @@
 // Surfaces without images.
 // Provides: TEXTURED, surface_albedo, surface_uv, triangle_surface
-// Needs: Ray, RayDifferential
-// Binds: materials, surfaces
+// Needs: Ray, RayDifferential, material_at, surface_row
 
 const TEXTURED: bool = false;
 

@@ -53,7 +53,15 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
     // of keys the ids alone are read
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, PACKED_TRIANGLE, REAL_F32, KEY, PAIR, BITS, WITHIN, COLUMN];
     let four = snippets!("samples/four.wgsl");
-    let own = [DEPTH_BOUNDS, variant.lanes(), variant.item_node(), CELL_SAMPLES, four, snippets!("edges_by_tile.wgsl")];
+    let own = [
+        DEPTH_BOUNDS,
+        variant.lane_places(),
+        LANES,
+        variant.item_node(),
+        CELL_SAMPLES,
+        four,
+        snippets!("edges_by_tile.wgsl"),
+    ];
     let mut kernel = Kernel::new("edges", bindings, &[&snippets[..], &own].concat());
     kernel.constants = variant.sample_constants();
     kernel.constants.push(("STRIPS", variant.strips()));

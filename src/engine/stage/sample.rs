@@ -59,7 +59,7 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
         }
     };
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
-    let own = [variant.lanes(), variant.item_node(), COLUMN, CELL_SAMPLES];
+    let own = [variant.lane_places(), LANES, variant.item_node(), COLUMN, CELL_SAMPLES];
     let stage =
         [snippets!("shared/waiting.wgsl"), snippets!("shared/pixel_test.wgsl"), snippets!("sample_by_tile.wgsl")];
     let mut kernel = Kernel::new("sample", bindings, &[&snippets[..], &own, rays, &stage].concat());

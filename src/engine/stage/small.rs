@@ -28,7 +28,7 @@ pub fn kernel(variant: Variant) -> Kernel {
         SLABS,
         VERTEX,
         WITHIN,
-        variant.lanes(),
+        variant.lane_places(),
         variant.item_node(),
         variant.real(),
         TRIANGLE,

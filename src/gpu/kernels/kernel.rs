@@ -3,6 +3,7 @@
 use super::parts::REAL_F64;
 use crate::gpu::layout::NONE;
 use crate::image::frame::Channel;
+use std::collections::HashSet;
 use std::fmt::Write;
 use std::sync::LazyLock;
 
@@ -85,9 +86,11 @@ pub(crate) fn writes_texture(name: &'static str, wgsl_type: &'static str) -> Bin
 }
 
 impl Kernel {
-    /// Joined from `parts`, in their order.
+    /// Joined from `parts`, in their order; a snippet that several of them have stands where the first has it.
     pub(crate) fn new(name: &'static str, bindings: Vec<Binding>, parts: &[Parts]) -> Kernel {
-        let parts = parts.concat();
+        let mut seen = HashSet::new();
+        let mut parts = parts.concat();
+        parts.retain(|p| seen.insert(p.name));
         let f64 = parts.iter().any(|p| p.name == REAL_F64[0].name);
         Kernel { name, bindings, parts, enables: "", constants: Vec::new(), f64 }
     }

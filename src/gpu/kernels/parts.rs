@@ -8,7 +8,7 @@ pub(crate) const INDEX: Parts = snippets!("shared/index.wgsl");
 pub(crate) const ADDRESS: Parts = snippets!("shared/address.wgsl");
 pub(crate) const SLABS: Parts = snippets!("shared/slabs.wgsl");
 /// Triangles and vertices from their textures.
-pub(crate) const VERTEX: Parts = snippets!("shared/vertex.wgsl");
+pub(crate) const VERTEX: Parts = snippets!("shared/table.wgsl", "shared/vertex.wgsl");
 pub(crate) const PACKED_TRIANGLE: Parts = snippets!("shared/triangle.wgsl");
 pub(crate) const TRIANGLE: Parts = snippets!("shared/triangle.wgsl", "shared/vertex_real.wgsl");
 pub(crate) const RAY: Parts = snippets!("shared/ray.wgsl");
@@ -23,9 +23,10 @@ pub(crate) const SIDES: Parts = snippets!("shared/sides.wgsl", "shared/perturb.w
 pub(crate) const NEARNESS: Parts = snippets!("shared/nearness.wgsl");
 /// The cell of a pixel.
 pub(crate) const CELLS: Parts = snippets!("shared/cells.wgsl");
-pub(crate) const PIECE_AT: Parts = snippets!("camera/piece_at.wgsl");
+pub(crate) const PIECE_AT: Parts = snippets!("shared/table.wgsl", "camera/piece_at.wgsl");
 /// A camera's pieces and their bundles.
-pub(crate) const PIECES: Parts = snippets!("camera/piece_at.wgsl", "camera/piece.wgsl");
+pub(crate) const PIECES: Parts = snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece.wgsl");
+pub(crate) const LANES: Parts = snippets!("shared/lanes.wgsl");
 pub(crate) const COLUMN: Parts = snippets!("shared/column.wgsl");
 /// No triangle has an alpha mask.
 pub(crate) const SOLID: Parts = snippets!("textures/solid.wgsl");

@@ -19,22 +19,27 @@ impl Variant {
         if self.textured {
             return snippets!(
                 "materials/material.wgsl",
+                "shared/table.wgsl",
+                "materials/rows.wgsl",
                 "textures/layout.wgsl",
                 "textures/levels.wgsl",
                 "textures/mapped.wgsl",
                 "textures/filter.wgsl"
             );
         }
-        snippets!("materials/material.wgsl", "textures/plain.wgsl")
+        snippets!("materials/material.wgsl", "shared/table.wgsl", "materials/rows.wgsl", "textures/plain.wgsl")
     }
 
     /// What light arrives at a surface, and what it sends back.
     pub(crate) fn light(self) -> [Parts; 2] {
         let lights = match self.lights {
-            LightsKind::Plain => snippets!("lights/rows.wgsl", "lights/plain.wgsl"),
-            LightsKind::Positional => snippets!("lights/rows.wgsl", "lights/positional.wgsl", "lights/unshadowed.wgsl"),
+            LightsKind::Plain => snippets!("shared/table.wgsl", "lights/rows.wgsl", "lights/plain.wgsl"),
+            LightsKind::Positional => {
+                snippets!("shared/table.wgsl", "lights/rows.wgsl", "lights/positional.wgsl", "lights/unshadowed.wgsl")
+            }
             LightsKind::Shadowed => {
                 snippets!(
+                    "shared/table.wgsl",
                     "lights/rows.wgsl",
                     "lights/positional.wgsl",
                     "lights/shadowed.wgsl",
@@ -74,6 +79,8 @@ impl Variant {
         if self.masked {
             return snippets!(
                 "materials/material.wgsl",
+                "shared/table.wgsl",
+                "materials/rows.wgsl",
                 "textures/layout.wgsl",
                 "textures/levels.wgsl",
                 "textures/masked.wgsl"

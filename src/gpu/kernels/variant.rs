@@ -192,7 +192,9 @@ impl Variant {
 
     pub(crate) fn camera(self) -> Parts {
         match self.rays {
-            RaysKind::Pieces => snippets!("camera/piece_at.wgsl", "camera/piece.wgsl", "camera/pieces.wgsl"),
+            RaysKind::Pieces => {
+                snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece.wgsl", "camera/pieces.wgsl")
+            }
             RaysKind::Field => snippets!("camera/field_rays.wgsl", "camera/field.wgsl"),
             RaysKind::Curves { .. } => snippets!("camera/curves.wgsl"),
         }
@@ -270,12 +272,9 @@ impl Variant {
         (self.incoherent && asks).then(|| reads("rays_hi", "array<f32>"))
     }
 
-    /// The lanes of a tile in their subgroup.
-    pub(crate) fn lanes(self) -> Parts {
-        match self.wide {
-            true => snippets!("shared/lanes_of_part.wgsl", "shared/lanes.wgsl"),
-            false => snippets!("shared/lanes_of_whole.wgsl", "shared/lanes.wgsl"),
-        }
+    /// Where the lanes of a tile are in their subgroup.
+    pub(crate) fn lane_places(self) -> Parts {
+        if self.wide { snippets!("shared/lanes_of_part.wgsl") } else { snippets!("shared/lanes_of_whole.wgsl") }
     }
 
     /// What all lanes of a tile need they load together: the subgroups of software adapters have no more of them, and load each number
@@ -297,8 +296,15 @@ impl Variant {
     /// How a kernel loads the piece that all lanes need.
     pub(crate) fn lanes_piece(self) -> Parts {
         match self.loads_by_lanes() {
-            true => snippets!("camera/piece_at.wgsl", "camera/piece.wgsl", "camera/piece_by_lanes.wgsl"),
-            false => snippets!("camera/piece_at.wgsl", "camera/piece.wgsl", "camera/piece_load.wgsl"),
+            true => snippets!(
+                "shared/table.wgsl",
+                "camera/piece_at.wgsl",
+                "camera/piece.wgsl",
+                "camera/piece_by_lanes.wgsl"
+            ),
+            false => {
+                snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece.wgsl", "camera/piece_load.wgsl")
+            }
         }
     }
 

@@ -94,7 +94,11 @@ fn about(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
                 "one dispatch, 64-bit atomics (--no-int64: two)",
                 "two dispatches, 32-bit atomics",
             ),
-            mapping: either(has.lanes && has.f64 && has.atomics64, "tile by tile, a column a thread", "pair by pair"),
+            mapping: match has.lanes && has.f64 && has.atomics64 {
+                true if has.wide => "tile by tile, a column a thread, several tiles a subgroup",
+                true => "tile by tile, a column a thread",
+                false => "pair by pair",
+            },
             stage_times: either(has.timestamps, "GPU timestamps", "none"),
             clipping: either(has.clip_distances, "yes", "none: raster-* are refused but raster-cubemap"),
             usable: either(enough, "yes", "no: too few storage buffers a kernel; use --engine reference"),

@@ -1,0 +1,8 @@
+// Tables in textures.
+// Provides: table_texel
+// Needs: TEXELS_A_ROW
+
+// The place of a texel of a table.
+fn table_texel(index: u32) -> vec2<u32> {
+    return vec2<u32>(index % TEXELS_A_ROW, index / TEXELS_A_ROW);
+}
