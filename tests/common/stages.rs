@@ -359,7 +359,7 @@ pub fn upload(gpu: &Gpu, input: &KernelInputs) -> Buffers {
     b.upload(gpu, "nodes", input.nodes).unwrap();
     b.upload(gpu, "tile_start", input.tile_start).unwrap();
     b.upload(gpu, "cells", input.cells).unwrap();
-    b.upload(gpu, "pieces", input.pieces).unwrap();
+    b.upload_texels(gpu, "pieces", input.pieces).unwrap();
     if let Some(rays) = input.rays {
         b.upload(gpu, "rays_hi", &rays.hi).unwrap();
         b.upload(gpu, "rays_lo", &rays.lo).unwrap();
@@ -368,13 +368,13 @@ pub fn upload(gpu: &Gpu, input: &KernelInputs) -> Buffers {
     b.upload_texels(gpu, "vertices", input.vertices).unwrap();
     b.upload(gpu, "slot_of_id", input.slot_of_id).unwrap();
     if input.uvs.is_empty() {
-        b.upload(gpu, "surfaces", input.surfaces).unwrap();
+        b.upload_texels(gpu, "surfaces", input.surfaces).unwrap();
     } else {
-        b.upload(gpu, "surfaces", &mapped_surfaces(input.surfaces, input.uvs)).unwrap();
+        b.upload_texels(gpu, "surfaces", &mapped_surfaces(input.surfaces, input.uvs)).unwrap();
     }
-    b.upload(gpu, "normals", &input.appearance.normals).unwrap();
-    b.upload(gpu, "materials", &input.appearance.materials).unwrap();
-    b.upload(gpu, "lights", &input.appearance.lights).unwrap();
+    b.upload_texels(gpu, "normals", &input.appearance.normals).unwrap();
+    b.upload_texels(gpu, "materials", &input.appearance.materials).unwrap();
+    b.upload_texels(gpu, "lights", &input.appearance.lights).unwrap();
     b.create(gpu, "indirect", 12, wgpu::BufferUsages::INDIRECT).unwrap();
     if let Some(optics) = &input.optics {
         b.upload_uniform(gpu, "optic", &optics.optic).unwrap();
