@@ -75,7 +75,8 @@ fn box_edge_at(k: BoxEdge, x: f32, y: f32) -> f32 {
     return k.c + y * (k.y + y * k.yy) + x * (k.x + y * k.xy + x * k.xx);
 }
 
-// Column and row of the n-th pixel of a box, row by row. Of up to 512 pixels: half a pixel is far more than what the division is off.
+// Column and row of the n-th pixel of a box, row by row; share = 1 / width. Of up to 512 pixels: half a pixel is far more than what the
+// product is off.
 fn place_in_box(n: u32, width: f32, share: f32) -> vec2<f32> {
     let row = floor((f32(n) + 0.5) * share);
     return vec2<f32>(f32(n) - row * width, row);
@@ -115,7 +116,7 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
     let back_sign = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
 
-    // 128 pixels at a time, row by row
+    // 64 pixels at a time, row by row
     let box_size = pixels.zw - pixels.xy;
     let count = select(1u, box_size.x * box_size.y, is_small);
     var place = -half;
@@ -162,7 +163,9 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
             let at = place_in_box(first + first_of(covered), width, share);
             let x = real(at.x - half.x);
             let y = real(at.y - half.y);
-            let meeting = meeting_between(along.x + x * along.y + y * along.z, across.x + x * across.y + y * across.z, real(0.0), back_sign, t_min, t_max);
+            let numerator = along.x + x * along.y + y * along.z;
+            let denominator = across.x + x * across.y + y * across.z;
+            let meeting = meeting_between(numerator, denominator, real(0.0), back_sign, t_min, t_max);
             let pixel = pixels.xy + vec2<u32>(at);
             if any(covered != vec2<u32>(0u)) && meeting.visible {
                 merge(pixel.y * image_width + pixel.x, ~key_above(0u, meeting.t, id, id_mask));

@@ -8,6 +8,7 @@ fn visibility_key(layer: u32, t: real, id: u32) -> vec2<u32> {
     return key_above(layer, t, id, (1u << params.id_bits) - 1u);
 }
 
+// The same, with the bits that the id takes: a loop that calls it loads them once.
 fn key_above(layer: u32, t: real, id: u32, id_mask: u32) -> vec2<u32> {
     var bits = ordered_bits(t);
     if SLABBED {

@@ -10,6 +10,7 @@ fn ray_meeting(along: real, across: real, rounding: real, back_sign: real) -> Me
     return meeting_between(along, across, rounding, back_sign, real_from_bits(params.t_words.xy), real_from_bits(params.t_words.zw));
 }
 
+// The same, between two t: a loop that calls it loads them once.
 fn meeting_between(along: real, across: real, rounding: real, back_sign: real, t_min: real, t_max: real) -> Meeting {
     if across == 0.0 || across * back_sign > 0.0 {
         return Meeting(0.0, false);

@@ -277,8 +277,8 @@ impl Variant {
         if self.wide { snippets!("shared/lanes_of_part.wgsl") } else { snippets!("shared/lanes_of_whole.wgsl") }
     }
 
-    /// What all lanes of a tile need they load together: the subgroups of software adapters have no more of them, and load each number
-    /// of each lane by itself.
+    /// Whether the lanes of a tile load together what all of them need. So on software adapters, whose subgroups have no more threads
+    /// than these: each thread that loads a number takes time of its own there.
     pub(crate) fn loads_by_lanes(self) -> bool {
         self.by_tile && !self.wide
     }
