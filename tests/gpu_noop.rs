@@ -211,7 +211,8 @@ fn one_storage_buffer_fewer_is_an_error_that_names_it() {
 
 #[test]
 fn the_limit_on_storage_buffers_is_what_the_largest_kernel_binds() {
-    let most = Variant::every(true, true).into_iter().map(|variant| {
+    let by_tile = |v: Variant| [v, v.with_tiles(), v.with_tiles().with_small()];
+    let most = Variant::every(true, true).into_iter().flat_map(by_tile).map(|variant| {
         let storage = |k: &anamorph::internals::gpu::kernels::Kernel| {
             k.bindings.iter().filter(|b| matches!(b.access, Access::Read | Access::Write)).count()
         };

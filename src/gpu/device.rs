@@ -230,8 +230,8 @@ fn note(failed: &Mutex<Option<String>>, text: String) {
     failed.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(text);
 }
 
-/// Storage buffers of the kernels that bind most: `raster`, `resolve` and others.
-pub const STORAGE_BUFFERS: u32 = 11;
+/// Storage buffers of the kernel that binds most: `edges`, tile by tile.
+pub const STORAGE_BUFFERS: u32 = 12;
 
 /// The device's error, with advice if its memory is full.
 fn described(e: &wgpu::Error) -> String {
