@@ -241,14 +241,7 @@ pub fn visible(inputs: &[KernelInputs], real: Real) -> Visibility {
 
 /// A frame by the twins alone: the planned channels, and 8-bit sRGB RGBA if planned.
 pub fn render(scene: &Scene, camera: &Camera, wanted: &Wanted, binding_limit: u64) -> (Frame, Option<Vec<u32>>) {
-    let has = AdapterFeatures {
-        f64: true,
-        atomics64: true,
-        lanes: false,
-        wide: false,
-        timestamps: false,
-        clip_distances: false,
-    };
+    let has = AdapterFeatures { f64: true, atomics64: true, ..Default::default() };
     let tables = Tables::new(scene, camera, wanted, has, binding_limit);
     let channels = &tables.plan.planes;
     let mut planes: Vec<Vec<u32>> = vec![Vec::new(); channels.len()];

@@ -56,14 +56,7 @@ impl Case {
     /// For all channels, so that bands are split alike in every test.
     pub fn tables(&self) -> Tables {
         let wanted = Wanted::of(Channel::ALL.to_vec());
-        let has = AdapterFeatures {
-            f64: true,
-            atomics64: true,
-            lanes: false,
-            wide: false,
-            timestamps: false,
-            clip_distances: false,
-        };
+        let has = AdapterFeatures { f64: true, atomics64: true, ..Default::default() };
         let mut tables = Tables::new(&self.scene, &self.camera, &wanted, has, self.band_limit);
         let mesh = &self.scene.with_optics(&self.camera).mesh;
         tables.clustered = cluster(mesh, tables.plan.anchor, false, self.chunk_limit);
