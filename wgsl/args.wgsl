@@ -1,7 +1,7 @@
-// args: one thread in all. Reads a stage's count in `counters` and the capacity of its list; writes the indirect arguments
+// args: one thread in all. Reads a stage's count in `counters` and the capacity of its list, or how many tiles there are; writes the indirect arguments
 // of the next dispatch, in two dimensions, clamped to the list's end.
 // Needs: CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_LARGE, COUNT_PAIRS, COUNT_RECHECK_ITEMS,
-//   COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK, GROUP, LANES, TRIANGLE_GROUP
+//   COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK, GROUP, LANES, NONE, TRIANGLE_GROUP
 // Binds: counters, indirect, params, step
 
 const GROUPS_A_SIDE: u32 = 65535u;
@@ -9,9 +9,12 @@ const GROUPS_A_SIDE: u32 = 65535u;
 @compute @workgroup_size(1)
 fn args() {
     // find the count and how many items a workgroup takes
-    var count = atomicLoad(&counters[step.value]);
+    let is_of_tiles = step.value == NONE;
+    var count = atomicLoad(&counters[select(step.value, 0u, is_of_tiles)]);
     var items = GROUP;
-    if step.value == COUNT_WORK {
+    if is_of_tiles {
+        items = 1u;
+    } else if step.value == COUNT_WORK {
         count = min(count, params.work_capacity);
         items = GROUP / (CLUSTER / TRIANGLE_GROUP);
     } else if step.value == COUNT_TASKS {

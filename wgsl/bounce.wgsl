@@ -1,8 +1,8 @@
-// bounce: one thread per pixel of the band.
+// bounce: one thread per pixel of the band that may have a ray.
 // Reads the visibility buffer, the pixel's ray, its path state and the first surface hit; writes the bounced ray and its path
-// state, or zeros where the ray misses the optics.
-// Needs: NONE, PathState, bounce_at, item_index, key_id, norm, piece_of, ray_bundle, real, real3, round_to_f32
-// Binds: bounced_hi, bounced_lo, bounced_paths, optic, params, paths, visibility
+// state, or zeros where the ray misses the optics; and lists the tiles that have a ray.
+// Needs: NONE, PathState, TILE, bounce_at, key_id, norm, piece_of, pixel_at, ray_bundle, real, real3, round_to_f32
+// Binds: bounced_hi, bounced_live, bounced_lo, bounced_paths, optic, params, paths, visibility
 
 // Maximum squared length of a direction: corners' rays are scaled to 64 times unit length at most.
 const SIZE_MAX: f32 = 65536.0;
@@ -20,6 +20,14 @@ fn store_vector(at: u32, v: real3) {
     store_number(at + 2u, v.z);
 }
 
+// Lists a tile, once: how many there are, then which, then of each tile whether it is listed.
+fn list_tile(tile: u32) {
+    let mark = 1u + (arrayLength(&bounced_live) - 1u) / 2u + tile;
+    if atomicLoad(&bounced_live[mark]) == 0u && atomicExchange(&bounced_live[mark], 1u) == 0u {
+        atomicStore(&bounced_live[1u + atomicAdd(&bounced_live[0], 1u)], tile);
+    }
+}
+
 @compute @workgroup_size(64)
 fn bounce(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -27,12 +35,13 @@ fn bounce(
     @builtin(local_invocation_index) lane: u32,
 ) {
     // take a pixel
-    let pixel = item_index(group, groups, lane);
-    if pixel >= params.width * params.height {
+    let place = pixel_at(group, groups, lane);
+    if place.x >= params.width || place.y >= params.height {
         return;
     }
-    let x = pixel % params.width;
-    let y = pixel / params.width;
+    let x = place.x;
+    let y = place.y;
+    let pixel = y * params.width + x;
     let at = 6u * (y * (params.width + 1u) + x);
     let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
     let id = key_id(~won);
@@ -44,6 +53,7 @@ fn bounce(
     }
 
     // reflect or refract its ray
+    list_tile((y / TILE) * params.tiles_x + x / TILE);
     let b = ray_bundle(0u, x, y, 0.0);
     let p = b.p / b.h;
     let path = paths[pixel];

@@ -1,9 +1,9 @@
 // fit: one thread per node of the step's level.
-// Reads the rays of a tile's pixels, or the nodes of the level below; writes the node's affine fit and how far its rays
+// Reads the rays of the pixels of a tile that is listed, or the nodes of the level below; writes the node's affine fit and how far its rays
 // may lie from it, and of tiles which pixels have a ray. The host does the same for a camera's own rays.
 // Needs: BRANCH, Node, RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE, TILE, field_at, field_direction, field_origin, item_index, level_height,
 //   level_width, node_index, with_bit
-// Binds: cells, nodes, optic, params, step
+// Binds: cells, live, nodes, optic, params, step
 
 // A ray, and its position in [-1, 1]^2 over the node.
 struct TileRay {
@@ -96,7 +96,8 @@ fn fit(
     var d = vec3<f32>(0.0);
     var mask = vec2<u32>(0u);
     var below = vec3<f32>(0.0);
-    for (var k = 0u; k < SAMPLES; k++) {
+    let samples = select(SAMPLES, 0u, level == 0u && live[1u + (arrayLength(&live) - 1u) / 2u + index] == 0u);
+    for (var k = 0u; k < samples; k++) {
         let s = tile_ray(level, x, y, k);
         if s.exists {
             count += 1.0;
@@ -127,7 +128,7 @@ fn fit(
         var p_y = vec3<f32>(0.0);
         var d_x = vec3<f32>(0.0);
         var d_y = vec3<f32>(0.0);
-        for (var k = 0u; k < SAMPLES; k++) {
+        for (var k = 0u; k < samples; k++) {
             let s = tile_ray(level, x, y, k);
             if s.exists {
                 let q = s.place - place;
@@ -151,7 +152,7 @@ fn fit(
         node.d = d - place.x * node.dx - place.y * node.dy;
 
         // measure how far the rays are from it
-        for (var k = 0u; k < SAMPLES; k++) {
+        for (var k = 0u; k < samples; k++) {
             let s = tile_ray(level, x, y, k);
             if s.exists {
                 node.r_p = max(node.r_p, length(node.p + s.place.x * node.px + s.place.y * node.py - s.p));

@@ -1,7 +1,7 @@
-// meet: one thread per pixel of the band.
+// meet: one thread per pixel of the band that may have a ray.
 // Reads the pixel's ray and path state; merges the visibility key of the nearest smooth surface that the ray meets. Ids of smooth
 // surfaces follow those of all triangles.
-// Needs: NONE, Root, has_ray, item_index, meeting_with, merge, ray_bundle, real, visibility_key
+// Needs: NONE, Root, has_ray, meeting_with, merge, pixel_at, ray_bundle, real, visibility_key
 // Binds: optic, params, paths
 
 @compute @workgroup_size(64)
@@ -11,12 +11,13 @@ fn meet(
     @builtin(local_invocation_index) lane: u32,
 ) {
     // take a pixel that has a ray
-    let pixel = item_index(group, groups, lane);
-    if pixel >= params.width * params.height {
+    let place = pixel_at(group, groups, lane);
+    if place.x >= params.width || place.y >= params.height {
         return;
     }
-    let x = pixel % params.width;
-    let y = pixel / params.width;
+    let x = place.x;
+    let y = place.y;
+    let pixel = y * params.width + x;
     if !has_ray(0u, x, y) || (optic.bounces > 0u && optic.sees_itself == 0u) {
         return;
     }

@@ -1,10 +1,10 @@
-// shade: one thread per pixel of the band.
+// shade: one thread per pixel of the band that may have a ray.
 // Reads the visibility buffer, the triangle that won and the pixel's ray; writes the planes that were asked for.
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 // Provides: Place
 // Needs: Bundle, Lit, NONE, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece,
-//   first_surface, goes_on, has_path, in_file_order, item_index, key_id, key_layer, key_t, light_before, light_left, path_length,
-//   pattern_at, piece_number, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential, reach_of, reached, real3, says_what_is_seen,
+//   first_surface, goes_on, has_path, in_file_order, key_id, key_layer, key_t, light_before, light_left, path_length,
+//   pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential, reach_of, reached, real3, says_what_is_seen,
 //   segment_length, sent_back, surface_albedo, surface_normal, surface_uv, triangle_at, vertex_real
 // Binds: params, planes, shading, slot_of_id
 
@@ -39,16 +39,17 @@ fn shade(
     @builtin(local_invocation_index) lane: u32,
 ) {
     // take a pixel
-    let pixel = item_index(group, groups, lane);
-    let at = Place(pixel, params.width * params.height);
-    if pixel >= at.count {
+    let place = pixel_at(group, groups, lane);
+    if place.x >= params.width || place.y >= params.height {
         return;
     }
+    let x = place.x;
+    let y = place.y;
+    let pixel = y * params.width + x;
+    let at = Place(pixel, params.width * params.height);
     let won = pixel_key(pixel);
     let id = key_id(~won);
     let is_hit = any(won != vec2<u32>(0u));
-    let x = pixel % params.width;
-    let y = pixel / params.width;
 
     // find what it shows; one store a plane for all cases: software adapters run every case
     var seen: Seen;

@@ -3,8 +3,8 @@
 use super::bounces::Bounce;
 use super::surface::OpticsSurface;
 use super::tables;
-use crate::camera::Camera;
 use crate::camera::optics::Optics;
+use crate::camera::{Camera, TILE};
 use crate::engine::plan::nodes::above_cells;
 use crate::engine::plan::{Band, Plan};
 use crate::gpu::Gpu;
@@ -22,7 +22,7 @@ pub struct BounceTables {
     /// `paths` of rays before any bounce: nothing behind them. 32 bytes a pixel of the largest band, written by the host.
     untouched: Buffers,
     /// `rays_hi` and `rays_lo`, 24 bytes each a pixel of the largest band with a column and a row more, and `paths`; written
-    /// by bounce, read by all others. Where rays are split, also `visibility`, 8 bytes a pixel, for the other branches.
+    /// by bounce, read by all others; and `live`, the list of tiles with a ray, 8 bytes a tile. Where rays are split, also `visibility`, 8 bytes a pixel, for the other branches.
     tables: Vec<Buffers>,
     /// The same under the names by which bounce writes them.
     targets: Vec<Buffers>,
@@ -46,6 +46,7 @@ impl BounceTables {
         let is_split = bounces.len() > depth as usize + 1;
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0) as usize;
         let pixels = rows * camera.width as usize;
+        let tiles = rows.div_ceil(TILE as usize) * (camera.width as usize).div_ceil(TILE as usize);
         let mut surface = Buffers::default();
         OpticsSurface::new(&optics.surface, plan.anchor).upload(gpu, &mut surface)?;
         let mut untouched = Buffers::default();
@@ -64,7 +65,13 @@ impl BounceTables {
             let mut table = Buffers::default();
             table.create(gpu, "rays_hi", bytes, BufferUsages::empty())?;
             table.create(gpu, "rays_lo", bytes, BufferUsages::empty())?;
-            table.create(gpu, "paths", 32 * pixels as u64, BufferUsages::empty())?;
+            // no ray: bounce leaves the pixels of many tiles as they are
+            table.upload(
+                gpu,
+                "paths",
+                &vec![layout::PathState { last: NONE, ..bytemuck::Zeroable::zeroed() }; pixels],
+            )?;
+            table.upload(gpu, "live", &vec![0u32; 1 + 2 * tiles])?;
             if is_split {
                 table.create(gpu, "visibility", 8 * pixels as u64, BufferUsages::empty())?;
             }
@@ -77,6 +84,7 @@ impl BounceTables {
             target.share("bounced_hi", table, "rays_hi");
             target.share("bounced_lo", table, "rays_lo");
             target.share("bounced_paths", table, "paths");
+            target.share("bounced_live", table, "live");
             target
         };
         Ok(BounceTables {

@@ -3,13 +3,13 @@
 
 use super::bounces::Bounce;
 use super::changes::Dirty;
-use super::stage::Dispatch;
 use super::stage::bin::bin;
 use super::stage::bounce::bounce;
 use super::stage::certify::{CERTIFY_STEPS, certify, write_certified};
 use super::stage::cull::cull;
 use super::stage::edges::{edges, edges_by_tile, find_edges, list_edges};
 use super::stage::fit::fit;
+use super::stage::forget::forget;
 use super::stage::gather::gather;
 use super::stage::meet::meet;
 use super::stage::outline::outline;
@@ -23,6 +23,7 @@ use super::stage::small::small;
 use super::stage::sort::sort;
 use super::stage::split::split;
 use super::stage::write::write;
+use super::stage::{Dispatch, Pixels};
 use crate::engine::plan::Plan;
 use crate::gpu::kernels::{OpticsKind, Variant};
 use crate::gpu::layout::{COUNTERS, Counter};
@@ -110,6 +111,11 @@ impl FrameInputs<'_> {
         self.plan.bands[band].rows * self.plan.width
     }
 
+    /// The pixels that may have a ray.
+    fn rays(&self, at: StepScope) -> Pixels {
+        if self.bounces[at.bounce].count > 0 { Pixels::Live } else { Pixels::Every(self.pixels(at.band)) }
+    }
+
     /// Over all slabs.
     fn tiles(&self, band: usize) -> u32 {
         let tiles = &self.plan.bands[band].tiles;
@@ -178,7 +184,9 @@ impl StepList<'_> {
         let count = inputs.bounces[at.bounce].count;
         let Some(before) = inputs.bounces[..at.bounce].iter().rposition(|b| b.count + 1 == count) else { return };
         let from = StepScope { bounce: before, into: Some(at.bounce), ..at };
-        self.pass("bounce", from, [bounce(inputs.pixels(at.band))]);
+        self.pass("forget", from, [forget()]);
+        self.clear("bounced_live", from, 0, None);
+        self.pass("bounce", from, [bounce(inputs.rays(from))]);
         self.pass("fit", at, fit(&inputs.plan.bands[at.band].nodes.levels));
     }
 
@@ -222,7 +230,7 @@ impl StepList<'_> {
                 }
             }
             if variant.meets() && !inputs.jobs.is_empty() {
-                self.pass("meet", at, [meet(pixels, step)]);
+                self.pass("meet", at, [meet(inputs.rays(at), step)]);
             }
         }
     }
@@ -307,7 +315,7 @@ impl StepList<'_> {
         let inputs = self.inputs;
         let pixels = inputs.pixels(at.band);
         for chunk in self.chunks(at) {
-            self.pass("shade", chunk, [shade(pixels)]);
+            self.pass("shade", chunk, [shade(inputs.rays(at))]);
         }
         // once all chunks have written what centres see
         if inputs.variant(at.bounce).samples_edges() {

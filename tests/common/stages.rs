@@ -9,20 +9,20 @@ use super::common::{self, ALL_T, FORWARD};
 use super::common::{layered, needs};
 use anamorph::internals::camera::kinds::glc::Glc;
 use anamorph::internals::camera::spec::CameraKind;
-use anamorph::internals::camera::{Camera, Rays};
+use anamorph::internals::camera::{Camera, Rays, TILE};
 use anamorph::internals::engine::Capacities;
 use anamorph::internals::engine::clusters::{cluster, mapped_surfaces};
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::plan::slabs;
 use anamorph::internals::engine::plan::slabs::Slabs;
-use anamorph::internals::engine::stage::Stages;
+use anamorph::internals::engine::stage::{Pixels, Stages};
 use anamorph::internals::geometry::generate::{icosphere, plane, teapot};
 use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Buffers, read_words, readback, wait};
 use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
-use anamorph::internals::gpu::layout::COUNTERS;
+use anamorph::internals::gpu::layout::{COUNTERS, Params};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
@@ -372,9 +372,24 @@ pub fn upload(gpu: &Gpu, input: &KernelInputs) -> Buffers {
     if let Some(optics) = &input.optics {
         b.upload_uniform(gpu, "optic", &optics.optic).unwrap();
         b.upload(gpu, "paths", optics.paths).unwrap();
+        b.upload(gpu, "live", &every_tile(&input.params)).unwrap();
         optics.surface.upload(gpu, &mut b).unwrap();
     }
     b
+}
+
+/// The list of tiles with a ray, all of the band's.
+fn every_tile(params: &Params) -> Vec<u32> {
+    let tiles = params.width.div_ceil(TILE) * params.height.div_ceil(TILE);
+    [tiles].into_iter().chain(0..tiles).chain((0..tiles).map(|_| 1)).collect()
+}
+
+/// The pixels that a stage takes for the rays of an input.
+pub fn pixels(input: &KernelInputs) -> Pixels {
+    match input.optics.as_ref().map_or(0, |optics| optics.optic.bounces) {
+        0 => Pixels::Every(input.params.width * input.params.height),
+        _ => Pixels::Live,
+    }
 }
 
 /// A list of two-word items, capacity for `capacity` items in all and poison behind; the rest is poisoned too.

@@ -183,9 +183,10 @@ impl Known {
     /// What a dispatch does to each buffer, with what lays it out before.
     fn of_dispatch(&mut self, d: &Dispatch, variant: Variant, planes: &[Channel]) -> Vec<(KernelId, String, Use)> {
         let mut all = Vec::new();
-        if matches!(d.threads, Threads::Counted(_)) {
+        if let Threads::Counted(number) = d.threads {
             let own = self.uses(KernelId::Args, variant, planes).clone();
-            all.extend(own.into_iter().map(|(name, does)| (KernelId::Args, name, does)));
+            let bound = |name: String| if name == "counters" { number.counted_in().into() } else { name };
+            all.extend(own.into_iter().map(|(name, does)| (KernelId::Args, bound(name), does)));
             all.push((d.kernel, "indirect".into(), Use { reads: true, writes: false }));
         }
         for (name, does) in self.uses(d.kernel, variant, planes).clone() {
@@ -199,10 +200,11 @@ impl Known {
 }
 
 /// Under which names the rays after a bounce are read that `bounce` has written.
-const BOUNCED: [(&str, &str); 3] = [("bounced_hi", "rays_hi"), ("bounced_lo", "rays_lo"), ("bounced_paths", "paths")];
+const BOUNCED: [(&str, &str); 4] =
+    [("bounced_hi", "rays_hi"), ("bounced_lo", "rays_lo"), ("bounced_paths", "paths"), ("bounced_live", "live")];
 
 /// Buffers of which each bounce has its own.
-const OF_BOUNCES: [&str; 5] = ["rays_hi", "rays_lo", "paths", "nodes", "cells"];
+const OF_BOUNCES: [&str; 6] = ["rays_hi", "rays_lo", "paths", "live", "nodes", "cells"];
 
 /// What a frame has written so far.
 struct Written<'a> {
@@ -287,7 +289,8 @@ fn faults(
                         done.extend(does.reads.then(|| (buffer.clone(), *kernel, false)));
                         done.extend(does.writes.then(|| (buffer.clone(), *kernel, true)));
                     }
-                    for (_, buffer, _) in uses.iter().filter(|u| u.2.writes) {
+                    // what forget writes is that there are no rays
+                    for (_, buffer, _) in uses.iter().filter(|u| u.2.writes && u.0 != KernelId::Forget) {
                         written.write(buffer, *at);
                     }
                 }

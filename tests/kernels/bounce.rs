@@ -1,7 +1,8 @@
 //! bounce: the kernel against its twin, from the same bytes.
 
 use crate::bounced::{bounces, cases, delicate, variant};
-use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
+use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, pixels, read, run, upload};
+use anamorph::internals::camera::TILE;
 use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::kernels::OpticsKind;
 use anamorph::internals::gpu::layout::{NONE, split2};
@@ -46,10 +47,12 @@ fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &KernelInputs, 
     let mut buffers = upload(gpu, input);
     buffers.upload_uniform(gpu, "optic", &input.optics.unwrap().next.unwrap()).unwrap();
     buffers.upload(gpu, "visibility", &visibility.words).unwrap();
+    let tiles = w.div_ceil(TILE as usize) * h.div_ceil(TILE as usize);
+    buffers.upload(gpu, "bounced_live", &vec![0u32; 1 + 2 * tiles]).unwrap();
     buffers.upload(gpu, "bounced_hi", &vec![POISON; numbers + SPARE]).unwrap();
     buffers.upload(gpu, "bounced_lo", &vec![POISON; numbers + SPARE]).unwrap();
     buffers.upload(gpu, "bounced_paths", &vec![[POISON; 8]; w * h + SPARE]).unwrap();
-    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::bounce::bounce((w * h) as u32)]));
+    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::bounce::bounce(pixels(input))]));
     let words = |name: &str, from: usize| {
         let words = read(gpu, &buffers, name);
         assert_poisoned(&words, from, &format!("{}, {name}", case.name));

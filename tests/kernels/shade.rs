@@ -1,7 +1,9 @@
 //! shade: the kernel against its twin, from the same bytes.
 
 use crate::common::rng::Rng;
-use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, random_case, read, run, seeds, upload};
+use crate::stages::{
+    Bench, Case, POISON, SPARE, assert_poisoned, cases, pixels, random_case, read, run, seeds, upload,
+};
 use anamorph::internals::engine::pages::PageStore;
 use anamorph::internals::engine::stage;
 use anamorph::internals::geometry::mesh::NO_UV;
@@ -52,7 +54,7 @@ fn run_kernel(
     let words = visibility.words.len() * planes.len();
     let start = planes.iter().flat_map(|&c| vec![before(c, input); visibility.words.len()]);
     buffers.upload(gpu, "planes", &start.chain(vec![POISON; SPARE]).collect::<Vec<_>>()).unwrap();
-    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::shade::shade(visibility.words.len() as u32)]));
+    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::shade::shade(pixels(input))]));
     let out = read(gpu, &buffers, "planes");
     assert_poisoned(&out, words, &format!("{}, planes", case.name));
     out[..words].to_vec()

@@ -1,6 +1,6 @@
 //! bounce: reflects or refracts the ray of every pixel that meets the optics' surface.
 
-use super::{Dispatch, KernelId};
+use super::{Dispatch, KernelId, Pixels};
 use crate::gpu::kernels::Variant;
 use crate::gpu::kernels::parts::*;
 
@@ -13,19 +13,21 @@ pub fn kernel(variant: Variant) -> Kernel {
         reads("visibility", "array<u32>"),
         paths(),
         surface,
+        writes("bounced_live", "array<atomic<u32>>"),
         writes("bounced_hi", "array<f32>"),
         writes("bounced_lo", "array<f32>"),
         writes("bounced_paths", "array<PathState>"),
     ];
     bindings.extend(variant.pixel_rays());
+    bindings.extend(variant.live());
     let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_LAYOUT, REFRACT];
-    let own = [variant.camera(), snippets!("bounce.wgsl")];
+    let own = [variant.camera(), variant.pixel_at(), snippets!("bounce.wgsl")];
     let mut kernel =
         Kernel::new("bounce", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = variant.constants();
     kernel
 }
 
-pub fn bounce(pixels: u32) -> Dispatch {
-    Dispatch::over(KernelId::Bounce, pixels)
+pub fn bounce(pixels: Pixels) -> Dispatch {
+    Dispatch::of_pixels(KernelId::Bounce, pixels)
 }

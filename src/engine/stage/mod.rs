@@ -15,6 +15,7 @@ pub mod cull;
 pub mod deposit;
 pub mod edges;
 pub mod fit;
+pub mod forget;
 pub mod gather;
 pub mod meet;
 pub mod mip;
@@ -34,7 +35,7 @@ pub mod write;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::gpu::kernels::{Kernel, OpticsKind, Variant};
-use crate::gpu::layout::{CULL_QUEUES, Counter, GROUP, Step};
+use crate::gpu::layout::{CULL_QUEUES, Counter, GROUP, NONE, Step};
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use std::collections::BTreeMap;
@@ -88,6 +89,7 @@ kernels! {
     Shade, |_, _| true, shade::kernel;
     Resolve, |v, _| v.samples_edges(), resolve::kernel;
     Gather, |_, _| true, gather::kernel;
+    Forget, |v, _| v.bounces_rays(), |_, _| forget::kernel();
     Bounce, |v, _| v.bounces_rays(), |v, _| bounce::kernel(v);
     Fit, |v, _| v.bounces_rays(), |v, _| fit::kernel(v);
     Paste, |v, _| v.optics == Some(OpticsKind::Atlas), paste::kernel;
@@ -116,7 +118,12 @@ pub enum Number {
     Index(u32),
     /// To `args`: a counter.
     Counter(Counter),
+    /// To `args`: the tiles of a list.
+    Tiles(&'static str),
 }
+
+/// Lists of tiles that have a ray after a bounce, and the buffers of their [`Number::Tiles`].
+const TILE_LISTS: [(&str, &str); 2] = [("live", "tiles_live"), ("bounced_live", "tiles_bounced_live")];
 
 /// Buffer names of [`Number::Index`]: levels of the tree, and rounds.
 const INDEX_NAMES: [&str; CULL_QUEUES as usize] =
@@ -124,7 +131,8 @@ const INDEX_NAMES: [&str; CULL_QUEUES as usize] =
 
 impl Number {
     pub fn every() -> impl Iterator<Item = Number> {
-        (0..CULL_QUEUES).map(Number::Index).chain(Counter::ALL.iter().copied().map(Number::Counter))
+        let counters = Counter::ALL.iter().copied().map(Number::Counter);
+        (0..CULL_QUEUES).map(Number::Index).chain(counters).chain(TILE_LISTS.iter().map(|list| Number::Tiles(list.0)))
     }
 
     /// The name of its buffer.
@@ -132,15 +140,31 @@ impl Number {
         match self {
             Number::Index(n) => INDEX_NAMES[n as usize],
             Number::Counter(counter) => counter.name(),
+            Number::Tiles(list) => TILE_LISTS.iter().find(|own| own.0 == list).map_or(list, |own| own.1),
         }
+    }
+
+    /// Where `args` finds the count.
+    pub fn counted_in(self) -> &'static str {
+        if let Number::Tiles(list) = self { list } else { "counters" }
     }
 
     fn value(self) -> u32 {
         match self {
             Number::Index(n) => n,
             Number::Counter(counter) => counter.index(),
+            Number::Tiles(_) => NONE,
         }
     }
+}
+
+/// The pixels that a stage takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pixels {
+    /// All of a band, so many.
+    Every(u32),
+    /// Those of the tiles that have a ray after a bounce.
+    Live,
 }
 
 /// How many threads a dispatch has.
@@ -167,6 +191,14 @@ impl Dispatch {
     /// Over so many items.
     pub fn over(kernel: KernelId, items: u32) -> Dispatch {
         Dispatch { kernel, step: Number::Index(0), threads: Threads::Items(items), renamed: Vec::new() }
+    }
+
+    /// Over pixels.
+    pub fn of_pixels(kernel: KernelId, pixels: Pixels) -> Dispatch {
+        match pixels {
+            Pixels::Every(count) => Dispatch::over(kernel, count),
+            Pixels::Live => Dispatch { threads: Threads::Counted(Number::Tiles("live")), ..Dispatch::over(kernel, 0) },
+        }
     }
 
     /// Over as many items as were counted.
@@ -229,7 +261,8 @@ impl Stages {
         for Dispatch { kernel, step, threads, renamed } in dispatches {
             if let Threads::Counted(number) = threads {
                 let args = self.pipeline(gpu, KernelId::Args)?;
-                let group = args.bind_renamed(gpu, &scopes, &[("step", number.name())])?;
+                let group =
+                    args.bind_renamed(gpu, &scopes, &[("step", number.name()), ("counters", number.counted_in())])?;
                 pass.set_pipeline(args.raw());
                 pass.set_bind_group(0, &group, &[]);
                 pass.dispatch_workgroups(1, 1, 1);

@@ -1,6 +1,6 @@
 //! shade: the channels asked for, once a pixel.
 
-use super::{Dispatch, KernelId};
+use super::{Dispatch, KernelId, Pixels};
 use crate::gpu::kernels::Variant;
 use crate::gpu::kernels::parts::*;
 use crate::image::frame::Channel;
@@ -21,6 +21,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     ];
     bindings.extend(variant.pages());
     bindings.extend(variant.pixel_rays());
+    bindings.extend(variant.live());
     if variant.optics.is_some() {
         bindings.extend([optic(), paths()]);
     }
@@ -33,6 +34,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         variant.images(),
         variant.style(),
         variant.pixel_key(),
+        variant.pixel_at(),
         snippets!("shade.wgsl"),
     ];
     let mut all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
@@ -48,6 +50,6 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     kernel
 }
 
-pub fn shade(pixels: u32) -> Dispatch {
-    Dispatch::over(KernelId::Shade, pixels)
+pub fn shade(pixels: Pixels) -> Dispatch {
+    Dispatch::of_pixels(KernelId::Shade, pixels)
 }

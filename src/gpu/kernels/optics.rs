@@ -46,6 +46,16 @@ impl Variant {
         Variant { rays: RaysKind::Field, small: false, incoherent: false, slabbed: false, bounced: true, ..self }
     }
 
+    /// The tiles that have a ray after a bounce.
+    pub(crate) fn live(self) -> Option<Binding> {
+        self.bounced.then(|| reads("live", "array<u32>"))
+    }
+
+    /// The pixel of a thread: of such a tile, or of all.
+    pub(crate) fn pixel_at(self) -> Parts {
+        if self.bounced { snippets!("optics/live_pixels.wgsl") } else { snippets!("shared/every_pixel.wgsl") }
+    }
+
     /// A smooth surface is to be met.
     pub fn meets(self) -> bool {
         self.optics.is_some_and(OpticsKind::is_smooth)

@@ -1,0 +1,15 @@
+// The pixels of tiles that have a ray after a bounce are taken. `live` says how many tiles that are, then which, then of each tile of the
+// band whether it is one of them.
+// Provides: pixel_at
+// Needs: NONE, TILE, group_index
+// Binds: live, params
+
+// The column and the row of a thread's pixel; beyond the band where it has none.
+fn pixel_at(group: vec3<u32>, groups: vec3<u32>, lane: u32) -> vec2<u32> {
+    let index = group_index(group, groups);
+    if index >= live[0] {
+        return vec2<u32>(NONE);
+    }
+    let tile = live[1u + index];
+    return TILE * vec2<u32>(tile % params.tiles_x, tile / params.tiles_x) + vec2<u32>(lane % TILE, lane / TILE);
+}
