@@ -20,11 +20,11 @@ fn store_vector(at: u32, v: real3) {
     store_number(at + 2u, v.z);
 }
 
-// Lists a tile, once: how many there are, then which, then of each tile whether it is listed.
+// Lists a tile, once.
 fn list_tile(tile: u32) {
-    let mark = 1u + (arrayLength(&bounced_live) - 1u) / 2u + tile;
+    let mark = 2u + 2u * tile;
     if atomicLoad(&bounced_live[mark]) == 0u && atomicExchange(&bounced_live[mark], 1u) == 0u {
-        atomicStore(&bounced_live[1u + atomicAdd(&bounced_live[0], 1u)], tile);
+        atomicStore(&bounced_live[1u + 2u * atomicAdd(&bounced_live[0], 1u)], tile);
     }
 }
 

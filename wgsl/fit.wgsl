@@ -96,7 +96,7 @@ fn fit(
     var d = vec3<f32>(0.0);
     var mask = vec2<u32>(0u);
     var below = vec3<f32>(0.0);
-    let samples = select(SAMPLES, 0u, level == 0u && live[1u + (arrayLength(&live) - 1u) / 2u + index] == 0u);
+    let samples = select(SAMPLES, 0u, level == 0u && live[2u + 2u * index] == 0u);
     for (var k = 0u; k < samples; k++) {
         let s = tile_ray(level, x, y, k);
         if s.exists {

@@ -14,7 +14,7 @@ fn forget(
     if index >= atomicLoad(&bounced_live[0]) {
         return;
     }
-    let tile = atomicLoad(&bounced_live[1u + index]);
+    let tile = atomicLoad(&bounced_live[1u + 2u * index]);
     let at = TILE * vec2<u32>(tile % params.tiles_x, tile / params.tiles_x) + vec2<u32>(lane % TILE, lane / TILE);
     let pixel = at.y * params.width + at.x;
     if at.x >= params.width || pixel >= arrayLength(&bounced_paths) {

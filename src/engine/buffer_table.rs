@@ -236,7 +236,7 @@ pub fn table() -> Vec<BufferSpec> {
         each_pixel("bounced_hi", 24, &[Forget, Bounce]),
         each_pixel("bounced_lo", 24, &[Forget, Bounce]),
         each_pixel("bounced_paths", size_of::<layout::PathState>(), &[Forget, Bounce]),
-        // how many tiles have a ray, which, and of each tile whether it has one
+        // how many tiles have a ray, and two words a tile
         BufferSpec { written_by: &[Args], ..uploaded("live", 4, &[Args, Meet, Shade, Bounce, Fit]) },
         BufferSpec { written_by: &[Args, Bounce], ..uploaded("bounced_live", 4, &[Args, Forget, Bounce]) },
         uploaded("atlas_layout", size_of::<layout::AtlasLayout>(), &[Paste]),

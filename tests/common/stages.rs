@@ -381,7 +381,7 @@ pub fn upload(gpu: &Gpu, input: &KernelInputs) -> Buffers {
 /// The list of tiles with a ray, all of the band's.
 fn every_tile(params: &Params) -> Vec<u32> {
     let tiles = params.width.div_ceil(TILE) * params.height.div_ceil(TILE);
-    [tiles].into_iter().chain(0..tiles).chain((0..tiles).map(|_| 1)).collect()
+    [tiles].into_iter().chain((0..tiles).flat_map(|tile| [tile, 1])).collect()
 }
 
 /// The pixels that a stage takes for the rays of an input.

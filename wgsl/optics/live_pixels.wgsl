@@ -1,5 +1,5 @@
-// The pixels of tiles that have a ray after a bounce are taken. `live` says how many tiles that are, then which, then of each tile of the
-// band whether it is one of them.
+// The pixels of tiles that have a ray after a bounce are taken. `live` says how many tiles that are; then come pairs: the k-th has the
+// number of the k-th of them, and whether tile k is one.
 // Provides: pixel_at
 // Needs: NONE, TILE, group_index
 // Binds: live, params
@@ -10,6 +10,6 @@ fn pixel_at(group: vec3<u32>, groups: vec3<u32>, lane: u32) -> vec2<u32> {
     if index >= live[0] {
         return vec2<u32>(NONE);
     }
-    let tile = live[1u + index];
+    let tile = live[1u + 2u * index];
     return TILE * vec2<u32>(tile % params.tiles_x, tile / params.tiles_x) + vec2<u32>(lane % TILE, lane / TILE);
 }
