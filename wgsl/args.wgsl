@@ -1,5 +1,5 @@
-// args: one thread in all. Reads a stage's count in `counters` and the capacity of its list, or how many tiles there are; writes the indirect arguments
-// of the next dispatch, in two dimensions, clamped to the list's end.
+// args: one thread in all. Reads a stage's count in `counters` and the capacity of its list, or how many tiles there are;
+// writes the indirect arguments of the next dispatch, in two dimensions, clamped to the list's end.
 // Needs: CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_LARGE, COUNT_PAIRS, COUNT_RECHECK_ITEMS,
 //   COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK, GROUP, LANES, NONE, TRIANGLE_GROUP
 // Binds: counters, indirect, params, step
