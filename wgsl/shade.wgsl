@@ -2,8 +2,8 @@
 // Reads the visibility buffer, the triangle that won and the pixel's ray; writes the planes that were asked for.
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 // Provides: Place
-// Needs: Bundle, Lit, NONE, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece,
-//   first_surface, goes_on, has_path, in_file_order, key_id, key_layer, key_t, light_before, light_left, path_length,
+// Needs: Bundle, Lit, NONE, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, by_thread, colour_of, drawn, ends_on_smooth,
+//   first_piece, first_surface, goes_on, has_path, in_file_order, key_id, key_layer, key_t, light_before, light_left, path_length,
 //   pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential, reach_of, reached, real3,
 //   says_what_is_seen, segment_length, sent_back, surface_albedo, surface_normal, surface_uv, triangle_at, vertex_real
 // Binds: params, planes, shading, slot_of_id
@@ -50,18 +50,19 @@ fn shade(
     let won = pixel_key(pixel);
     let id = key_id(~won);
     let is_hit = any(won != vec2<u32>(0u));
+    let is_first_chunk = by_thread(params.id_first == 0u, pixel);
 
     // find what it shows; one store a plane for all cases: software adapters run every case
     var seen: Seen;
     if !is_hit {
-        if params.id_first != 0u || !has_path(x, y) {
+        if !(is_first_chunk & has_path(x, y)) {
             return;
         }
         seen = miss(at, beyond(x, y));
     } else if goes_on(id) {
         return;
     } else if ends_on_smooth(id) {
-        if params.id_first != 0u {
+        if !is_first_chunk {
             return;
         }
         seen = hit_of_smooth(at, id, key_t(~won));
@@ -101,7 +102,7 @@ fn shade(
 }
 
 fn store(plane: u32, at: Place, word: u32) {
-    if plane != NONE && says_what_is_seen() {
+    if plane != NONE && says_what_is_seen(at.pixel) {
         planes[plane * at.count + at.pixel] = word;
     }
 }

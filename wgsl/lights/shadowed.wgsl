@@ -1,6 +1,6 @@
 // Shadows and ambient occlusion: segments traced through the hierarchy of the scene's triangles, which follows the lights in `lights`.
 // Provides: leaf_at, node_at, openness, reaches
-// Needs: BvhNode, Found, LeafTriangle, Lit, NONE, Segment, flat_normal, largest, light_row, traced, triangle_at
+// Needs: BvhNode, Found, LeafTriangle, Lit, NONE, Segment, by_thread, flat_normal, largest, light_row, traced, triangle_at
 // Binds: shading
 
 // Offset of segments above a surface, relative to the largest coordinate of the hit and its triangle.
@@ -39,7 +39,7 @@ fn reaches(lit: Lit, l: vec3<f32>, far: f32) -> bool {
 // Ambient visibility: the cosine-weighted share of directions about the normal without an obstacle within reach; far obstacles count
 // less. The directions are a Fibonacci spiral on the unit disc; their number is scaled by the hit's share of its pixel.
 fn openness(lit: Lit) -> f32 {
-    if shading.occlusion_rays == 0u {
+    if by_thread(shading.occlusion_rays == 0u, lit.slot) {
         return 1.0;
     }
     let flat = flat_normal(triangle_at(lit.slot), lit.view);
@@ -53,7 +53,7 @@ fn openness(lit: Lit) -> f32 {
     let up = vec3<f32>(b, side + n.y * n.y * a, -n.y);
     var hidden = 0.0;
     let count = max(u32(lit.share * f32(shading.occlusion_rays)), 1u);
-    for (var k = 0u; k < count; k++) {
+    for (var k = 0u; by_thread(k < count, lit.slot); k++) {
         let square = (f32(k) + 0.5) / f32(count);
         // angles by the golden section, 2^32 per revolution
         let angle = 6.2831853 / 4294967296.0 * f32(k * 1640531527u);

@@ -1,6 +1,6 @@
 // Reflection by microfacets of Trowbridge and Reitz (GGX; Walter et al. 2007), and emission.
 // Provides: sent_back
-// Needs: Lit, SKY, arriving, from_around, light_count, material_at, openness, triangle_surface
+// Needs: Lit, SKY, arriving, by_thread, from_around, material_at, openness, triangle_surface
 // Binds: shading
 
 const PI: f32 = 3.14159265;
@@ -13,10 +13,10 @@ fn sent_back(lit: Lit, albedo: vec3<f32>) -> vec3<f32> {
     let base = albedo * (1.0 - material.metallic);
     let f0 = mix(material.specular, albedo, material.metallic);
     var sum = material.emissive + open * from_around(base, f0, material.alpha, n, -view);
-    if light_count() == 0u && !SKY {
+    if !SKY && by_thread(shading.light_count == 0u, lit.slot) {
         sum += (1.0 - shading.ambient) * open * glossy(base, f0, material.alpha, n, -view, -view);
     }
-    for (var k = 0u; k < light_count(); k++) {
+    for (var k = 0u; by_thread(k < shading.light_count, lit.slot); k++) {
         let light = arriving(k, lit);
         sum += (1.0 - shading.ambient) * light.strength * glossy(base, f0, material.alpha, n, -view, light.l);
     }

@@ -1,11 +1,11 @@
 // What a pixel of a camera with a mirror or lens shows: the hit of its last ray.
 // Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, has_path, light_before, light_left, path_length,
 //   says_what_is_seen
-// Needs: NONE, Place
+// Needs: NONE, Place, by_thread
 // Binds: optic, params, paths, planes
 
 fn has_path(x: u32, y: u32) -> bool {
-    return optic.bounces == 0u || paths[y * params.width + x].last != NONE;
+    return (optic.bounces == 0u) | (paths[y * params.width + x].last != NONE);
 }
 
 fn goes_on(id: u32) -> bool {
@@ -29,8 +29,8 @@ fn light_before(plane: u32, at: Place) -> f32 {
     return bitcast<f32>(planes[plane * at.count + at.pixel]);
 }
 
-fn says_what_is_seen() -> bool {
-    return optic.colour_only == 0u;
+fn says_what_is_seen(pixel: u32) -> bool {
+    return by_thread(optic.colour_only == 0u, pixel);
 }
 
 fn path_length(pixel: u32) -> f32 {

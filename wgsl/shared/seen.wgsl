@@ -31,7 +31,7 @@ fn light_before(plane: u32, at: Place) -> f32 {
 }
 
 // Whether this bounce writes the planes that are not colours.
-fn says_what_is_seen() -> bool {
+fn says_what_is_seen(pixel: u32) -> bool {
     return true;
 }
 

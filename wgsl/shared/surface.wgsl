@@ -1,7 +1,7 @@
 // Surface normals, and the light that arrives at a surface.
-// Provides: Arriving, Lit, NORMALS, flat_normal, in_file_order, largest, light_count, reach_of, received, stored_normal, surface_normal
+// Provides: Arriving, Lit, NORMALS, by_thread, flat_normal, in_file_order, largest, reach_of, received, stored_normal, surface_normal
 // Needs: NONE, Ray, arriving, corner_order, openness, table_texel, triangle_order, triangle_surface, vertex
-// Binds: normals, planes, shading
+// Binds: normals, shading
 
 // Whether the scene has vertex normals.
 override NORMALS: bool = true;
@@ -70,20 +70,20 @@ struct Arriving {
     strength: vec3<f32>,
 }
 
-// Lavapipe compiles a kernel anew, every frame, for the values of uniform numbers that alone decide its branches. A buffer's length in
-// the test keeps it from that.
-fn light_count() -> u32 {
-    return min(shading.light_count, arrayLength(&planes));
+// A condition on uniform numbers, with a number of the thread in it that is never NONE. Lavapipe compiles a kernel anew, every frame, for
+// the values of uniform numbers that alone decide a branch.
+fn by_thread(condition: bool, number: u32) -> bool {
+    return condition & (number != NONE);
 }
 
 // Lambert from every light, or one headlight along the ray, and a small ambient term.
 fn received(lit: Lit) -> vec3<f32> {
     let open = openness(lit);
     var sum = vec3<f32>(shading.ambient * open);
-    if light_count() == 0u {
+    if by_thread(shading.light_count == 0u, lit.slot) {
         sum += (1.0 - shading.ambient) * open * max(0.0, -dot(lit.n, lit.view));
     }
-    for (var k = 0u; k < light_count(); k++) {
+    for (var k = 0u; by_thread(k < shading.light_count, lit.slot); k++) {
         let light = arriving(k, lit);
         sum += (1.0 - shading.ambient) * max(0.0, dot(lit.n, light.l)) * light.strength;
     }

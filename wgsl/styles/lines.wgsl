@@ -1,17 +1,17 @@
 // Lines on surfaces, as wide in pixels as they shall be through any camera: distances in world or weights, over how these change from
 // pixel to pixel.
 // Provides: drawn
-// Needs: RayDifferential, ShadedHit, covered, narrowed, tangents, triangle_at, weights_at
+// Needs: RayDifferential, ShadedHit, by_thread, covered, narrowed, tangents, triangle_at, weights_at
 // Binds: shading, style
 
 fn drawn(hit: ShadedHit, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
     var seen = colour;
-    if style.hatch_spacing > 0.0 {
+    if by_thread(style.hatch_spacing > 0.0, hit.slot) {
         let on = tangents(hit);
         let tone = clamp(dot(colour, vec3<f32>(0.2126, 0.7152, 0.0722)), 0.0, 1.0);
         seen = mix(style.paper, style.ink, hatched(hit.p + shading.anchor, on, 1.0 - tone, hit.share));
     }
-    if style.wire_width > 0.0 {
+    if by_thread(style.wire_width > 0.0, hit.slot) {
         let width = narrowed(style.wire_width, style.wire_depth, hit.z);
         seen = mix(seen, style.wire, covered(edge_distance(hit), width, hit.share));
     }
