@@ -175,17 +175,18 @@ impl Resident {
         Ok(keeps_masks)
     }
 
-    /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles.
+    /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles. Added to that is room in which the first
+    /// frame of all but very few scenes fits, 32 MiB in all: a frame whose lists are too small is done again.
     fn first_guess(&self, scene: &Scene, camera: &Camera, plan: &Plan) -> Capacities {
         let clusters: u64 = self.chunks.iter().map(|c| c.clusters as u64).sum();
         let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
         let cells = plan.bands.iter().map(|b| b.tiles.cells.len()).max().unwrap_or(0) as u64;
         Capacities {
-            queue: 4 * clusters + 1024,
-            work: 4 * clusters + 1024,
-            tasks: 16 * clusters + 4096,
-            pairs: 2 * scene.mesh.triangles.len() as u64 + 4 * cells + 1024,
-            recheck_items: scene.mesh.triangles.len() as u64 / 16 + pixels / 64 + 1024,
+            queue: 4 * clusters + (1 << 15),
+            work: 4 * clusters + (1 << 17),
+            tasks: 16 * clusters + (1 << 18),
+            pairs: 2 * scene.mesh.triangles.len() as u64 + 4 * cells + (1 << 20),
+            recheck_items: scene.mesh.triangles.len() as u64 / 16 + pixels / 64 + (1 << 14),
             edges: pixels / 8 + 1024,
         }
     }
