@@ -62,6 +62,20 @@ fn tile_ray(level: u32, x: u32, y: u32, k: u32) -> TileRay {
     return s;
 }
 
+// Whether the tile is listed, or some child has rays.
+fn has_rays(level: u32, x: u32, y: u32, index: u32) -> bool {
+    if level == 0u {
+        return live[2u + 2u * index] != 0u;
+    }
+    let columns = min(BRANCH, level_width(level - 1u) - BRANCH * x);
+    let rows = min(BRANCH, level_height(level - 1u) - BRANCH * y);
+    var is_some = false;
+    for (var k = 0u; k < columns * rows; k++) {
+        is_some |= nodes[node_index(level - 1u, BRANCH * x + k % columns, BRANCH * y + k / columns)].rays != RAYS_NONE;
+    }
+    return is_some;
+}
+
 // Half-size of a bundle at the distance of the scene's centre.
 fn width_of(node: Node) -> f32 {
     let t = min(length(optic.centre - node.p) / length(node.d), params.t_max.x);
@@ -96,7 +110,7 @@ fn fit(
     var d = vec3<f32>(0.0);
     var mask = vec2<u32>(0u);
     var below = vec3<f32>(0.0);
-    let samples = select(SAMPLES, 0u, level == 0u && live[2u + 2u * index] == 0u);
+    let samples = select(0u, SAMPLES, has_rays(level, x, y, index));
     for (var k = 0u; k < samples; k++) {
         let s = tile_ray(level, x, y, k);
         if s.exists {

@@ -19,7 +19,8 @@ use wgpu::BufferUsages;
 pub struct BounceTables {
     /// Of each bounce the uniform `optic`.
     bounces: Vec<Buffers>,
-    /// `paths` of rays before any bounce: nothing behind them. 32 bytes a pixel of the largest band, written by the host.
+    /// Of rays before any bounce: `paths`, with nothing behind them, 32 bytes a pixel of the largest band, written by the host; and `live`,
+    /// the list of tiles that may meet the optics, written by reach.
     untouched: Buffers,
     /// `rays_hi` and `rays_lo`, 24 bytes each a pixel of the largest band with a column and a row more, and `paths`; written
     /// by bounce, read by all others; and `live`, the list of tiles with a ray, 8 bytes a tile. Where rays are split, also `visibility`, 8 bytes a pixel, for the other branches.
@@ -52,6 +53,7 @@ impl BounceTables {
         let mut untouched = Buffers::default();
         let nothing = layout::PathState { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, piece: 0, pad0: 0 };
         untouched.upload(gpu, "paths", &vec![nothing; pixels])?;
+        untouched.upload(gpu, "live", &vec![0u32; 1 + 2 * tiles])?;
         if is_split {
             untouched.create(gpu, "visibility", 8 * pixels as u64, BufferUsages::empty())?;
         }

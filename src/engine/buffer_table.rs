@@ -227,7 +227,7 @@ pub fn table() -> Vec<BufferSpec> {
             )
         },
         // its optics
-        uploaded("optic", size_of::<layout::Optic>(), &[Raster, Meet, Shade, Gather, Bounce, Fit, Paste]),
+        uploaded("optic", size_of::<layout::Optic>(), &[Raster, Reach, Meet, Shade, Gather, Bounce, Fit, Paste]),
         uploaded("corners", size_of::<layout::Corner>(), &[Bounce, Paste]),
         uploaded("quadrics", size_of::<layout::Quadric>(), &[Meet, Bounce]),
         uploaded("tori", size_of::<layout::Torus>(), &[Meet, Bounce]),
@@ -236,8 +236,8 @@ pub fn table() -> Vec<BufferSpec> {
         each_pixel("bounced_hi", 24, &[Forget, Bounce]),
         each_pixel("bounced_lo", 24, &[Forget, Bounce]),
         each_pixel("bounced_paths", size_of::<layout::PathState>(), &[Forget, Bounce]),
-        // how many tiles have a ray, and two words a tile
-        BufferSpec { written_by: &[Args], ..uploaded("live", 4, &[Args, Meet, Shade, Bounce, Fit]) },
+        // how many tiles have a ray, or may meet the optics, and two words a tile
+        BufferSpec { written_by: &[Args, Reach], ..uploaded("live", 4, &[Args, Reach, Meet, Shade, Bounce, Fit]) },
         BufferSpec { written_by: &[Args, Bounce], ..uploaded("bounced_live", 4, &[Args, Forget, Bounce]) },
         uploaded("atlas_layout", size_of::<layout::AtlasLayout>(), &[Paste]),
         uploaded("atlas", 4, &[Paste]),

@@ -15,6 +15,7 @@ use super::stage::meet::meet;
 use super::stage::outline::outline;
 use super::stage::paste::paste;
 use super::stage::raster::{raster, raster_steps};
+use super::stage::reach::reach;
 use super::stage::recheck::recheck;
 use super::stage::resolve::resolve;
 use super::stage::sample::{sample, sample_by_tile};
@@ -139,6 +140,10 @@ impl StepList<'_> {
             // what bounces see adds up
             self.clear("planes", first, 0, None);
         }
+        if variant.bounces_rays() && has_jobs {
+            self.clear("live", first, 0, None);
+            self.pass("reach", first, [reach(inputs.tiles(band))]);
+        }
         for bounce in 0..inputs.bounces.len() {
             let at = StepScope { bounce, ..first };
             if inputs.bounces[bounce].count > 0 && has_jobs {
@@ -186,7 +191,7 @@ impl StepList<'_> {
         let from = StepScope { bounce: before, into: Some(at.bounce), ..at };
         self.pass("forget", from, [forget()]);
         self.clear("bounced_live", from, 0, None);
-        self.pass("bounce", from, [bounce(inputs.rays(from))]);
+        self.pass("bounce", from, [bounce()]);
         self.pass("fit", at, fit(&inputs.plan.bands[at.band].nodes.levels));
     }
 
@@ -230,7 +235,7 @@ impl StepList<'_> {
                 }
             }
             if variant.meets() && !inputs.jobs.is_empty() {
-                self.pass("meet", at, [meet(inputs.rays(at), step)]);
+                self.pass("meet", at, [meet(step)]);
             }
         }
     }

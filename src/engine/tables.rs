@@ -222,6 +222,10 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, bounc
     };
     let [from_hi, from_lo] = split_vector(optics.environment.map_or(DVec3::ZERO, |p| p - plan.anchor));
     let [[tilt_x_hi, tilt_x_lo], [tilt_y_hi, tilt_y_lo]] = bounce.tilt.to_array().map(split2);
+    let around = optics.surface.bounds();
+    let box_centre = (around.lo + around.hi) / 2.0 - plan.anchor;
+    let box_half = (around.hi - around.lo) / 2.0;
+    let rounding = BOX_ROUNDING * (box_centre.abs() + box_half);
     layout::Optic {
         eye_hi,
         first_id: optics.first_id(&scene.mesh),
@@ -249,8 +253,16 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, bounc
         is_environment: optics.environment.is_some() as u32,
         from_lo,
         pad0: 0,
+        box_centre: box_centre.as_vec3().to_array(),
+        pad1: 0,
+        box_half: (box_half + rounding).as_vec3().to_array(),
+        pad2: 0,
     }
 }
+
+/// By which the box around the optics is enlarged, of its size and place: 2^-20. Its numbers are rounded to 2^-24, and a ray that meets the
+/// surface by recheck arithmetic is beyond it by far less.
+const BOX_ROUNDING: f64 = 1.0 / 1048576.0;
 
 /// Each component as a sum of two.
 pub fn split_vector(v: DVec3) -> [[f32; 3]; 2] {

@@ -373,6 +373,10 @@ pub struct Optic {
     pub is_environment: u32,
     pub from_lo: [f32; 3],
     pub pad0: u32,
+    pub box_centre: [f32; 3],
+    pub pad1: u32,
+    pub box_half: [f32; 3],
+    pub pad2: u32,
 }
 
 /// Where facets lie in an atlas, see the WGSL.

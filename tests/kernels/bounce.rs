@@ -1,7 +1,7 @@
 //! bounce: the kernel against its twin, from the same bytes.
 
 use crate::bounced::{bounces, cases, delicate, variant};
-use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, pixels, read, run, upload};
+use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use anamorph::internals::camera::TILE;
 use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::kernels::OpticsKind;
@@ -52,7 +52,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &KernelInputs, 
     buffers.upload(gpu, "bounced_hi", &vec![POISON; numbers + SPARE]).unwrap();
     buffers.upload(gpu, "bounced_lo", &vec![POISON; numbers + SPARE]).unwrap();
     buffers.upload(gpu, "bounced_paths", &vec![[POISON; 8]; w * h + SPARE]).unwrap();
-    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::bounce::bounce(pixels(input))]));
+    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::bounce::bounce()]));
     let words = |name: &str, from: usize| {
         let words = read(gpu, &buffers, name);
         assert_poisoned(&words, from, &format!("{}, {name}", case.name));

@@ -1,7 +1,7 @@
 //! meet: the kernel against its twin, from the same bytes.
 
 use crate::bounced::{bounces, cases, delicate, variant};
-use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, pixels, read, run, upload};
+use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::raster::raster_steps;
 use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
@@ -29,7 +29,7 @@ fn run_kernel(
     words.resize(before.len() + SPARE, [POISON; 2]);
     buffers.upload(gpu, "visibility", &words).unwrap();
     for step in 0..raster_steps(stages.variant) {
-        run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::meet::meet(pixels(input), step)]));
+        run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::meet::meet(step)]));
     }
     let words = read(gpu, &buffers, "visibility");
     assert_poisoned(&words, 2 * before.len(), &format!("{}, visibility", case.name));

@@ -32,6 +32,10 @@ struct Optic {
     is_environment: u32,    // 1: they start there, as in an environment map; 0: at the bounce
     from_lo: vec3<f32>,
     pad0: u32,
+    box_centre: vec3<f32>,  // around the surface, relative to the anchor
+    pad1: u32,
+    box_half: vec3<f32>,
+    pad2: u32,
 }
 
 // Where facets lie in an atlas: two a square cell.

@@ -1,5 +1,5 @@
-// The pixels of tiles that have a ray after a bounce are taken. `live` says how many tiles that are; then come pairs: the k-th has the
-// number of the k-th of them, and whether tile k is one.
+// The pixels of tiles that have a ray after a bounce are taken; of a camera's own rays those of tiles that may meet the optics. `live` says
+// how many tiles that are; then come pairs: the k-th has the number of the k-th of them, and after a bounce whether tile k is one.
 // Provides: pixel_at
 // Needs: NONE, TILE, group_index
 // Binds: live, params

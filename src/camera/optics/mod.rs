@@ -19,6 +19,7 @@ pub mod smooth;
 pub mod torus;
 pub mod wave;
 
+use crate::geometry::bvh::Aabb;
 use crate::geometry::mesh::Mesh;
 pub use facets::{CoarseFacets, Facet, Facets};
 use glam::{DVec2, DVec3};
@@ -68,6 +69,16 @@ pub enum Bounce {
 pub enum Surface {
     Facets { facets: Facets, law: Law },
     Smooth(Smooth),
+}
+
+impl Surface {
+    /// A box around it.
+    pub fn bounds(&self) -> Aabb {
+        match self {
+            Surface::Facets { facets, .. } => Aabb::around(&facets.positions),
+            Surface::Smooth(smooth) => smooth.bounds(),
+        }
+    }
 }
 
 /// Every facet's camera renders a right-angled triangle of one size in a joint image (Hou et al., section 2; laid out as in

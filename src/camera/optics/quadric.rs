@@ -1,5 +1,6 @@
 //! Quadrics: surfaces of second degree that rays meet in closed form.
 
+use crate::geometry::bvh::Aabb;
 use glam::{DMat3, DVec3};
 
 /// The points `X = centre + q` with `q . A q + 2 b . q + c = 0` that lie within a cylinder about the axis: no farther than
@@ -66,6 +67,17 @@ impl Quadric {
         let r2 = (q - z * self.axis).length_squared();
         z >= self.heights[0] && z <= self.heights[1] && r2 <= self.rim * self.rim
     }
+
+    /// A box around it.
+    pub fn bounds(&self) -> Aabb {
+        // where nothing else ends it, it is a ball or a wall about its centre
+        let radius = |along: DVec3| (-self.c / along.dot(self.a * along)).sqrt();
+        let rim = if self.rim.is_finite() { self.rim } else { radius(self.axis.any_orthonormal_vector()) };
+        let heights = self.heights.map(|h| if h.is_finite() { h } else { h.signum() * radius(self.axis) });
+        let disc = rim * (DVec3::ONE - self.axis * self.axis).max(DVec3::ZERO).map(f64::sqrt);
+        let corners = |h: f64| [h * self.axis - disc, h * self.axis + disc].map(|q| self.centre + q);
+        Aabb::around(&heights.map(corners).concat())
+    }
 }
 
 /// How far beyond its rim's height a cap counts, relative to its size: rounding of the height. The other sheet of the
@@ -81,6 +93,7 @@ pub fn sag(curvature: f64, conic: f64, r: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DQuat;
 
     #[test]
     fn caps_are_the_lens_makers_formula_with_the_outside_where_they_say() {
@@ -103,6 +116,27 @@ mod tests {
         }
         // an ellipsoid does not reach farther than its half axis
         assert!(Quadric::cap(vertex, axis, 0.5, 0.0, 2.1, false).is_none());
+    }
+
+    #[test]
+    fn bounds_hold_the_surface_and_little_more() {
+        let axis = DVec3::new(1.0, 2.0, -0.5).normalize();
+        let across = axis.any_orthonormal_vector();
+        let centre = DVec3::new(0.3, -1.0, 2.0);
+        let cap = Quadric::cap(centre, axis, 0.5, 0.0, 1.2, false).unwrap();
+        let top = sag(0.5, 0.0, 1.2).unwrap();
+        let wall = Quadric::wall(centre, axis, 1.2, [-1.0, 3.0]);
+        let ball = Quadric::sphere(centre, 1.2);
+        for (quadric, heights, r) in [(cap, [0.0, top], 1.2), (wall, [-1.0, 3.0], 1.2), (ball, [-1.2, 1.2], 0.0)] {
+            let bounds = quadric.bounds();
+            let around = |k: usize| (DQuat::from_axis_angle(axis, k as f64 * 1e-3) * across) * r;
+            let rims: Vec<DVec3> = (0..6284)
+                .flat_map(|k| heights.map(|h| centre + if r > 0.0 { h * axis } else { DVec3::splat(h) } + around(k)))
+                .collect();
+            let tight = Aabb::around(&rims);
+            assert!((bounds.lo - tight.lo).abs().max_element() < 1e-5, "{bounds:?} {tight:?}");
+            assert!((bounds.hi - tight.hi).abs().max_element() < 1e-5, "{bounds:?} {tight:?}");
+        }
     }
 
     #[test]

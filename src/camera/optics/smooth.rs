@@ -1,6 +1,7 @@
 //! Smooth surfaces, which rays intersect exactly, without facets.
 
 use super::{Quadric, Torus, Wave};
+use crate::geometry::bvh::Aabb;
 use glam::DVec3;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +12,20 @@ pub enum Smooth {
 }
 
 impl Smooth {
+    /// A box around it.
+    pub fn bounds(&self) -> Aabb {
+        let about = |centre: DVec3, half: DVec3| Aabb::around(&[centre - half, centre + half]);
+        match self {
+            Smooth::Quadrics(list) => {
+                Aabb::around(&list.iter().map(Quadric::bounds).flat_map(|b| [b.lo, b.hi]).collect::<Vec<_>>())
+            }
+            Smooth::Torus(torus) => about(torus.centre, DVec3::splat(torus.size())),
+            Smooth::Wave(wave) => {
+                about(wave.centre, DVec3::new(wave.size / 2.0, wave.amplitude.abs(), wave.size / 2.0))
+            }
+        }
+    }
+
     /// Number of its parts; each has its own id.
     pub fn count(&self) -> usize {
         match self {

@@ -19,15 +19,15 @@ pub fn kernel(variant: Variant) -> Kernel {
         writes("bounced_paths", "array<PathState>"),
     ];
     bindings.extend(variant.pixel_rays());
-    bindings.extend(variant.live());
+    bindings.push(live());
     let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_LAYOUT, REFRACT];
-    let own = [variant.camera(), variant.pixel_at(), snippets!("bounce.wgsl")];
+    let own = [variant.camera(), LIVE_PIXELS, snippets!("bounce.wgsl")];
     let mut kernel =
         Kernel::new("bounce", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = variant.constants();
     kernel
 }
 
-pub fn bounce(pixels: Pixels) -> Dispatch {
-    Dispatch::of_pixels(KernelId::Bounce, pixels)
+pub fn bounce() -> Dispatch {
+    Dispatch::of_pixels(KernelId::Bounce, Pixels::Live)
 }

@@ -10,7 +10,7 @@ pub fn kernel(variant: Variant) -> Kernel {
     let variant = variant.after_bounce();
     let mut bindings = vec![params(), step(), optic(), writes("nodes", "array<Node>"), writes("cells", "array<Cell>")];
     bindings.extend(variant.rays());
-    bindings.extend(variant.live());
+    bindings.push(live());
     // bounds are f32
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, BITS, REAL_F32, BUNDLE, OPTICS_LAYOUT];
     let mut kernel =

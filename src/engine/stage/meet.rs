@@ -10,9 +10,9 @@ pub fn kernel(variant: Variant) -> Kernel {
     let (surface, surface_snippets) = variant.surface();
     let mut bindings = vec![params(), step(), optic(), paths(), surface, writes("visibility", visibility)];
     bindings.extend(variant.pixel_rays());
-    bindings.extend(variant.live());
+    bindings.push(live());
     let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_LAYOUT, REFRACT];
-    let own = [variant.camera(), variant.pixel_at(), snippets!("meet.wgsl")];
+    let own = [variant.camera(), LIVE_PIXELS, snippets!("meet.wgsl")];
     let mut kernel =
         Kernel::new("meet", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = variant.constants();
@@ -20,6 +20,6 @@ pub fn kernel(variant: Variant) -> Kernel {
 }
 
 /// The words of a key go in the steps of [`super::raster::raster_steps`].
-pub fn meet(pixels: Pixels, step: u32) -> Dispatch {
-    Dispatch::of_pixels(KernelId::Meet, pixels).nth(step)
+pub fn meet(step: u32) -> Dispatch {
+    Dispatch::of_pixels(KernelId::Meet, Pixels::Live).nth(step)
 }

@@ -22,6 +22,7 @@ pub mod mip;
 pub mod outline;
 pub mod paste;
 pub mod raster;
+pub mod reach;
 pub mod recheck;
 pub mod resolve;
 pub mod sample;
@@ -89,6 +90,7 @@ kernels! {
     Shade, |_, _| true, shade::kernel;
     Resolve, |v, _| v.samples_edges(), resolve::kernel;
     Gather, |_, _| true, gather::kernel;
+    Reach, |v, _| v.bounces_rays(), |_, _| reach::kernel();
     Forget, |v, _| v.bounces_rays(), |_, _| forget::kernel();
     Bounce, |v, _| v.bounces_rays(), |v, _| bounce::kernel(v);
     Fit, |v, _| v.bounces_rays(), |v, _| fit::kernel(v);

@@ -21,7 +21,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     ];
     bindings.extend(variant.pages());
     bindings.extend(variant.pixel_rays());
-    bindings.extend(variant.live());
+    bindings.extend(variant.bounced.then(live));
     if variant.optics.is_some() {
         bindings.extend([optic(), paths()]);
     }

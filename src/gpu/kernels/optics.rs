@@ -46,14 +46,9 @@ impl Variant {
         Variant { rays: RaysKind::Field, small: false, incoherent: false, slabbed: false, bounced: true, ..self }
     }
 
-    /// The tiles that have a ray after a bounce.
-    pub(crate) fn live(self) -> Option<Binding> {
-        self.bounced.then(|| reads("live", "array<u32>"))
-    }
-
-    /// The pixel of a thread: of such a tile, or of all.
+    /// The pixel of a thread: of a tile that has a ray after a bounce, or of all.
     pub(crate) fn pixel_at(self) -> Parts {
-        if self.bounced { snippets!("optics/live_pixels.wgsl") } else { snippets!("shared/every_pixel.wgsl") }
+        if self.bounced { LIVE_PIXELS } else { snippets!("shared/every_pixel.wgsl") }
     }
 
     /// A smooth surface is to be met.

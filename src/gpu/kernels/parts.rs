@@ -46,6 +46,7 @@ pub(crate) const SAMPLE_OFFSETS: Parts = snippets!("samples/offsets.wgsl");
 pub(crate) const SAMPLE_HITS: Parts = snippets!("samples/hits.wgsl");
 pub(crate) const DEPTH_BOUNDS: Parts = snippets!("samples/depth_bounds.wgsl");
 pub(crate) const REFRACT: Parts = snippets!("optics/refract.wgsl");
+pub(crate) const LIVE_PIXELS: Parts = snippets!("optics/live_pixels.wgsl");
 
 pub(crate) fn params() -> Binding {
     uniform("params", "Params")
@@ -78,6 +79,11 @@ pub(crate) fn optic() -> Binding {
 
 pub(crate) fn paths() -> Binding {
     reads("paths", "array<PathState>")
+}
+
+/// The tiles that have a ray after a bounce; of a camera's own rays those that may meet the optics.
+pub(crate) fn live() -> Binding {
+    reads("live", "array<u32>")
 }
 
 pub(crate) fn counters() -> Binding {
