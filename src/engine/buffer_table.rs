@@ -198,7 +198,7 @@ pub fn table() -> Vec<BufferSpec> {
             ..uploaded(
                 "nodes",
                 size_of::<layout::Node>(),
-                &[Cull, Split, Small, Bin, Raster, Edges, Sample, EdgesByTile, SampleByTile, Fit],
+                &[Cull, Split, Small, Bin, Raster, Edges, Sample, EdgesByTile, SampleByTile, Reach, Fit],
             )
         },
         BufferSpec {

@@ -4,6 +4,8 @@
 // Between operations a number is sign, exponent and 64 bits of which the first is 1: 53 stay, 10 are for the rounding, and the
 // last stands for everything below it.
 //
+// No branches: these functions stand in a kernel hundreds of times, and `&&` and `||` are branches.
+//
 // No digit-by-digit loops: lavapipe ends all loops of an invocation after 65,535 rounds together, without a word.
 
 const SIGN: u32 = 0x80000000u;
@@ -22,7 +24,7 @@ fn mantissa_of(a: vec2<u32>) -> vec2<u32> {
 
 fn is_nan(a: vec2<u32>) -> bool {
     let high = a.y & ~SIGN;
-    return high > INFINITE || (high == INFINITE && a.x != 0u);
+    return (high > INFINITE) | ((high == INFINITE) & (a.x != 0u));
 }
 
 // n in 0 .. 31.
@@ -55,18 +57,18 @@ fn difference(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
 }
 
 fn is_below(a: vec2<u32>, b: vec2<u32>) -> bool {
-    return a.y < b.y || (a.y == b.y && a.x < b.x);
+    return (a.y < b.y) | ((a.y == b.y) & (a.x < b.x));
 }
 
 // The number of that sign and biased exponent whose 64 bits are m, the first of them 1.
 fn rounded(sign: u32, exponent: i32, m: vec2<u32>) -> vec2<u32> {
     let low = (m.x >> 11u) | (m.y << 21u);
     let rest = m.x & 0x7ffu;
-    let up = select(0u, 1u, rest > 0x400u || (rest == 0x400u && (low & 1u) != 0u));
+    let up = select(0u, 1u, (rest > 0x400u) | ((rest == 0x400u) & ((low & 1u) != 0u)));
     let kept = sum(vec2<u32>(low, m.y >> 11u), vec2<u32>(up, 0u));
     // the leading 1, and what is carried beyond it, count in the exponent
     let high = kept.y + (u32(exponent - 1) << 20u);
-    let large = exponent >= 0x7ff || high >= INFINITE;
+    let large = (exponent >= 0x7ff) | (high >= INFINITE);
     let size = select(vec2<u32>(kept.x, high), vec2<u32>(0u, INFINITE), large);
     return select(size, NOUGHT, exponent <= 0) | vec2<u32>(0u, sign);
 }
@@ -95,7 +97,7 @@ fn f64_add(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
     let whole = select(total, vec2<u32>(0u, total.x), zeros >= 32u);
     var result = rounded(sign, exponent + 1 - i32(zeros), shifted_left(whole, zeros & 31u));
     result = select(result, vec2<u32>(0u, large.y & small.y & SIGN), (total.x | total.y) == 0u);
-    let endless = select(large, NAN, is_nan(large) || (below == 0x7ff && opposed));
+    let endless = select(large, NAN, is_nan(large) | ((below == 0x7ff) & opposed));
     return select(result, endless, exponent == 0x7ff);
 }
 
@@ -129,9 +131,9 @@ fn f64_mul(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
     let m = vec2<u32>((l5 << 22u) | (l4 << 8u) | rest, (c6 << 4u) | (l5 >> 10u));
     let short = select(1u, 0u, (m.y & SIGN) != 0u);
     let result = rounded(sign, ea + eb - 1022 - i32(short), shifted_left(m, short));
-    let is_zero = ea == 0 || eb == 0;
-    let endless = select(vec2<u32>(0u, sign | INFINITE), NAN, is_nan(a) || is_nan(b) || is_zero);
-    return select(select(result, vec2<u32>(0u, sign), is_zero), endless, ea == 0x7ff || eb == 0x7ff);
+    let is_zero = (ea == 0) | (eb == 0);
+    let endless = select(vec2<u32>(0u, sign | INFINITE), NAN, is_nan(a) | is_nan(b) | is_zero);
+    return select(select(result, vec2<u32>(0u, sign), is_zero), endless, (ea == 0x7ff) | (eb == 0x7ff));
 }
 
 // The next 14 bits of a quotient, and what is left: r 2^14 = digit n + left, r < n, four limbs of 14 bits each, the first
@@ -181,9 +183,9 @@ fn f64_div(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
     let m = vec2<u32>((q3.digit << 22u) | (q4.digit << 8u) | rest, (q1.digit << 18u) | (q2.digit << 4u) | (q3.digit >> 10u));
     let whole = vec2<u32>((m.x >> 1u) | (m.y << 31u) | (m.x & 1u), SIGN | (m.y >> 1u));
     var result = rounded(sign, ea - eb + select(1023, 1022, below), select(whole, m, below));
-    result = select(result, vec2<u32>(0u, sign | INFINITE), eb == 0 || ea == 0x7ff);
-    result = select(result, vec2<u32>(0u, sign), ea == 0 || eb == 0x7ff);
-    return select(result, NAN, is_nan(a) || is_nan(b) || (ea == 0 && eb == 0) || (ea == 0x7ff && eb == 0x7ff));
+    result = select(result, vec2<u32>(0u, sign | INFINITE), (eb == 0) | (ea == 0x7ff));
+    result = select(result, vec2<u32>(0u, sign), (ea == 0) | (eb == 0x7ff));
+    return select(result, NAN, is_nan(a) | is_nan(b) | ((ea == 0) & (eb == 0)) | ((ea == 0x7ff) & (eb == 0x7ff)));
 }
 
 fn f64_sqrt(a: vec2<u32>) -> vec2<u32> {
@@ -213,7 +215,7 @@ fn f64_sqrt(a: vec2<u32>) -> vec2<u32> {
     let kept = sum(m, step);
     var result = vec2<u32>(kept.x, (kept.y & 0xfffffu) | (u32((e - 1023 - i32(odd)) / 2 + 1023) << 20u));
     result = select(result, a, e == 0x7ff);
-    result = select(result, NAN, is_nan(a) || (a.y & SIGN) != 0u);
+    result = select(result, NAN, is_nan(a) | ((a.y & SIGN) != 0u));
     return select(result, vec2<u32>(0u, a.y & SIGN), e == 0);
 }
 
@@ -221,11 +223,11 @@ fn f64_lt(a: vec2<u32>, b: vec2<u32>) -> bool {
     let x = f64_value_bits(a);
     let y = f64_value_bits(b);
     let less = select(is_below(x, y), is_below(y, x), (x.y & y.y & SIGN) != 0u);
-    return !is_nan(a) && !is_nan(b) && select(less, (x.y & SIGN) != 0u, ((x.y ^ y.y) & SIGN) != 0u);
+    return !(is_nan(a) | is_nan(b)) & select(less, (x.y & SIGN) != 0u, ((x.y ^ y.y) & SIGN) != 0u);
 }
 
 fn f64_eq(a: vec2<u32>, b: vec2<u32>) -> bool {
-    return !is_nan(a) && !is_nan(b) && all(f64_value_bits(a) == f64_value_bits(b));
+    return !(is_nan(a) | is_nan(b)) & all(f64_value_bits(a) == f64_value_bits(b));
 }
 
 // Of all that count as 0 the same.
@@ -234,7 +236,7 @@ fn f64_value_bits(a: vec2<u32>) -> vec2<u32> {
 }
 
 fn f64_le(a: vec2<u32>, b: vec2<u32>) -> bool {
-    return f64_lt(a, b) || f64_eq(a, b);
+    return f64_lt(a, b) | f64_eq(a, b);
 }
 
 fn f64_min(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
@@ -267,7 +269,7 @@ fn f64_from_f32(value: f32) -> vec2<u32> {
     let small = vec2<u32>(size.x, select(size.y - (149u << 20u), 0u, part == 0u));
     let endless = select(vec2<u32>(0u, INFINITE), NAN, part != 0u);
     let found = select(select(normal, small, exponent == 0u), endless, exponent == 0xffu);
-    return found | vec2<u32>(0u, select(sign, 0u, exponent == 0xffu && part != 0u));
+    return found | vec2<u32>(0u, select(sign, 0u, (exponent == 0xffu) & (part != 0u)));
 }
 
 fn f32_from_f64(a: vec2<u32>) -> f32 {
@@ -279,7 +281,7 @@ fn f32_from_f64(a: vec2<u32>) -> f32 {
     let w = (m >> fewer) | select(0u, 1u, (m & ((1u << fewer) - 1u)) != 0u);
     let rest = w & 0xffu;
     let kept = w >> 8u;
-    let up = select(0u, 1u, rest > 0x80u || (rest == 0x80u && (kept & 1u) != 0u));
+    let up = select(0u, 1u, (rest > 0x80u) | ((rest == 0x80u) & ((kept & 1u) != 0u)));
     // the leading 1, and what is carried beyond it, count in the exponent
     let size = min((u32(clamp(exponent, 1, 0xff) - 1) << 23u) + kept + up, 0x7f800000u);
     return bitcast<f32>(sign | select(select(size, 0x7f800000u, exponent >= 0xff), 0x7fc00000u, is_nan(a)));
@@ -288,8 +290,6 @@ fn f32_from_f64(a: vec2<u32>) -> f32 {
 // Towards 0; beyond the ends of the range, at the end.
 fn u32_from_f64(a: vec2<u32>) -> u32 {
     let exponent = exponent_of(a) - 1023;
-    if exponent < 0 || (a.y & SIGN) != 0u {
-        return 0u;
-    }
-    return select(shifted_left(mantissa_of(a), 11u).y >> u32(31 - min(exponent, 31)), 0xffffffffu, exponent > 31);
+    let whole = shifted_left(mantissa_of(a), 11u).y >> u32(31 - clamp(exponent, 0, 31));
+    return select(select(whole, 0xffffffffu, exponent > 31), 0u, (exponent < 0) | ((a.y & SIGN) != 0u));
 }
