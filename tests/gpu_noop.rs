@@ -2,8 +2,9 @@
 //! small adapter and no feature that the variant does not ask for.
 
 use anamorph::internals::engine::stage::Stages;
+use anamorph::internals::engine::stage::all_kernels;
 use anamorph::internals::gpu::buffers::Pipeline;
-use anamorph::internals::gpu::device::{AdapterFeatures, STORAGE_BUFFERS};
+use anamorph::internals::gpu::device::{AdapterFeatures, STORAGE_BUFFERS, STORAGE_BUFFERS_BY_TILE};
 use anamorph::internals::gpu::kernels::{Access, Binding, Kernel, Snippet, Variant};
 use anamorph::internals::gpu::layout::LANES;
 use anamorph::internals::gpu::{Gpu, GpuOptions};
@@ -13,7 +14,7 @@ use wgpu::Features;
 
 /// wgpu's defaults (128 MiB bindings, 65,535 workgroups a side) and as many storage buffers as the kernels bind.
 fn limits() -> wgpu::Limits {
-    wgpu::Limits { max_storage_buffers_per_shader_stage: STORAGE_BUFFERS, ..wgpu::Limits::defaults() }
+    wgpu::Limits { max_storage_buffers_per_shader_stage: STORAGE_BUFFERS_BY_TILE, ..wgpu::Limits::defaults() }
 }
 
 /// A device on an adapter that has these features and limits and nothing else.
@@ -203,24 +204,27 @@ fn kernels_are_written_as_they_are_compiled() {
 
 #[test]
 fn one_storage_buffer_fewer_is_an_error_that_names_it() {
-    let few = wgpu::Limits { max_storage_buffers_per_shader_stage: STORAGE_BUFFERS - 1, ..limits() };
-    let error = open(Features::empty(), few, &GpuOptions::default()).err().expect("an error").to_string();
-    assert!(error.contains(&format!("{} storage buffers", STORAGE_BUFFERS - 1)), "{error}");
-    assert!(!error.contains('\n'));
+    let few = |most| wgpu::Limits { max_storage_buffers_per_shader_stage: most, ..limits() };
+    let error = open(Features::empty(), few(STORAGE_BUFFERS - 1), &GpuOptions::default()).err().expect("an error");
+    assert!(error.to_string().contains(&format!("{} storage buffers", STORAGE_BUFFERS - 1)), "{error}");
+    // of a kernel that binds more
+    let gpu = open(Features::empty(), few(STORAGE_BUFFERS), &GpuOptions::default()).unwrap();
+    let bounce = all_kernels(Variant::every(false, false).into_iter().find(|v| v.bounces_rays()).unwrap(), &[]);
+    Pipeline::new(&gpu, bounce.into_iter().find(|k| k.name == "bounce").unwrap());
+    let error = gpu.failure().unwrap_err().to_string();
+    assert!(error.contains("kernel bounce needs 10 storage buffers, there are 8") && !error.contains('\n'), "{error}");
 }
 
 #[test]
-fn the_limit_on_storage_buffers_is_what_the_largest_kernel_binds() {
-    let by_tile = |v: Variant| [v, v.with_tiles(), v.with_tiles().with_small()];
-    let most = Variant::every(true, true).into_iter().flat_map(by_tile).map(|variant| {
-        let storage = |k: &anamorph::internals::gpu::kernels::Kernel| {
-            k.bindings.iter().filter(|b| matches!(b.access, Access::Read | Access::Write)).count()
-        };
-        anamorph::internals::engine::stage::all_kernels(variant, &Channel::every().collect::<Vec<_>>())
-            .iter()
-            .map(storage)
-            .max()
-            .unwrap()
-    });
-    assert_eq!(most.max(), Some(STORAGE_BUFFERS as usize));
+fn plain_scenes_and_raster_by_tile_bind_as_many_storage_buffers_as_is_said() {
+    let every: Vec<Channel> = Channel::every().filter(|c| *c != Channel::Certified).collect();
+    let most = |variants: Vec<Variant>, channels: &[Channel]| {
+        let kernels = variants.into_iter().flat_map(|v| all_kernels(v, channels));
+        kernels.filter(|k| k.name != "gather").map(|k| k.storage_buffers()).max()
+    };
+    let all = || Variant::every(true, true).into_iter();
+    let plain = all().filter(|v| v.optics.is_none() && v.samples <= 1).collect();
+    assert_eq!(most(plain, &every), Some(STORAGE_BUFFERS));
+    let by_tile = all().flat_map(|v| [v, v.with_tiles(), v.with_tiles().with_small()]).collect();
+    assert_eq!(most(by_tile, &Channel::every().collect::<Vec<_>>()), Some(STORAGE_BUFFERS_BY_TILE));
 }

@@ -5,7 +5,7 @@
 // Discontinuous nodes of level 1 are queued once more: their tiles go to `work`, and of discontinuous tiles the cells.
 // `queue_out` and `work` may overflow: counters keep counting.
 // Needs: BRANCH, COUNT_WORK, Node, RAYS_AFFINE, RAYS_DISCONTINUOUS, cell_pack, extent, item_index, level_height, level_width, node_index,
-//   node_level, node_meets, node_pack, node_x, node_y, tile_meets
+//   node_level, node_meets, node_pack, node_x, node_y, table_texel, tile_meets
 // Binds: cells, clusters, counters, nodes, params, queue_in, queue_out, step, tile_start, work
 
 // Children met by which a cluster is handed on undivided: descending costs every triangle of the cluster a set-up a
@@ -46,8 +46,8 @@ fn cull(
     let level = node_level(node);
     let x = node_x(node) * BRANCH;
     let y = node_y(node) * BRANCH;
-    let centre = clusters[cluster].centre;
-    let half = clusters[cluster].half;
+    let centre = cluster_centre(cluster);
+    let half = cluster_half(cluster);
 
     // hand it on undivided, where it is seen in a small part of the node's one bundle
     var is_bundle = false;
@@ -118,6 +118,15 @@ fn cull(
     }
 }
 
+// The two texels of a cluster.
+fn cluster_centre(cluster: u32) -> vec3<f32> {
+    return bitcast<vec4<f32>>(textureLoad(clusters, table_texel(2u * cluster), 0)).xyz;
+}
+
+fn cluster_half(cluster: u32) -> vec3<f32> {
+    return bitcast<vec4<f32>>(textureLoad(clusters, table_texel(2u * cluster + 1u), 0)).xyz;
+}
+
 fn child_meets(level: u32, x: u32, y: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     return node_meets(node, centre, half) && (level > 0u || tile_meets(x, y, node, centre, half));
 }
@@ -126,7 +135,7 @@ fn child_meets(level: u32, x: u32, y: u32, node: Node, centre: vec3<f32>, half: 
 fn descend_to_cells(tile: u32, cluster: u32) {
     let end = tile_start[tile + 1u];
     for (var cell = tile_start[tile]; cell < end; cell++) {
-        if !CULLING || node_meets(nodes[cells[cell].node], clusters[cluster].centre, clusters[cluster].half) {
+        if !CULLING || node_meets(nodes[cells[cell].node], cluster_centre(cluster), cluster_half(cluster)) {
             put_to_work(atomicAdd(&counters[COUNT_WORK], 1u), vec2<u32>(cluster, cell_pack(cell)));
         }
     }

@@ -331,7 +331,7 @@ fn chunk_on_device(gpu: &Gpu, chunk: &Chunk, mut buffers: Buffers) -> Result<Chu
 fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk) -> Result<()> {
     buffers.upload_texels(gpu, "vertices", &chunk.vertices)?;
     buffers.upload_texels(gpu, "triangles", &chunk.triangles)?;
-    buffers.upload(gpu, "clusters", &chunk.clusters)?;
+    buffers.upload_texels(gpu, "clusters", &chunk.clusters)?;
     buffers.upload(gpu, "triangle_groups", &chunk.triangle_groups)
 }
 

@@ -263,6 +263,11 @@ impl Compiled {
     fn new(gpu: &Gpu, kernel: Kernel) -> Compiled {
         let device = &gpu.device;
         let label = Some(kernel.name);
+        let (binds, most) = (kernel.storage_buffers(), gpu.limits.max_storage_buffers_per_shader_stage);
+        if binds > most {
+            let advice = "use --engine reference";
+            gpu.failed(format!("kernel {} needs {binds} storage buffers, there are {most}; {advice}", kernel.name));
+        }
         let module = gpu.compile(&kernel);
         let (name, constants) = (kernel.name, kernel.constants.clone());
         let binder = Binder::new(device, kernel, wgpu::ShaderStages::COMPUTE);

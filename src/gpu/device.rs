@@ -143,6 +143,7 @@ impl Gpu {
         let mut has = AdapterFeatures::of(adapter.features(), &info);
         has.atomics64 &= !options.no_int64;
         has.f64 &= !options.no_f64;
+        has.lanes &= limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS_BY_TILE;
         if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
             let n = limits.max_storage_buffers_per_shader_stage;
             let name = &info.name;
@@ -230,8 +231,12 @@ fn note(failed: &Mutex<Option<String>>, text: String) {
     failed.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(text);
 }
 
-/// Storage buffers of the kernel that binds most: `edges`, tile by tile.
-pub const STORAGE_BUFFERS: u32 = 12;
+/// Storage buffers of the kernel that binds most in a plain scene, pair by pair: as many as every WebGPU adapter has. A kernel that binds
+/// more is an error when it is compiled.
+pub const STORAGE_BUFFERS: u32 = 8;
+
+/// The same tile by tile, in any scene: those of `edges`.
+pub const STORAGE_BUFFERS_BY_TILE: u32 = 12;
 
 /// The device's error, with advice if its memory is full.
 fn described(e: &wgpu::Error) -> String {

@@ -403,17 +403,12 @@ impl Body<'_, '_> {
         Ok(self.emit(block, Expression::Compose { ty, components }))
     }
 
-    /// The sum of products of components, first to last.
-    fn dot(&mut self, block: &mut Block, pairs: &[(Value, Value)]) -> Result<Value> {
-        let mut total = None;
-        for &(a, b) in pairs {
-            let product = self.call(block, "f64_mul", &[a, b])?;
-            total = Some(match total {
-                None => product,
-                Some(before) => self.call(block, "f64_add", &[before, product])?,
-            });
+    /// Three f64 of a value: of a scalar three times the same.
+    fn triple(&mut self, block: &mut Block, old: Value) -> Result<Value> {
+        if self.doubles(old) == Some(3) {
+            return self.value(old);
         }
-        total.ok_or_else(|| "a dot product of nothing".into())
+        self.each(block, 3, |s, _, _| s.value(old))
     }
 
     /// Computes a value where it was computed.
@@ -458,6 +453,10 @@ impl Body<'_, '_> {
                     BinaryOperator::Divide => "f64_div",
                     _ => return Err(format!("no way to lower {op:?} of f64")),
                 };
+                if count == 3 {
+                    let (a, b) = (self.triple(block, left)?, self.triple(block, right)?);
+                    return self.call(block, &format!("{name}3"), &[a, b]);
+                }
                 self.each(block, count, |s, block, k| {
                     let (a, b) = (s.component(block, left, k)?, s.component(block, right, k)?);
                     s.call(block, name, &[a, b])
@@ -475,20 +474,17 @@ impl Body<'_, '_> {
                     Ok(s.emit(block, Expression::Select { condition, accept, reject }))
                 })
             }
-            Expression::Math { fun: MathFunction::Dot, arg, arg1: Some(other), .. } => {
-                let pairs = (0..self.doubles(arg).unwrap_or(1))
-                    .map(|k| Ok((self.component(block, arg, k)?, self.component(block, other, k)?)))
-                    .collect::<Result<Vec<_>>>()?;
-                self.dot(block, &pairs)
+            Expression::Math { fun: MathFunction::Dot | MathFunction::Cross, arg, .. }
+                if self.doubles(arg) != Some(3) =>
+            {
+                return Err("no way to lower a product of vectors that are not of three f64".into());
             }
-            Expression::Math { fun: MathFunction::Cross, arg, arg1: Some(other), .. } => {
-                self.each(block, 3, |s, block, k| {
-                    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-                    let (ai, aj) = (s.component(block, arg, i)?, s.component(block, arg, j)?);
-                    let (bi, bj) = (s.component(block, other, i)?, s.component(block, other, j)?);
-                    let (plus, minus) = (s.call(block, "f64_mul", &[ai, bj])?, s.call(block, "f64_mul", &[aj, bi])?);
-                    s.call(block, "f64_sub", &[plus, minus])
-                })
+            Expression::Math {
+                fun: fun @ (MathFunction::Dot | MathFunction::Cross), arg, arg1: Some(other), ..
+            } => {
+                let name = if fun == MathFunction::Dot { "f64_dot" } else { "f64_cross" };
+                let (a, b) = (self.value(arg)?, self.value(other)?);
+                self.call(block, name, &[a, b])
             }
             Expression::Math { fun, arg, arg1, arg2: None, .. } => {
                 let name = match fun {
@@ -516,6 +512,9 @@ impl Body<'_, '_> {
                     ref inner => return Err(format!("no way to lower a conversion of {inner:?} to f64")),
                 };
                 let whole = self.value(expr)?;
+                if count == 3 && name == "f64_from_f32" {
+                    return self.call(block, "f64_from_f32_3", &[whole]);
+                }
                 self.each(block, count, |s, block, k| {
                     let a = match count {
                         1 => whole,

@@ -347,7 +347,7 @@ pub fn upload(gpu: &Gpu, input: &KernelInputs) -> Buffers {
     let mut b = Buffers::default();
     b.upload_uniform(gpu, "params", &input.params).unwrap();
     b.upload_uniform(gpu, "shading", &input.appearance.shading).unwrap();
-    b.upload(gpu, "clusters", input.clusters).unwrap();
+    b.upload_texels(gpu, "clusters", input.clusters).unwrap();
     b.upload(gpu, "triangle_groups", input.triangle_groups).unwrap();
     b.upload(gpu, "nodes", input.nodes).unwrap();
     b.upload(gpu, "tile_start", input.tile_start).unwrap();

@@ -60,7 +60,7 @@ fn bytes((engine, lists): &mut (Engine, Lists), detail: u32, side: u32) -> (f64,
 /// Rows and lists end on their own sizes: a page of them.
 const ROUNDING: f64 = 4096.0;
 
-/// Triangles and vertices lie in textures of whole rows.
+/// Triangles, vertices and clusters lie in textures of whole rows.
 const TEXTURE_ROW: f64 = 65536.0;
 
 #[test]
@@ -69,7 +69,7 @@ fn a_triangle_takes_what_is_said() {
         let (few, many) = (bytes(&mut engine, 4, 64), bytes(&mut engine, 6, 64));
         let (taken, said) = (many.0 - few.0, many.1 - few.1);
         println!("{taken} bytes taken, {said} said");
-        assert!((taken - said).abs() <= ROUNDING + 2.0 * TEXTURE_ROW, "{taken} bytes taken, {said} said");
+        assert!((taken - said).abs() <= ROUNDING + 3.0 * TEXTURE_ROW, "{taken} bytes taken, {said} said");
     }
 }
 

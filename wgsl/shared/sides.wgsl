@@ -59,9 +59,15 @@ fn side_of(u: vec2<real>, v: vec2<real>) -> i32 {
 // Never where all corners fall into one place: the last edge is taken from the first corner too.
 fn is_between(b: Bundle, v: array<real3, 3>) -> bool {
     let s = shear_of(b);
-    let p0 = in_plane(b, s, v[0]);
-    let p1 = in_plane(b, s, v[1]);
-    let p2 = in_plane(b, s, v[2]);
-    let side = side_of(p0, p1);
-    return side == side_of(p1, p2) && side == -side_of(p0, p2);
+    // in loops: without f64 an operation is a hundred instructions
+    var corners = v;
+    var places: array<vec2<real>, 3>;
+    for (var k = 0u; k < 3u; k++) {
+        places[k] = in_plane(b, s, corners[k]);
+    }
+    var sides: array<i32, 3>;
+    for (var k = 0u; k < 3u; k++) {
+        sides[k] = side_of(places[select(k, 0u, k == 2u)], places[min(k + 1u, 2u)]);
+    }
+    return sides[0] == sides[1] && sides[0] == -sides[2];
 }

@@ -293,3 +293,78 @@ fn u32_from_f64(a: vec2<u32>) -> u32 {
     let whole = shifted_left(mantissa_of(a), 11u).y >> u32(31 - clamp(exponent, 0, 31));
     return select(select(whole, 0xffffffffu, exponent > 31), 0u, (exponent < 0) | ((a.y & SIGN) != 0u));
 }
+
+// Vectors, in loops: a kernel is to be small, and drivers put what a function does wherever it is called.
+
+alias Triple = array<vec2<u32>, 3>;
+
+fn f64_add3(a: Triple, b: Triple) -> Triple {
+    var p = a;
+    var q = b;
+    for (var k = 0u; k < 3u; k++) {
+        p[k] = f64_add(p[k], q[k]);
+    }
+    return p;
+}
+
+fn f64_sub3(a: Triple, b: Triple) -> Triple {
+    var p = a;
+    var q = b;
+    for (var k = 0u; k < 3u; k++) {
+        p[k] = f64_sub(p[k], q[k]);
+    }
+    return p;
+}
+
+fn f64_mul3(a: Triple, b: Triple) -> Triple {
+    var p = a;
+    var q = b;
+    for (var k = 0u; k < 3u; k++) {
+        p[k] = f64_mul(p[k], q[k]);
+    }
+    return p;
+}
+
+fn f64_div3(a: Triple, b: Triple) -> Triple {
+    var p = a;
+    var q = b;
+    for (var k = 0u; k < 3u; k++) {
+        p[k] = f64_div(p[k], q[k]);
+    }
+    return p;
+}
+
+// Products are added first to last.
+fn f64_dot(a: Triple, b: Triple) -> vec2<u32> {
+    var p = a;
+    var q = b;
+    var total = NOUGHT;
+    for (var k = 0u; k < 3u; k++) {
+        let product = f64_mul(p[k], q[k]);
+        total = select(f64_add(total, product), product, k == 0u);
+    }
+    return total;
+}
+
+fn f64_cross(a: Triple, b: Triple) -> Triple {
+    var p = a;
+    var q = b;
+    var r: Triple;
+    var i = 1u;
+    var j = 2u;
+    for (var k = 0u; k < 3u; k++) {
+        r[k] = f64_sub(f64_mul(p[i], q[j]), f64_mul(p[j], q[i]));
+        i = j;
+        j = k;
+    }
+    return r;
+}
+
+fn f64_from_f32_3(value: vec3<f32>) -> Triple {
+    var v = value;
+    var r: Triple;
+    for (var k = 0u; k < 3u; k++) {
+        r[k] = f64_from_f32(v[k]);
+    }
+    return r;
+}

@@ -8,7 +8,7 @@ pub fn kernel(variant: Variant) -> Kernel {
     let mut bindings = vec![
         params(),
         step(),
-        reads("clusters", "array<Cluster>"),
+        table("clusters"),
         reads("nodes", "array<Node>"),
         reads("tile_start", "array<u32>"),
         reads("cells", "array<Cell>"),
@@ -18,7 +18,8 @@ pub fn kernel(variant: Variant) -> Kernel {
         counters(),
     ];
     bindings.extend(variant.incoherent_rays(true));
-    let snippets = [PARAMS, ITEMS, INDEX, WITHIN, MEETS, variant.tile_rays(), snippets!("cull.wgsl")];
+    let own = snippets!("shared/table.wgsl", "cull.wgsl");
+    let snippets = [PARAMS, ITEMS, INDEX, WITHIN, MEETS, variant.tile_rays(), own];
     let mut kernel = Kernel::new("cull", bindings, &snippets);
     kernel.constants.push(("CULLING", variant.culling as u32 as f64));
     kernel

@@ -125,6 +125,11 @@ impl Kernel {
         self
     }
 
+    /// How many storage buffers it binds.
+    pub fn storage_buffers(&self) -> u32 {
+        self.bindings.iter().filter(|b| matches!(b.access, Access::Read | Access::Write)).count() as u32
+    }
+
     /// What is compiled: the bindings, then the snippets.
     pub fn source(&self) -> String {
         self.head() + &self.parts.iter().map(|p| p.text).collect::<String>()
