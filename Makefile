@@ -1,6 +1,6 @@
-# What a person types: make demo, make gallery, make test, make check, make agreement.
+# What a person types: make demo, make gallery, make test, make check, make test-adapters, make agreement.
 
-.PHONY: demo gallery agreement test check rust driver
+.PHONY: demo gallery agreement test test-adapters check rust driver
 
 BUILD := $(or $(CARGO_TARGET_DIR),target)
 RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
@@ -30,6 +30,11 @@ agreement: rust driver
 # All tests; installs a software Vulkan driver first where there is none and apt-get may.
 test: rust driver
 	cargo test --locked --features internals
+
+# Every example on every software adapter of the machine, also on SwiftShader where chromium is installed: an hour.
+test-adapters: rust driver
+	@cargo build --release --locked
+	@cargo run --release --locked --quiet --features internals --example adapters -- $(BUILD)/release/anamorph out/adapters $(EXAMPLES)
 
 # What a change must pass.
 check: rust
