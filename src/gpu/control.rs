@@ -1,10 +1,10 @@
 //! Control kernels: what memory and subgroups of an adapter do for kernels that do nothing else.
 
 use super::Gpu;
-use super::buffers::{Buffers, Pipeline, read_words, readback};
+use super::buffers::{Buffers, Pipeline, read_words, readback, wait};
 use super::kernels::parts::*;
 use super::layout::GROUP;
-use super::recorder::Recorder;
+use super::recorder::{Recorded, Recorder};
 use crate::input::Result;
 use std::time::Instant;
 use wgpu::BufferUsages;
@@ -60,25 +60,48 @@ pub fn bandwidths(gpu: &Gpu) -> Result<Vec<Timed>> {
 fn time(gpu: &Gpu, kernel: Kernel, buffers: &Buffers, bytes: u64) -> Result<Timed> {
     let name = kernel.name;
     let pipeline = Pipeline::new(gpu, kernel);
-    let group = pipeline.bind(gpu, &[buffers])?;
     let groups = (bytes / 16).div_ceil(ITEMS_A_THREAD * u64::from(GROUP)) as u32;
     let groups = groups.min(gpu.limits.max_compute_workgroups_per_dimension);
     let mut times = Vec::new();
     for _ in 0..=RUNS {
         let started = Instant::now();
-        let mut recorder = Recorder::new(gpu, 1);
-        let mut pass = recorder.compute(name);
-        pass.set_pipeline(pipeline.raw());
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(groups, 1, 1);
-        drop(pass);
-        let stages = recorder.submit(gpu)?.stage_ms(gpu)?;
+        let stages = run(gpu, name, &pipeline, buffers, groups)?.stage_ms(gpu)?;
         let wall_ms = started.elapsed().as_secs_f64() * 1e3;
         times.push(stages.first().map_or(wall_ms, |stage| stage.1));
     }
     let mut ms = times.split_off(1);
     ms.sort_by(f64::total_cmp);
     Ok(Timed { kernel: name, bytes, ms: ms[RUNS / 2] })
+}
+
+/// Submits so many workgroups of a kernel.
+///
+/// # Errors
+/// [`crate::input::Error::Work`] if the device fails.
+pub fn run(gpu: &Gpu, name: &'static str, pipeline: &Pipeline, buffers: &Buffers, groups: u32) -> Result<Recorded> {
+    let group = pipeline.bind(gpu, &[buffers])?;
+    let mut recorder = Recorder::new(gpu, 1);
+    let mut pass = recorder.compute(name);
+    pass.set_pipeline(pipeline.raw());
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(groups, 1, 1);
+    drop(pass);
+    let recorded = recorder.submit(gpu)?;
+    // without timestamps nothing else waits
+    wait(gpu)?;
+    Ok(recorded)
+}
+
+/// The words of a buffer.
+///
+/// # Errors
+/// [`crate::input::Error::Work`] if the device fails.
+pub fn words(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
+    let list = readback(gpu, buffer.size());
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &list, 0, buffer.size());
+    gpu.queue.submit([encoder.finish()]);
+    read_words(gpu, &list)
 }
 
 /// The least and the most threads of the subgroups that a workgroup runs in; `None` where kernels may not ask.
@@ -89,22 +112,9 @@ pub fn subgroup_widths(gpu: &Gpu) -> Result<Option<[u32; 2]>> {
     if !gpu.has.lanes {
         return Ok(None);
     }
-    let bytes = 4 * u64::from(GROUP);
     let mut buffers = Buffers::default();
-    buffers.create(gpu, "found", bytes, BufferUsages::empty())?;
-    let pipeline = Pipeline::new(gpu, subgroup_width());
-    let group = pipeline.bind(gpu, &[&buffers])?;
-    let list = readback(gpu, bytes);
-    let mut recorder = Recorder::new(gpu, 1);
-    let mut pass = recorder.compute("subgroup_width");
-    pass.set_pipeline(pipeline.raw());
-    pass.set_bind_group(0, &group, &[]);
-    pass.dispatch_workgroups(1, 1, 1);
-    drop(pass);
-    if let Some(found) = buffers.get("found") {
-        recorder.encoder.copy_buffer_to_buffer(found, 0, &list, 0, bytes);
-    }
-    recorder.submit(gpu)?;
-    let widths = read_words(gpu, &list)?;
+    buffers.create(gpu, "found", 4 * u64::from(GROUP), BufferUsages::empty())?;
+    run(gpu, "subgroup_width", &Pipeline::new(gpu, subgroup_width()), &buffers, 1)?;
+    let widths = buffers.get("found").map(|found| words(gpu, found)).transpose()?.unwrap_or_default();
     Ok(widths.iter().min().copied().zip(widths.iter().max().copied()).map(|(least, most)| [least, most]))
 }

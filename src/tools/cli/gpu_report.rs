@@ -9,7 +9,6 @@ use crate::tools::gpu_report;
 use std::time::{Duration, Instant};
 
 pub fn run(args: &GpuReportArgs, started: Instant) -> Result<()> {
-    std::fs::create_dir_all(&args.out).map_err(|e| Error::work(format!("{}: {e}", args.out.display())))?;
     let options = GpuOptions { adapter: args.adapter.clone(), ..Default::default() };
     let until = started + Duration::from_secs_f64(60.0 * args.minutes);
     let done = gpu_report::run(&options, &args.out, until, info::lines, print)?;
@@ -21,7 +20,7 @@ pub fn run(args: &GpuReportArgs, started: Instant) -> Result<()> {
     match done.wrong_frames {
         0 => Ok(()),
         n => Err(Error::work(format!(
-            "the self-test failed in {n} frames: do not trust this adapter's pictures; see {page}"
+            "the self-test failed: {n} wrong frames; do not trust pictures of this adapter; see {page}"
         ))),
     }
 }

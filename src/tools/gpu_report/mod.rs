@@ -65,6 +65,7 @@ pub fn run(
     let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;
     let now = Provenance::now(&engines.computing, is_software);
     tell(&format!("{}, {}\n", now.adapter, now.driver))?;
+    std::fs::create_dir_all(out).map_err(|e| Error::work(format!("{}: {e}", out.display())))?;
     let mut report = Report::resume(now, out, || (adapter_lines(&gpu), subgroup_widths(&gpu)))?;
     let folder = out.join(report.folder_name());
     if report.bandwidths.as_ref().map_or(true, Vec::is_empty) {

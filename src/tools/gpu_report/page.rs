@@ -63,7 +63,8 @@ fn self_test(frames: &[Tested]) -> String {
         frames.iter().map(|f| f.uncertain).sum::<u64>()
     );
     let meaning = "Each frame is compared with the f64 reference. Uncertain: the answer changes within 1/16 px of the pixel's \
-                   centre. Wrong: the pixel shows a triangle that is neither the reference's nor, if uncertain, near.";
+                   centre. Wrong: the pixel shows a triangle that is neither the reference's nor, if uncertain, near. PSNR is low in \
+                   scenes with patterns or lines, which the kernels filter and the reference does not.";
     let mut kernels: Vec<&str> = frames.iter().map(|f| f.kernels.as_str()).filter(|k| !k.is_empty()).collect();
     kernels.sort_unstable();
     kernels.dedup();

@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
 
-/// Small images, each size with tiles that the image ends in; the second is of the fallback.
-const SIZES: [[u32; 2]; 2] = [[100, 75], [67, 53]];
+/// Small images that end within tiles; the second size is of the fallback.
+const SIZES: [[u32; 2]; 2] = [[150, 115], [131, 101]];
 
 /// Its ray map has a size of its own.
 const OWN_SIZE: &str = "fisheye";
@@ -29,12 +29,12 @@ const BY_FALLBACK: [&str; 14] = [
     "pencil",
     "bilinear",
     "mesh",
-    "panorama",
+    "columns",
     "city-cross-slit",
-    "cow-panorama",
-    "teapot-panorama",
-    "hinge",
     "terrain-top-down",
+    "terrain-bottom-up",
+    "opposite",
+    "city-cylinder",
 ];
 
 /// A frame of the self-test.
