@@ -1,6 +1,6 @@
 //! The report as one page.
 
-use super::self_test::{Tested, views};
+use super::self_test::{Tested, result};
 use super::{Report, not_run};
 use crate::image::write_text;
 use crate::input::Result;
@@ -24,10 +24,7 @@ fn page(report: &Report, suites: &[Ongoing]) -> Result<String> {
         escaped(&p.date),
         p.cores,
         escaped(&report.adapter),
-        paragraph(&[
-            &subgroups(report.subgroup_widths),
-            "Occupancy: not told by this driver, since wgpu has no counters for it."
-        ])
+        paragraph(&[&subgroups(report.subgroup_widths), "Occupancy: not told; wgpu has no way to ask this driver."])
     );
     text += &self_test(&report.frames);
     text += &bandwidths(report);
@@ -52,16 +49,7 @@ fn subgroups(widths: Option<[u32; 2]>) -> String {
 }
 
 fn self_test(frames: &[Tested]) -> String {
-    let wrong: u64 = frames.iter().map(|f| f.wrong).sum();
-    let failed = frames.iter().filter(|f| f.failed.is_some()).count();
-    let pixels: u64 = frames.iter().map(Tested::pixels).sum();
-    let all = views().len();
-    let result = format!(
-        "{}: {} of {all} frames, {pixels} pixels, {wrong} wrong, {} uncertain; {failed} frames failed.",
-        if frames.iter().all(Tested::is_right) { "Right" } else { "WRONG" },
-        frames.len(),
-        frames.iter().map(|f| f.uncertain).sum::<u64>()
-    );
+    let result = result(frames);
     let meaning = "Each frame is compared with the f64 reference. Uncertain: the answer changes within 1/16 px of the pixel's \
                    centre. Wrong: the pixel shows a triangle that is neither the reference's nor, if uncertain, near. PSNR is low in \
                    scenes with patterns or lines, which the kernels filter and the reference does not.";

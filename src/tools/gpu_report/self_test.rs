@@ -174,6 +174,18 @@ impl fmt::Display for Tested {
     }
 }
 
+/// What the frames came to, in a line.
+pub fn result(frames: &[Tested]) -> String {
+    let sum = |of: fn(&Tested) -> u64| frames.iter().map(of).sum::<u64>();
+    let (pixels, wrong, uncertain) = (sum(Tested::pixels), sum(|f| f.wrong), sum(|f| f.uncertain));
+    let failed = frames.iter().filter(|f| f.failed.is_some()).count();
+    let word = if frames.iter().all(Tested::is_right) { "right" } else { "WRONG" };
+    let (done, all) = (frames.len(), views().len());
+    format!(
+        "{word}: {done} of {all} frames, {pixels} pixels: {wrong} wrong, {uncertain} uncertain; {failed} frames failed"
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -185,6 +197,9 @@ mod tests {
         let wrong = Tested { wrong: 1, ..right.clone() };
         let failed = Tested { failed: Some("device lost".into()), ..right.clone() };
         assert!(right.is_right() && !wrong.is_right() && !failed.is_right());
+        assert!(
+            result(&[right]).starts_with("right: 1 of 60") && result(std::slice::from_ref(&wrong)).starts_with("WRONG")
+        );
         assert!(wrong.to_string().contains("WRONG: 1 pixels") && failed.to_string().contains("FAILED: device lost"));
     }
 }
