@@ -7,7 +7,7 @@ mod page;
 mod self_test;
 
 use super::bench::race::{Engines, Rules};
-use super::bench::suites::{SUITES, Suite};
+use super::bench::suites::SUITES;
 use super::bench::{Ongoing, Provenance};
 use crate::gpu::control::subgroup_widths;
 use crate::gpu::{Gpu, GpuOptions};
@@ -58,54 +58,32 @@ pub fn run(
     adapter_lines: fn(&Gpu) -> String,
     mut tell: impl FnMut(&str) -> Result<()>,
 ) -> Result<Done> {
-    let is_over = || Instant::now() >= until;
     let mut engines = Engines::open(options)?;
     let gpu = engines.computing.gpu.clone();
     // a software adapter would take hours for the full cases
-    let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;
-    let now = Provenance::now(&engines.computing, is_software);
-    tell(&format!("{}, {}\n", now.adapter, now.driver))?;
+    let is_quick = gpu.info.device_type == wgpu::DeviceType::Cpu;
+    let provenance = Provenance::now(&engines.computing, is_quick);
+    tell(&format!("{}, {}\n", provenance.adapter, provenance.driver))?;
     std::fs::create_dir_all(out).map_err(|e| Error::work(format!("{}: {e}", out.display())))?;
-    let mut report = Report::resume(now, out, || (adapter_lines(&gpu), subgroup_widths(&gpu)))?;
+    let (adapter, subgroup_widths) = (adapter_lines(&gpu), subgroup_widths(&gpu)?);
+    let nothing = Report { provenance, adapter, subgroup_widths, bandwidths: Ok(Vec::new()), frames: Vec::new() };
+    let mut report = nothing.resumed(out)?;
     let folder = out.join(report.folder_name());
-    if report.bandwidths.as_ref().map_or(true, Vec::is_empty) {
-        report.bandwidths = bandwidth::measure(options).map_err(|e| e.to_string());
-    }
-    match &report.bandwidths {
-        Ok(all) => all.iter().try_for_each(|b| tell(&format!("  {:<12} {:>8.1} GB/s\n", b.kernel, b.gb_a_second())))?,
-        Err(e) => tell(&format!("  bandwidth: {e}\n"))?,
-    }
-    tell("self-test: frames against the reference\n")?;
-    let mut tester = Tester::new(options);
-    for view in self_test::views().iter().skip(report.frames.len()) {
-        if is_over() && !report.frames.is_empty() {
-            break;
-        }
-        let tested = tester.test(view);
-        tell(&format!("  {tested}\n"))?;
-        report.frames.push(tested);
-        report.write(&folder)?;
-    }
-    drop(tester);
-    tell(&format!("  {}\n", self_test::result(&report.frames)))?;
+    report.measure(options, &mut tell)?;
+    report.test(options, &folder, until, &mut tell)?;
     let named = ORDER.iter().filter_map(|name| SUITES.iter().find(|suite| suite.name == *name));
     let mut suites: Vec<Ongoing> = named.map(|s| Ongoing::resume(s, report.provenance.clone(), out)).collect();
     let mut path = page::write(&folder, &report, &suites)?;
-    let rules = Rules::new(is_software, is_software);
+    let rules = Rules::new(is_quick, is_quick);
     for at in 0..suites.len() {
-        let left = suites[at].left();
-        if left.is_empty() || is_over() {
-            continue;
-        }
-        let Suite { name, asks, .. } = suites[at].suite;
-        tell(&format!("{name}: {asks}\n"))?;
-        for case in left {
-            if is_over() {
+        for (k, case) in suites[at].left().into_iter().enumerate() {
+            if Instant::now() >= until {
                 break;
             }
-            for row in suites[at].race(&mut engines, &case, &rules)? {
-                tell(&row.line())?;
+            if k == 0 {
+                tell(&format!("{}: {}\n", suites[at].suite.name, suites[at].suite.asks))?;
             }
+            suites[at].race(&mut engines, &case, &rules)?.iter().try_for_each(|row| tell(&row.line()))?;
             // a lost device stays lost
             if [&engines.computing, &engines.drawing].iter().any(|engine| engine.gpu.failure().is_err()) {
                 engines = Engines::open(options)?;
@@ -133,12 +111,8 @@ fn not_run(report: &Report, suites: &[Ongoing]) -> Vec<String> {
 }
 
 impl Report {
-    /// The newest that is in `out` and by the same program and adapter, or a new one.
-    fn resume(
-        now: Provenance,
-        out: &Path,
-        device: impl FnOnce() -> (String, Result<Option<[u32; 2]>>),
-    ) -> Result<Report> {
+    /// The newest that is in `out` and by the same program and adapter; this one if there is none.
+    fn resumed(self, out: &Path) -> Result<Report> {
         let failed = |e: std::io::Error| Error::work(format!("{}: {e}", out.display()));
         let mut newest: Option<Report> = None;
         for entry in std::fs::read_dir(out).map_err(failed)? {
@@ -146,17 +120,48 @@ impl Report {
             let text = std::fs::read_to_string(entry.map_err(failed)?.path().join(REPORT)).unwrap_or_default();
             let Ok(report) = serde_json::from_str::<Report>(&text) else { continue };
             let is_newer = newest.as_ref().is_none_or(|n| n.provenance.date < report.provenance.date);
-            if is_newer && report.provenance.is_by_the_same(&now) {
+            if is_newer && report.provenance.is_by_the_same(&self.provenance) {
                 newest = Some(report);
             }
         }
-        if let Some(there) = newest {
-            let date = there.provenance.date.clone();
-            return Ok(Report { provenance: Provenance { date, ..now }, ..there });
+        let Some(there) = newest else { return Ok(self) };
+        let date = there.provenance.date.clone();
+        Ok(Report { provenance: Provenance { date, ..self.provenance }, ..there })
+    }
+
+    /// Measures bandwidths, if that is left.
+    fn measure(&mut self, options: &GpuOptions, mut tell: impl FnMut(&str) -> Result<()>) -> Result<()> {
+        if self.bandwidths.as_ref().map_or(true, Vec::is_empty) {
+            self.bandwidths = bandwidth::measure(options).map_err(|e| e.to_string());
         }
-        let (adapter, subgroup_widths) = device();
-        let subgroup_widths = subgroup_widths?;
-        Ok(Report { provenance: now, adapter, subgroup_widths, bandwidths: Ok(Vec::new()), frames: Vec::new() })
+        match &self.bandwidths {
+            Ok(all) => {
+                all.iter().try_for_each(|b| tell(&format!("  {:<12} {:>8.1} GB/s\n", b.kernel, b.gb_a_second())))
+            }
+            Err(e) => tell(&format!("  bandwidth: {e}\n")),
+        }
+    }
+
+    /// Goes on with the self-test.
+    fn test(
+        &mut self,
+        options: &GpuOptions,
+        folder: &Path,
+        until: Instant,
+        mut tell: impl FnMut(&str) -> Result<()>,
+    ) -> Result<()> {
+        tell("self-test: frames against the reference\n")?;
+        let mut tester = Tester::new(options);
+        for view in self_test::views().iter().skip(self.frames.len()) {
+            if Instant::now() >= until && !self.frames.is_empty() {
+                break;
+            }
+            let tested = tester.test(view);
+            tell(&format!("  {tested}\n"))?;
+            self.frames.push(tested);
+            self.write(folder)?;
+        }
+        tell(&format!("  {}\n", self_test::result(&self.frames)))
     }
 
     fn folder_name(&self) -> String {
