@@ -8,6 +8,7 @@ mod cli {
     pub mod batch;
     pub mod drawn;
     pub mod good;
+    pub mod gpu_report;
     pub mod headers;
     pub mod inputs;
     pub mod limits;

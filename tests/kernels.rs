@@ -15,6 +15,7 @@ mod kernels {
     mod bin;
     mod bounce;
     mod circle;
+    mod control;
     mod cull;
     mod deposit;
     mod fit;

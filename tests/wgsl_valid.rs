@@ -2,6 +2,7 @@
 //! and keeps f64 to the operations that every driver translates right.
 
 use anamorph::internals::engine::stage;
+use anamorph::internals::gpu::control;
 use anamorph::internals::gpu::kernels::{Kernel, Variant};
 use anamorph::internals::gpu::layout::GROUP;
 use anamorph::internals::gpu::soft_f64::lowered;
@@ -55,7 +56,7 @@ fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
     let has_lanes = !["allot", "sort", "recheck_samples"].contains(&kernel.name);
     // then each of its threads has a node of its own
     let has_lanes = has_lanes && !((variant.small || variant.wide) && kernel.name == "bin");
-    caps.set(Capabilities::SUBGROUP, variant.by_tile && has_lanes);
+    caps.set(Capabilities::SUBGROUP, variant.by_tile && has_lanes || kernel.name == "subgroup_width");
     caps
 }
 
@@ -68,6 +69,8 @@ fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
 }
 
 fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
+    let controls = [control::read_only(), control::write_only(), control::subgroup_width()];
+    controls.iter().for_each(|k| check(k, Variant::PLAIN));
     for variant in variants() {
         stage::all_kernels(variant, &Channel::every().collect::<Vec<_>>()).iter().for_each(|k| check(k, variant));
         for wide in [false, true] {

@@ -18,7 +18,7 @@ use crate::engine::rival::Rival;
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
-use crate::gpu::kernels::LightsKind;
+use crate::gpu::kernels::{LightsKind, Variant};
 use crate::image::frame::Frame;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -129,6 +129,11 @@ impl Frames {
     /// The wall time of the first frame, ms.
     pub fn first_ms(&self) -> f64 {
         self.timed.first_ms
+    }
+
+    /// The kernels that frames take.
+    pub fn variant(&self) -> Variant {
+        self.plan.variant
     }
 
     /// The time on the device of each stage of the last frame that [`Frames::frame`] took, ms; empty without timestamps.

@@ -3,6 +3,7 @@
 
 pub mod buffers;
 mod compile;
+pub mod control;
 pub mod device;
 pub mod kernels;
 pub mod layout;

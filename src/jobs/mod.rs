@@ -5,7 +5,7 @@ pub mod backend;
 pub mod batch;
 mod files;
 pub mod job;
-mod judged;
+pub mod judged;
 mod memory;
 pub mod options;
 pub mod outputs;

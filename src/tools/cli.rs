@@ -10,6 +10,7 @@ mod compare;
 mod diagram;
 mod example;
 mod export;
+mod gpu_report;
 mod info;
 mod kinds;
 mod povray;
@@ -66,6 +67,7 @@ fn run(started: Instant) -> Result<()> {
         Command::Example(args) => example::run(args),
         Command::Batch(args) => batch::run(args),
         Command::Bench(args) => bench::run(args),
+        Command::GpuReport(args) => gpu_report::run(args, started),
     }
 }
 

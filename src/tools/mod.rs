@@ -1,5 +1,6 @@
-//! The program: its commands, its benchmarks and its examples.
+//! The program: its commands, its benchmarks, its examples and its report on an adapter.
 
 pub mod bench;
 pub mod cli;
 pub mod example;
+pub mod gpu_report;

@@ -10,7 +10,7 @@ fn wrong_command_lines() {
     let more = |extra: &[&'static str]| [&RENDER[..], extra].concat();
     for (args, says) in [
         (vec![], "no command given"),
-        (vec!["draw"], "'draw'; use one of render, compare, camera, batch, project, info, example, bench"),
+        (vec!["draw"], "'draw'; use one of render, compare, camera, batch, project, info, example, bench, gpu-report"),
         (vec!["rendr"], "a similar subcommand exists: 'render'"),
         (vec!["render"], "SCENE"),
         (vec!["render", "scene.toml"], "nothing to write; add -o"),
@@ -69,6 +69,9 @@ fn wrong_command_lines() {
         (vec!["example", "nothing"], "known: demo"),
         (vec!["example", "demo", "--list"], "cannot be used with"),
         (vec!["info", "extra"], "extra"),
+        (vec!["gpu-report", "--minutes", "-1"], "write a number of minutes from 0 to 1440"),
+        (vec!["gpu-report", "--minutes", "eight"], "write a number of minutes"),
+        (vec!["gpu-report", "--adapter", "no such adapter", "--out", "."], "no such adapter"),
     ] {
         place.refuses(&args, 2, says);
     }

@@ -5,7 +5,7 @@
 
 pub mod case;
 mod closeups;
-mod page;
+pub mod page;
 mod plot;
 mod provenance;
 pub mod race;
@@ -68,23 +68,14 @@ pub fn run(
         let names: Vec<&str> = names.collect();
         return Err(Error::input(format!("{} has no such case; there is: {}", suite.name, names.join("; "))));
     }
-    let provenance = Provenance::now(&engines.computing, *quick);
-    let mut run = Run { suite: suite.name.into(), provenance, rows: Vec::new(), closeups: Vec::new() };
-    let folder = folder.join(run.folder_name());
-    let results = folder.join(RESULTS);
-    if only.is_some() && results.is_file() {
-        Run { rows: run.rows, closeups: run.closeups, .. } = read(&results)?;
+    let mut ongoing = Ongoing::start(suite, Provenance::now(&engines.computing, *quick), folder);
+    if only.is_some() && ongoing.folder.join(RESULTS).is_file() {
+        ongoing.keep(read(&ongoing.folder.join(RESULTS))?);
     }
     for case in cases.iter().filter(|case| is_asked(case)) {
-        let failed = |e: Error| case.arms.iter().map(|arm| Row::refused(suite.name, case, arm, &e)).collect();
-        let mut own = race(engines, suite.name, case, rules).unwrap_or_else(failed);
-        own.iter_mut().for_each(|row| row.commit = run.provenance.commit.clone());
-        own.iter().for_each(&mut tell);
-        run.rows.retain(|row| row.case != case.name);
-        run.rows.extend(own);
-        run.rows.sort_by_key(|row| cases.iter().position(|c| c.name == row.case));
-        run.write(&folder, suite.plot)?;
+        ongoing.race(engines, case, rules)?.iter().for_each(&mut tell);
     }
+    let Ongoing { mut run, folder, .. } = ongoing;
     for closeup in closeups.iter().filter(is_shown) {
         std::fs::create_dir_all(&folder).map_err(|e| Error::work(format!("{}: {e}", folder.display())))?;
         let drawn = closeup.draw(&mut engines.computing, &folder)?;
@@ -93,6 +84,73 @@ pub fn run(
         run.write(&folder, suite.plot)?;
     }
     Ok(folder)
+}
+
+/// A run while its cases are added.
+pub struct Ongoing<'a> {
+    pub suite: &'a Suite,
+    run: Run,
+    /// Its own.
+    folder: PathBuf,
+}
+
+impl<'a> Ongoing<'a> {
+    /// In a folder of its own in `folder`; without rows.
+    fn start(suite: &'a Suite, provenance: Provenance, folder: &Path) -> Ongoing<'a> {
+        let run = Run { suite: suite.name.into(), provenance, rows: Vec::new(), closeups: Vec::new() };
+        let folder = folder.join(run.folder_name());
+        Ongoing { suite, run, folder }
+    }
+
+    /// The same with the rows that are there, if they are by the same program and adapter.
+    pub fn resume(suite: &'a Suite, provenance: Provenance, folder: &Path) -> Ongoing<'a> {
+        let mut ongoing = Ongoing::start(suite, provenance, folder);
+        let there = read(&ongoing.folder.join(RESULTS)).ok();
+        if let Some(run) = there.filter(|run| run.provenance.is_by_the_same(&ongoing.run.provenance)) {
+            ongoing.keep(run);
+        }
+        ongoing
+    }
+
+    fn keep(&mut self, Run { rows, closeups, .. }: Run) {
+        (self.run.rows, self.run.closeups) = (rows, closeups);
+    }
+
+    /// As a section of a page, the `k`-th; `None` without rows.
+    ///
+    /// # Errors
+    /// [`Error::Work`] if a plot fails.
+    pub fn section(&self, k: usize) -> Result<Option<String>> {
+        if self.run.rows.is_empty() {
+            return Ok(None);
+        }
+        let plots = plot::plots(&self.run.rows, self.suite.plot)?;
+        Ok(Some(page::section(k, &self.run, &plots) + "</section>\n"))
+    }
+
+    /// The cases that have no rows yet.
+    pub fn left(&self) -> Vec<Case> {
+        let has_rows = |case: &Case| self.run.rows.iter().any(|row| row.case == case.name);
+        self.cases().into_iter().filter(|case| !has_rows(case)).collect()
+    }
+
+    /// All of the suite.
+    pub fn cases(&self) -> Vec<Case> {
+        self.suite.cases(self.run.provenance.quick)
+    }
+
+    /// Runs a case and writes the run with its rows, in place of those that the case had.
+    pub fn race(&mut self, engines: &mut Engines, case: &Case, rules: &Rules) -> Result<Vec<Row>> {
+        let failed = |e: Error| case.arms.iter().map(|arm| Row::refused(self.suite.name, case, arm, &e)).collect();
+        let mut own = race(engines, self.suite.name, case, rules).unwrap_or_else(failed);
+        own.iter_mut().for_each(|row| row.commit = self.run.provenance.commit.clone());
+        let cases = self.cases();
+        self.run.rows.retain(|row| row.case != case.name);
+        self.run.rows.extend(own.iter().cloned());
+        self.run.rows.sort_by_key(|row| cases.iter().position(|c| c.name == row.case));
+        self.run.write(&self.folder, self.suite.plot)?;
+        Ok(own)
+    }
 }
 
 /// The file of a run that this program reads again.
@@ -106,11 +164,8 @@ fn read(results: &Path) -> Result<Run> {
 
 impl Run {
     fn folder_name(&self) -> String {
-        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-        let adapter: String =
-            self.provenance.adapter.split(['(', ',']).next().unwrap_or("").trim().chars().map(plain).collect();
         let quick = if self.provenance.quick { "-quick" } else { "" };
-        format!("{}-{adapter}-{}{quick}", self.provenance.date, self.suite)
+        format!("{}-{}-{}{quick}", self.provenance.date, self.provenance.short_adapter(), self.suite)
     }
 
     fn write(&self, folder: &Path, plot: Plot) -> Result<()> {

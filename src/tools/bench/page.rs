@@ -1,4 +1,4 @@
-//! All runs as one page that needs nothing but the pictures beside it.
+//! Pages over runs; they need nothing but the pictures beside them.
 
 use super::Run;
 use super::plot::Drawn;
@@ -19,13 +19,9 @@ nav a { margin-right: 1rem; }
 @media (prefers-color-scheme: dark) { svg { filter: invert(1) hue-rotate(180deg); } }
 ";
 
-/// Light and dark as the reader's system is; no script.
+/// All runs, one after the other.
 pub fn page(runs: &[(String, Run, Vec<Drawn>)]) -> String {
-    let mut text = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
-         content=\"width=device-width\">\n<link rel=\"icon\" href=\"data:,\">\n<title>anamorph: error and run time</title>\n\
-         <style>{STYLE}</style>\n</head>\n<body>\n<h1>Error and run time</h1>\n<nav>"
-    );
+    let mut text = "<nav>".to_owned();
     for (k, (_, run, _)) in runs.iter().enumerate() {
         let p = &run.provenance;
         text +=
@@ -37,10 +33,20 @@ pub fn page(runs: &[(String, Run, Vec<Drawn>)]) -> String {
         text += &closeups(folder, run);
         text += "</section>\n";
     }
-    text + "</body>\n</html>\n"
+    document("Error and run time", &text)
 }
 
-fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
+/// A whole page. Light and dark as the reader's system is; no script.
+pub fn document(heading: &str, body: &str) -> String {
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
+         content=\"width=device-width\">\n<link rel=\"icon\" href=\"data:,\">\n<title>anamorph: {heading}</title>\n\
+         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{heading}</h1>\n{body}</body>\n</html>\n"
+    )
+}
+
+/// A run without its closing tag: closeups may follow.
+pub fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
     let p = &run.provenance;
     let commit = p.commit.as_deref().unwrap_or("unknown");
     let mut text = format!(
@@ -105,7 +111,7 @@ fn closeups(folder: &str, run: &Run) -> String {
     run.closeups.iter().map(drawn).collect()
 }
 
-fn table<const N: usize>(heads: &[&str; N], rows: impl Iterator<Item = [String; N]>) -> String {
+pub fn table<const N: usize>(heads: &[&str; N], rows: impl Iterator<Item = [String; N]>) -> String {
     let line = |tag: &str, cells: &[&str]| {
         let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();
         format!("<tr>{cells}</tr>\n")
@@ -114,6 +120,6 @@ fn table<const N: usize>(heads: &[&str; N], rows: impl Iterator<Item = [String; 
     format!("<table>\n{}{body}</table>\n", line("th", heads))
 }
 
-fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -39,6 +39,17 @@ impl Provenance {
         }
     }
 
+    /// The adapter as a part of a file's name.
+    pub fn short_adapter(&self) -> String {
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        self.adapter.split(['(', ',']).next().unwrap_or("").trim().chars().map(plain).collect()
+    }
+
+    /// Whether both are by one version of the program on one adapter and driver.
+    pub fn is_by_the_same(&self, other: &Provenance) -> bool {
+        (&self.version, &self.adapter, &self.driver) == (&other.version, &other.adapter, &other.driver)
+    }
+
     /// A caveat for figures of such an adapter.
     pub fn fairness(&self) -> &'static str {
         if self.is_software {

@@ -228,6 +228,17 @@ impl Row {
         self.bytes = rendered.bytes;
     }
 
+    /// The row for a terminal.
+    pub fn line(&self) -> String {
+        let time = self.times.as_ref().map(|t| format!("{:>9.2} ms", t.median));
+        let wrong = self.error.as_ref().map(|e| match e.psnr.filter(|_| e.is_of_colours()) {
+            Some(psnr) => format!(", {psnr:.1} dB"),
+            None => format!(", {:.4} % wrong", 100.0 * e.wrong_share),
+        });
+        let time = time.or_else(|| self.refused.clone()).unwrap_or_default();
+        format!("  {:<56} {:<40} {time}{}\n", self.case, self.label(), wrong.unwrap_or_default())
+    }
+
     /// Relates the time to `ours` ms.
     pub fn relate(&mut self, ours: Option<f64>) {
         self.to_ours = self.times.as_ref().zip(ours).map(|(t, ours)| t.median / ours);

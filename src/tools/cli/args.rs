@@ -39,6 +39,8 @@ pub enum Command {
     Example(ExampleArgs),
     /// Measure error against run time, of this engine and of its rivals
     Bench(BenchArgs),
+    /// Test and measure this machine's GPU for some minutes, into a folder to send to the developers
+    GpuReport(GpuReportArgs),
 }
 
 /// Changes of the limits on work and memory.
@@ -74,7 +76,7 @@ impl Command {
             Command::Batch(args) => Some(&args.caps),
             Command::Project(args) => Some(&args.caps),
             Command::Info(args) => Some(&args.caps),
-            Command::Example(_) | Command::Bench(_) => None,
+            Command::Example(_) | Command::Bench(_) | Command::GpuReport(_) => None,
         }
     }
 }
@@ -371,6 +373,27 @@ pub struct BenchArgs {
     /// Adapter to use: a part of its name
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct GpuReportArgs {
+    /// Minutes after which nothing new is started; a later run with the same --out goes on
+    #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 8.0, value_parser = minutes)]
+    pub minutes: f64,
+    /// Folder for the results: a subfolder for the report, and one for each suite
+    #[arg(long, value_name = "DIR", default_value = "bench_results")]
+    pub out: PathBuf,
+    /// Adapter to use: a part of its name
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+/// A day.
+const MINUTES_MAX: f64 = 1440.0;
+
+fn minutes(text: &str) -> Result<f64, String> {
+    let minutes = text.parse().ok().filter(|n: &f64| (0.0..=MINUTES_MAX).contains(n));
+    minutes.ok_or_else(|| format!("write a number of minutes from 0 to {MINUTES_MAX}, for example 8"))
 }
 
 /// A number of bytes: a number with an optional unit, k, M, G or T for powers of 1024, and optionally B or iB.

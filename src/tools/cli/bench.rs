@@ -34,14 +34,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         print(&format!("{}: {}\n", suite.name, suite.asks))?;
         let mut printed = Ok(());
         let folder = bench::run(&mut engines, suite, &selection, &rules, &args.out, |row| {
-            let time = row.times.as_ref().map(|t| format!("{:>9.2} ms", t.median));
-            let wrong = row.error.as_ref().map(|e| match e.psnr.filter(|_| e.is_of_colours()) {
-                Some(psnr) => format!(", {psnr:.1} dB"),
-                None => format!(", {:.4} % wrong", 100.0 * e.wrong_share),
-            });
-            let time = time.or_else(|| row.refused.clone()).unwrap_or_default();
-            let line = format!("  {:<56} {:<40} {time}{}\n", row.case, row.label(), wrong.unwrap_or_default());
-            printed = std::mem::replace(&mut printed, Ok(())).and_then(|()| print(&line));
+            printed = std::mem::replace(&mut printed, Ok(())).and_then(|()| print(&row.line()));
         })?;
         printed?;
         print(&format!("  -> {}\n", folder.display()))?;

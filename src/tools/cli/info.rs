@@ -4,6 +4,7 @@ mod contents;
 
 use super::args::InfoArgs;
 use super::say::print;
+use crate::gpu::Gpu;
 use crate::gpu::device::{AdapterFeatures, NO_ADAPTER, STORAGE_BUFFERS, adapters};
 use crate::input::{Error, Result};
 use serde::Serialize;
@@ -22,6 +23,7 @@ struct AdapterInfo {
     name: String,
     driver: String,
     kind: String,
+    backend: String,
     /// Whether `render` uses this one by default.
     chosen: bool,
     abilities: AdapterFeatures,
@@ -38,6 +40,8 @@ struct Limits {
     max_storage_buffers_per_shader_stage: u32,
     max_compute_workgroups_per_dimension: u32,
     max_compute_workgroup_storage_size: u32,
+    /// Threads of a subgroup, least and most.
+    subgroup_size: [u32; 2],
 }
 
 /// The code path that each ability selects.
@@ -55,7 +59,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     if let Some(file) = &args.file {
         return contents::run(file, args.json);
     }
-    let adapters: Vec<AdapterInfo> = adapters().iter().enumerate().map(|(k, a)| about(a, k == 0)).collect();
+    let adapters: Vec<AdapterInfo> = adapters().iter().enumerate().map(|(k, a)| of_adapter(a, k == 0)).collect();
     let engine = if adapters.is_empty() { "reference" } else { "compute" };
     let info = Info { version: env!("CARGO_PKG_VERSION"), engine, adapters };
     if !args.json {
@@ -65,15 +69,24 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     print(&(text + "\n"))
 }
 
-fn about(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
-    let (info, limits) = (adapter.get_info(), adapter.limits());
-    let has = AdapterFeatures::of(adapter.features(), &info);
+/// An open device's adapter, in lines.
+pub(super) fn lines(gpu: &Gpu) -> String {
+    about(&gpu.info, &gpu.limits, gpu.has, false).to_string().trim_start().to_owned()
+}
+
+fn of_adapter(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
+    let info = adapter.get_info();
+    about(&info, &adapter.limits(), AdapterFeatures::of(adapter.features(), &info), chosen)
+}
+
+fn about(info: &wgpu::AdapterInfo, limits: &wgpu::Limits, has: AdapterFeatures, chosen: bool) -> AdapterInfo {
     let either = |ability: bool, yes: &'static str, no: &'static str| if ability { yes } else { no };
     let enough = limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS;
     AdapterInfo {
-        name: info.name,
+        name: info.name.clone(),
         driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
         kind: format!("{:?}", info.device_type),
+        backend: info.backend.to_string(),
         chosen,
         abilities: has,
         limits: Limits {
@@ -82,6 +95,7 @@ fn about(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
             max_storage_buffers_per_shader_stage: limits.max_storage_buffers_per_shader_stage,
             max_compute_workgroups_per_dimension: limits.max_compute_workgroups_per_dimension,
             max_compute_workgroup_storage_size: limits.max_compute_workgroup_storage_size,
+            subgroup_size: [info.subgroup_min_size, info.subgroup_max_size],
         },
         paths: Paths {
             arithmetic: either(
@@ -123,6 +137,7 @@ impl fmt::Display for AdapterInfo {
         let (has, limits, paths) = (&self.abilities, &self.limits, &self.paths);
         writeln!(f, "\n{} ({}{chosen})", self.name, self.kind)?;
         writeln!(f, "  driver            {}", self.driver)?;
+        writeln!(f, "  backend           {}", self.backend)?;
         writeln!(f, "  usable            {}", paths.usable)?;
         writeln!(f, "  f64               {:<4} -> {}", yes(has.f64), paths.arithmetic)?;
         writeln!(f, "  64-bit atomics    {:<4} -> {}", yes(has.atomics64), paths.depth_test)?;
@@ -133,6 +148,7 @@ impl fmt::Display for AdapterInfo {
         writeln!(f, "  buffer            {} bytes at most", limits.max_buffer_size)?;
         writeln!(f, "  storage buffers   {} a kernel", limits.max_storage_buffers_per_shader_stage)?;
         writeln!(f, "  workgroups        {} a dimension", limits.max_compute_workgroups_per_dimension)?;
-        writeln!(f, "  workgroup memory  {} bytes", limits.max_compute_workgroup_storage_size)
+        writeln!(f, "  workgroup memory  {} bytes", limits.max_compute_workgroup_storage_size)?;
+        writeln!(f, "  subgroup          {} to {} threads", limits.subgroup_size[0], limits.subgroup_size[1])
     }
 }
