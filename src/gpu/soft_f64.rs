@@ -474,10 +474,18 @@ impl Body<'_, '_> {
                     Ok(s.emit(block, Expression::Select { condition, accept, reject }))
                 })
             }
-            Expression::Math { fun: MathFunction::Dot | MathFunction::Cross, arg, .. }
-                if self.doubles(arg) != Some(3) =>
-            {
-                return Err("no way to lower a product of vectors that are not of three f64".into());
+            // of two or four f64, first to last
+            Expression::Math { fun: MathFunction::Dot, arg, arg1: Some(other), .. } if self.doubles(arg) != Some(3) => {
+                let mut total = None;
+                for k in 0..self.doubles(arg).unwrap_or(1) {
+                    let (a, b) = (self.component(block, arg, k)?, self.component(block, other, k)?);
+                    let product = self.call(block, "f64_mul", &[a, b])?;
+                    total = Some(match total {
+                        None => product,
+                        Some(before) => self.call(block, "f64_add", &[before, product])?,
+                    });
+                }
+                total.ok_or_else(|| "a dot product of nothing".into())
             }
             Expression::Math {
                 fun: fun @ (MathFunction::Dot | MathFunction::Cross), arg, arg1: Some(other), ..
