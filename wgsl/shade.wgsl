@@ -50,12 +50,12 @@ fn shade(
     let won = pixel_key(pixel);
     let id = key_id(~won);
     let is_hit = any(won != vec2<u32>(0u));
-    let is_first_chunk = by_thread(params.id_first == 0u, pixel);
+    let is_first_chunk = by_thread(params.id_first, pixel) == 0u;
 
     // find what it shows; one store a plane for all cases: software adapters run every case
     var seen: Seen;
     if !is_hit {
-        if !(is_first_chunk & has_path(x, y)) {
+        if !is_first_chunk || !has_path(x, y) {
             return;
         }
         seen = miss(at, beyond(x, y));

@@ -39,7 +39,8 @@ fn reaches(lit: Lit, l: vec3<f32>, far: f32) -> bool {
 // Ambient visibility: the cosine-weighted share of directions about the normal without an obstacle within reach; far obstacles count
 // less. The directions are a Fibonacci spiral on the unit disc; their number is scaled by the hit's share of its pixel.
 fn openness(lit: Lit) -> f32 {
-    if by_thread(shading.occlusion_rays == 0u, lit.slot) {
+    let rays = by_thread(shading.occlusion_rays, lit.slot);
+    if rays == 0u {
         return 1.0;
     }
     let flat = flat_normal(triangle_at(lit.slot), lit.view);
@@ -52,8 +53,8 @@ fn openness(lit: Lit) -> f32 {
     let right = vec3<f32>(1.0 + side * n.x * n.x * a, side * b, -side * n.x);
     let up = vec3<f32>(b, side + n.y * n.y * a, -n.y);
     var hidden = 0.0;
-    let count = max(u32(lit.share * f32(shading.occlusion_rays)), 1u);
-    for (var k = 0u; by_thread(k < count, lit.slot); k++) {
+    let count = max(u32(lit.share * f32(rays)), 1u);
+    for (var k = 0u; k < count; k++) {
         let square = (f32(k) + 0.5) / f32(count);
         // angles by the golden section, 2^32 per revolution
         let angle = 6.2831853 / 4294967296.0 * f32(k * 1640531527u);

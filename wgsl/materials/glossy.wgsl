@@ -10,13 +10,14 @@ fn sent_back(lit: Lit, albedo: vec3<f32>) -> vec3<f32> {
     let n = lit.n;
     let view = lit.view;
     let open = openness(lit);
+    let light_count = by_thread(shading.light_count, lit.slot);
     let base = albedo * (1.0 - material.metallic);
     let f0 = mix(material.specular, albedo, material.metallic);
     var sum = material.emissive + open * from_around(base, f0, material.alpha, n, -view);
-    if !SKY && by_thread(shading.light_count == 0u, lit.slot) {
+    if !SKY && light_count == 0u {
         sum += (1.0 - shading.ambient) * open * glossy(base, f0, material.alpha, n, -view, -view);
     }
-    for (var k = 0u; by_thread(k < shading.light_count, lit.slot); k++) {
+    for (var k = 0u; k < light_count; k++) {
         let light = arriving(k, lit);
         sum += (1.0 - shading.ambient) * light.strength * glossy(base, f0, material.alpha, n, -view, light.l);
     }

@@ -5,7 +5,7 @@
 // Binds: optic, params, paths, planes
 
 fn has_path(x: u32, y: u32) -> bool {
-    return (optic.bounces == 0u) | (paths[y * params.width + x].last != NONE);
+    return select(paths[y * params.width + x].last, 0u, optic.bounces == 0u) != NONE;
 }
 
 fn goes_on(id: u32) -> bool {
@@ -30,7 +30,7 @@ fn light_before(plane: u32, at: Place) -> f32 {
 }
 
 fn says_what_is_seen(pixel: u32) -> bool {
-    return by_thread(optic.colour_only == 0u, pixel);
+    return by_thread(optic.colour_only, pixel) == 0u;
 }
 
 fn path_length(pixel: u32) -> f32 {

@@ -70,20 +70,21 @@ struct Arriving {
     strength: vec3<f32>,
 }
 
-// A condition on uniform numbers, with a number of the thread in it that is never NONE. Lavapipe compiles a kernel anew, every frame, for
-// the values of uniform numbers that alone decide a branch.
-fn by_thread(condition: bool, number: u32) -> bool {
-    return condition & (number != NONE);
+// A uniform number, with a number of the thread in it that is never NONE. Lavapipe compiles a kernel anew, every frame, for the values of
+// uniform numbers that alone decide a branch. (It crashes where the two are conditions joined by `&`.)
+fn by_thread(value: u32, number: u32) -> u32 {
+    return select(value, 0u, number == NONE);
 }
 
 // Lambert from every light, or one headlight along the ray, and a small ambient term.
 fn received(lit: Lit) -> vec3<f32> {
     let open = openness(lit);
+    let light_count = by_thread(shading.light_count, lit.slot);
     var sum = vec3<f32>(shading.ambient * open);
-    if by_thread(shading.light_count == 0u, lit.slot) {
+    if light_count == 0u {
         sum += (1.0 - shading.ambient) * open * max(0.0, -dot(lit.n, lit.view));
     }
-    for (var k = 0u; by_thread(k < shading.light_count, lit.slot); k++) {
+    for (var k = 0u; k < light_count; k++) {
         let light = arriving(k, lit);
         sum += (1.0 - shading.ambient) * max(0.0, dot(lit.n, light.l)) * light.strength;
     }

@@ -6,12 +6,12 @@
 
 fn drawn(hit: ShadedHit, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
     var seen = colour;
-    if by_thread(style.hatch_spacing > 0.0, hit.slot) {
+    if by_thread(bitcast<u32>(style.hatch_spacing), hit.slot) != 0u {
         let on = tangents(hit);
         let tone = clamp(dot(colour, vec3<f32>(0.2126, 0.7152, 0.0722)), 0.0, 1.0);
         seen = mix(style.paper, style.ink, hatched(hit.p + shading.anchor, on, 1.0 - tone, hit.share));
     }
-    if by_thread(style.wire_width > 0.0, hit.slot) {
+    if by_thread(bitcast<u32>(style.wire_width), hit.slot) != 0u {
         let width = narrowed(style.wire_width, style.wire_depth, hit.z);
         seen = mix(seen, style.wire, covered(edge_distance(hit), width, hit.share));
     }
