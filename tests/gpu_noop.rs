@@ -51,16 +51,19 @@ fn feature_sets() -> [(Features, bool, bool); 8] {
 fn adapter_features_follow_from_those_of_wgpu_and_ask_for_no_more() {
     for (features, f64, atomics64) in feature_sets() {
         let gpu = open(features, limits(), &GpuOptions::default()).unwrap();
-        let has = AdapterFeatures::of(features, &gpu.info);
+        let has = AdapterFeatures::of(features, &gpu.info, &limits());
         assert_eq!((has.f64, has.atomics64), (f64, atomics64), "{features:?}");
         assert!(features.contains(has.features()), "{features:?}: asks for {:?}", has.features());
         // subgroups help where they are no narrower than a tile
         let lanes = |features, [subgroup_min_size, subgroup_max_size]: [u32; 2]| {
             let info = wgpu::AdapterInfo { subgroup_min_size, subgroup_max_size, ..gpu.info.clone() };
-            let has = AdapterFeatures::of(features, &info);
+            let has = AdapterFeatures::of(features, &info, &limits());
             (has.lanes, has.wide)
         };
         let more = features.union(Features::SUBGROUP);
+        let few = wgpu::Limits { max_storage_buffers_per_shader_stage: STORAGE_BUFFERS_BY_TILE - 1, ..limits() };
+        let info = wgpu::AdapterInfo { subgroup_min_size: LANES, subgroup_max_size: LANES, ..gpu.info.clone() };
+        assert!(!AdapterFeatures::of(more, &info, &few).lanes);
         assert_eq!(lanes(more, [LANES, LANES]), (true, false));
         assert_eq!(lanes(more, [LANES, 4 * LANES]), (true, true));
         assert_eq!(lanes(more, [4 * LANES, 4 * LANES]), (true, true));

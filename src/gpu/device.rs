@@ -60,9 +60,11 @@ pub struct AdapterFeatures {
 }
 
 impl AdapterFeatures {
-    pub fn of(features: wgpu::Features, info: &wgpu::AdapterInfo) -> AdapterFeatures {
+    pub fn of(features: wgpu::Features, info: &wgpu::AdapterInfo, limits: &wgpu::Limits) -> AdapterFeatures {
         let int64 = features.contains(wgpu::Features::SHADER_INT64);
-        let lanes = features.contains(wgpu::Features::SUBGROUP) && info.subgroup_min_size >= LANES;
+        let lanes = features.contains(wgpu::Features::SUBGROUP)
+            && info.subgroup_min_size >= LANES
+            && limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS_BY_TILE;
         AdapterFeatures {
             f64: int64 && features.contains(wgpu::Features::SHADER_F64),
             atomics64: int64 && features.contains(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX),
@@ -140,10 +142,9 @@ impl Gpu {
     pub fn from_adapter(adapter: &wgpu::Adapter, options: &GpuOptions) -> Result<Gpu> {
         let info = adapter.get_info();
         let limits = adapter.limits();
-        let mut has = AdapterFeatures::of(adapter.features(), &info);
+        let mut has = AdapterFeatures::of(adapter.features(), &info, &limits);
         has.atomics64 &= !options.no_int64;
         has.f64 &= !options.no_f64;
-        has.lanes &= limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS_BY_TILE;
         if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
             let n = limits.max_storage_buffers_per_shader_stage;
             let name = &info.name;
@@ -231,8 +232,8 @@ fn note(failed: &Mutex<Option<String>>, text: String) {
     failed.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(text);
 }
 
-/// Storage buffers of the kernel that binds most in a plain scene, pair by pair: as many as every WebGPU adapter has. A kernel that binds
-/// more is an error when it is compiled.
+/// Storage buffers of the kernel that binds most in a scene without optics, samples, caustics and the channel `certified`, pair by pair:
+/// as many as every WebGPU adapter has. A kernel that binds more than the adapter has is an error when it is compiled.
 pub const STORAGE_BUFFERS: u32 = 8;
 
 /// The same tile by tile, in any scene: those of `edges`.

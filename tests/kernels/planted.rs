@@ -55,9 +55,20 @@ fn crowd() -> Scene {
 
 /// Every pixel, by the reference.
 fn seen(engine: &mut Engine) -> Result<(), String> {
-    let (scene, camera) = (crowd(), eye());
-    let seen = frame(engine, &scene, &camera, &centres(&Channel::ALL)).frame;
-    let judged = judge(&scene, &camera, &seen);
+    seen_by(engine, &eye())
+}
+
+/// The same with a ball that mirrors what is around it.
+fn mirrored(engine: &mut Engine) -> Result<(), String> {
+    let eye = "eye = { kind = \"pinhole\", eye = [0.1, 0.2, 3], target = [0, 0, 0], vfov = 40 }";
+    let ball = "mirror = { shape = \"sphere\", center = [0, 0, 0.5], radius = 0.6 }";
+    seen_by(engine, &camera_of("", SIZE, &format!("kind = \"reflection\"\ndepth = 1\n{eye}\n{ball}")).unwrap())
+}
+
+fn seen_by(engine: &mut Engine, camera: &Camera) -> Result<(), String> {
+    let scene = crowd();
+    let seen = frame(engine, &scene, camera, &centres(&Channel::ALL)).frame;
+    let judged = judge(&scene, camera, &seen);
     let truth = ids(&judged.truth);
     let wrong = (0..truth.len()).filter(|&k| judged.safe[k] && truth[k] != ids(&seen)[k]).count();
     demand(
@@ -269,10 +280,12 @@ enum Dispatching {
 /// A snippet, its text, what is planted, and what notices it.
 type Planted = (&'static str, &'static str, &'static str, Dispatching, Check);
 
-const PLANTED: [Planted; 31] = [
+const PLANTED: [Planted; 33] = [
     ("args.wgsl", "items = GROUP / TRIANGLE_GROUP;", "items = GROUP;", Dispatching::ByPair, seen),
     ("args.wgsl", "count = min(count, params.pair_capacity);", "count = count / 2u;", Dispatching::ByPair, seen),
     ("args.wgsl", "count -= first;", "count = first;", Dispatching::ByTile, seen),
+    ("reach.wgsl", "optic.box_half)", "0.5 * optic.box_half)", Dispatching::ByPair, mirrored),
+    ("reach.wgsl", "optic.box_centre,", "optic.box_centre + optic.box_half,", Dispatching::ByTile, mirrored),
     ("split.wgsl", "lane % TRIANGLE_GROUPS;", "(lane % TRIANGLE_GROUPS) / 2u;", Dispatching::ByPair, seen),
     ("split.wgsl", "vec2<u32>(index, address)", "vec2<u32>(index, work[0].y)", Dispatching::ByPair, seen),
     ("allot.wgsl", "ends[tile] = first + count;", "ends[tile] = first + count - 1u;", Dispatching::ByTile, seen),

@@ -76,7 +76,8 @@ pub(super) fn lines(gpu: &Gpu) -> String {
 
 fn of_adapter(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
     let info = adapter.get_info();
-    about(&info, &adapter.limits(), AdapterFeatures::of(adapter.features(), &info), chosen)
+    let limits = adapter.limits();
+    about(&info, &limits, AdapterFeatures::of(adapter.features(), &info, &limits), chosen)
 }
 
 fn about(info: &wgpu::AdapterInfo, limits: &wgpu::Limits, has: AdapterFeatures, chosen: bool) -> AdapterInfo {
