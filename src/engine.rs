@@ -32,6 +32,7 @@ use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
 use crate::gpu::device::GpuOptions;
+pub use crate::gpu::kernels::Method;
 use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::{Passes, Recorder};
 use crate::image::frame::{Channel, Frame};
@@ -89,12 +90,21 @@ pub struct RunOptions {
     pub rival: Option<Choice>,
     /// Disable culling: `cull` keeps every cluster, and rivals do not clip at the edges of pieces.
     pub no_cull: bool,
+    /// How the triangle of each pixel is found.
+    pub method: Method,
     /// Arithmetic of the coverage tests.
     pub arithmetic: Arithmetic,
     /// Triangles that a rival may draw a frame.
     pub draws_max: Option<u64>,
     /// Where the lists start; `None`: from the scene's size. They grow as needed.
     pub capacities: Option<Capacities>,
+}
+
+/// Raster or trace, and why.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
+pub struct MethodUsed {
+    pub name: &'static str,
+    pub why: String,
 }
 
 /// A frame and what it took.
@@ -114,6 +124,8 @@ pub struct Rendered {
     /// Device memory held, bytes.
     pub bytes: u64,
     pub left_out: Vec<LeftOut>,
+    /// How the triangle of each pixel was found.
+    pub method: MethodUsed,
     /// How many times the lists had to grow.
     pub grown: u32,
     /// Passes of one frame.
@@ -173,10 +185,15 @@ impl Engine {
         wanted: &Wanted,
         run: &RunOptions,
     ) -> Result<Frames> {
-        let planned = self.planner().plan(scene, camera, wanted, run, None)?;
+        let camera: Arc<Camera> = camera.into();
+        let planned = self.planner().plan(scene, camera.clone(), wanted, run, None)?;
         let mut frames = self.upload(planned, run)?;
-        frames.warm_up()?;
-        Ok(frames)
+        match frames.warm_up() {
+            Err(_) if frames.is_lost && run.method == Method::Auto => {
+                self.prepare(scene, camera, wanted, &RunOptions { method: Method::Raster, ..run.clone() })
+            }
+            done => done.map(|()| frames),
+        }
     }
 
     /// A submission of one empty pass: what a frame takes that does nothing, ms.
@@ -227,6 +244,7 @@ impl Engine {
             shown: Arc::downgrade(&clustered),
             moving: run.moving.then(|| Arc::unwrap_or_clone(clustered)),
             is_partly_uploaded: false,
+            is_lost: false,
             is_aimed: false,
             dirty: Dirty::All,
             timed: Timed::default(),

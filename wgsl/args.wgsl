@@ -11,6 +11,7 @@ fn args() {
     // find the count and how many items a workgroup takes
     let is_of_tiles = step.value == NONE;
     var count = atomicLoad(&counters[select(step.value, 0u, is_of_tiles)]);
+    var counted = count;
     var items = GROUP;
     if is_of_tiles {
         items = 1u;
@@ -38,6 +39,32 @@ fn args() {
         items = GROUP / LANES;
     } else {
         count = min(count, params.queue_capacity);
+    }
+    // let trace take over where it costs less than what is still to come
+    var cost = 0u;
+    if step.value < COUNT_WORK {
+        cost = CULL_COST;
+    } else if step.value == COUNT_TASKS {
+        cost = TASK_COST;
+    } else if step.value == COUNT_LARGE {
+        cost = LARGE_COST;
+    } else if step.value == COUNT_PAIRS || step.value == COUNT_BUSY {
+        cost = PAIR_COST;
+        if step.value == COUNT_BUSY {
+            counted = atomicLoad(&counters[COUNT_PAIRS]);
+        }
+    }
+    let is_of_raster = cost > 0u || step.value == COUNT_WORK;
+    if cost > 0u && counted > params.raster_budget / cost {
+        atomicStore(&counters[COUNT_TRACED], 1u);
+    }
+    let is_traced = atomicLoad(&counters[COUNT_TRACED]) != 0u;
+    if is_of_raster && is_traced {
+        count = 0u;
+    }
+    if step.value == COUNT_TRACED {
+        count = select(0u, params.tiles_x * ((params.height + TILE - 1u) / TILE), is_traced);
+        items = 1u;
     }
     // lay the groups out in rows
     let groups = (count + items - 1u) / items;

@@ -1,6 +1,6 @@
 //! What the stages of a frame counted.
 
-use crate::gpu::layout::{COUNTERS, Counter};
+use crate::gpu::layout::{self, COUNTERS, Counter};
 use std::ops::AddAssign;
 
 /// Sums over all jobs of a frame.
@@ -30,6 +30,8 @@ pub struct Counts {
     pub edges: u64,
     /// Samples of these pixels that recheck_samples reads.
     pub recheck_sample_items: u64,
+    /// Jobs whose rays were traced because raster cost more.
+    pub taken_over: u64,
 }
 
 impl Counts {
@@ -50,7 +52,21 @@ impl Counts {
             rechecked: sum(Counter::RecheckItems.index()),
             edges: sum(Counter::Edges.index()),
             recheck_sample_items: sum(Counter::RecheckSamples.index()),
+            taken_over: sum(Counter::Traced.index()),
         }
+    }
+}
+
+impl Counts {
+    /// What raster cost, in the units of [`crate::gpu::layout::CULL_COST`].
+    pub fn raster_cost(&self) -> u64 {
+        let costs = [
+            (self.cull_items, layout::CULL_COST),
+            (self.bin_items, layout::TASK_COST),
+            (self.large_items, layout::LARGE_COST),
+            (self.pairs, layout::PAIR_COST),
+        ];
+        costs.into_iter().map(|(items, cost)| items * u64::from(cost)).sum()
     }
 }
 
@@ -68,5 +84,6 @@ impl AddAssign for Counts {
         self.rechecked += other.rechecked;
         self.edges += other.edges;
         self.recheck_sample_items += other.recheck_sample_items;
+        self.taken_over += other.taken_over;
     }
 }

@@ -7,9 +7,9 @@ use super::combinations::{Asked, Feature};
 use super::pages::PageStore;
 use super::planned::{Planned, Planner, outlined_by, written};
 use super::readback::{FrameLayout, PendingReads, RawFrame, Readback};
-use super::resident::Resident;
+use super::resident::{BvhState, Resident, trace_cost};
 use super::running::Running;
-use super::{Counts, Rendered, RunOptions, setup};
+use super::{Counts, MethodUsed, Rendered, RunOptions, setup};
 use crate::camera::Camera;
 use crate::camera::ray_order::RayOrder;
 use crate::engine::clusters::{Clustered, cluster};
@@ -18,7 +18,7 @@ use crate::engine::rival::Rival;
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
-use crate::gpu::kernels::{LightsKind, Variant};
+use crate::gpu::kernels::{LightsKind, Method, Variant};
 use crate::image::frame::Frame;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -59,6 +59,8 @@ pub struct Frames {
     pub(super) moving: Option<Clustered>,
     /// Something failed while another frame was shown, of which a part may be there.
     pub(super) is_partly_uploaded: bool,
+    /// Trace could not follow all paths.
+    pub(super) is_lost: bool,
     /// The camera is not that of the first frame any more.
     pub(super) is_aimed: bool,
     /// What the picture does not show yet.
@@ -77,6 +79,8 @@ pub struct Timed {
     pub(super) grown: u32,
     /// Moved frames.
     moved: u32,
+    /// What raster cost in the last frame whose counters were read.
+    pub(super) raster_cost: u64,
 }
 
 impl Frames {
@@ -102,6 +106,7 @@ impl Frames {
     /// One more frame by all stages, whatever changed; its wall time, from the first upload until its results are complete on the device,
     /// ms.
     pub fn frame(&mut self) -> Result<f64> {
+        self.prefer_trace()?;
         loop {
             self.compile(&self.steps(false, Dirty::All))?;
             let moved = [self.atlas.as_mut().and_then(|p| p.frames.next_move()), self.next_move()];
@@ -124,6 +129,30 @@ impl Frames {
                 return Ok(ms);
             }
         }
+    }
+
+    /// Traces from the next frame on, where that costs less than raster, once what it would have saved is worth building a hierarchy.
+    fn prefer_trace(&mut self) -> Result<()> {
+        let frames = self.timed.frame_ms.len() as u64 + 1;
+        let trace: u64 = self.plan.bands.iter().map(|band| trace_cost(&self.plan, band)).sum();
+        let saved = self.timed.raster_cost.saturating_sub(trace + trace / 8);
+        let is_open = self.plan.variant.method == Method::Auto && self.resident.bvh != BvhState::Preferred;
+        if !is_open || saved == 0 || saved * frames < self.resident.build_cost() {
+            return Ok(());
+        }
+        if self.resident.bvh == BvhState::None {
+            self.build_bvh()?;
+        }
+        self.resident.bvh = BvhState::Preferred;
+        self.resident.write_params(&self.gpu, &self.camera, &self.plan)
+    }
+
+    /// Builds the hierarchies that trace follows.
+    pub(super) fn build_bvh(&mut self) -> Result<()> {
+        let Plan { anchor, variant, .. } = *self.plan;
+        let anew = || Arc::new(cluster(&self.scene.mesh, anchor, variant.textured, self.gpu.table_limit()));
+        let clustered = self.shown.upgrade().unwrap_or_else(anew);
+        self.resident.build_bvh(&self.gpu, &clustered)
     }
 
     /// The wall time of the first frame, ms.
@@ -368,8 +397,28 @@ impl Frames {
         }
     }
 
+    /// How the triangle of each pixel was found, and why so.
+    fn method_used(&self, counts: &Counts) -> MethodUsed {
+        if self.rival.is_some() {
+            return MethodUsed::default();
+        }
+        let milliseconds = |cost: u64| cost as f64 / 1e4;
+        let trace: u64 = self.plan.bands.iter().map(|band| trace_cost(&self.plan, band)).sum();
+        let trace = format!("tracing every pixel is rated {:.1}", milliseconds(trace));
+        let (name, why) = match (self.plan.variant.method, counts.taken_over > 0) {
+            (Method::Auto, true) => ("trace", format!("{trace}; what raster would still have taken is rated higher")),
+            (Method::Auto, false) => {
+                ("raster", format!("its lists are rated {:.1}, {trace}", milliseconds(counts.raster_cost())))
+            }
+            (Method::Raster, _) => ("raster", self.plan.method_why.to_owned()),
+            (Method::Trace, _) => ("trace", self.plan.method_why.to_owned()),
+        };
+        MethodUsed { name, why }
+    }
+
     /// What a frame of a plan counted, and the memory in use; no picture and no times.
     pub(super) fn statistics(&self, plan: &Plan, running: &Running, raw: &RawFrame) -> Rendered {
+        let counts = Counts::of(&raw.status);
         let mut left_out = plan.left_out.clone();
         if self.resident.without_area > 0 {
             let what = format!("{} triangles", self.resident.without_area);
@@ -381,11 +430,12 @@ impl Frames {
             srgb8: None,
             frame_ms: Vec::new(),
             stages: Vec::new(),
-            counts: Counts::of(&raw.status),
+            counts,
             bytes: self.resident.bytes()
                 + self.rival.as_ref().map_or(0, |r| r.bytes())
                 + self.caustics.as_ref().map_or(0, |c| c.buffers.bytes()),
             left_out,
+            method: self.method_used(&counts),
             grown: 0,
             passes: running.recorded.passes.clone(),
             caustics: self.caustics.as_ref().map(|c| c.report),

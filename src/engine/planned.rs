@@ -6,7 +6,7 @@ use super::combinations::Asked;
 use crate::camera::ray_order::RayOrder;
 use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
-use crate::engine::plan::variant::variant;
+use crate::engine::plan::variant::{method, variant};
 use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
 use crate::gpu::device::AdapterFeatures;
 use crate::image::frame::Channel;
@@ -175,7 +175,8 @@ impl Planner {
         wanted: &Wanted,
     ) -> Plan {
         let variant = variant(camera, contents, wanted, self.has, run);
-        Plan::new(variant, camera, contents, extent, wanted, self.has, self.limit)
+        let method_why = method(camera, contents, wanted, run).1;
+        Plan { method_why, ..Plan::new(variant, camera, contents, extent, wanted, self.has, self.limit) }
     }
 }
 

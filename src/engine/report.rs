@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::engine::plan::LeftOut;
-use crate::engine::{Counts, Rendered};
+use crate::engine::{Counts, MethodUsed, Rendered};
 use crate::image::compare::Comparison;
 use crate::scene::Scene;
 use crate::scene::caustics::CausticsReport;
@@ -98,6 +98,8 @@ pub struct Report {
     pub rechecked_share: Option<f64>,
     /// Device memory held.
     pub bytes: Option<u64>,
+    /// How the triangle of each pixel was found; null with a rival or the reference.
+    pub method: Option<MethodUsed>,
     pub left_out: Vec<LeftOut>,
     /// What the camera's keys ask for and this scene does not allow.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -169,6 +171,7 @@ impl Report {
             rechecked: counts.map(|c| c.rechecked),
             rechecked_share: counts.map(|c| c.rechecked as f64 / c.fragments_tested.max(1) as f64),
             bytes: has_device.then_some(rendered.bytes),
+            method: Some(rendered.method.clone()).filter(|method| !method.name.is_empty()),
             left_out: rendered.left_out.iter().cloned().chain(missing).collect(),
             unmet: camera.unfulfilled.clone(),
             grown: has_device.then_some(rendered.grown),

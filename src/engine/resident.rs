@@ -8,13 +8,13 @@ use super::pages::PageStore;
 use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
 use crate::engine::clusters::{Chunk, Clustered, mapped_surfaces};
-use crate::engine::plan::hierarchy::Hierarchy;
+use crate::engine::plan::hierarchy::{Hierarchy, TracedBvh};
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::{Band, Plan};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
-use crate::gpu::kernels::LightsKind;
-use crate::gpu::layout::Params;
+use crate::gpu::kernels::{LightsKind, Method};
+use crate::gpu::layout::{BUILD_COST, Params, TRACE_COST};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use wgpu::BufferUsages;
@@ -40,6 +40,11 @@ pub struct Resident {
     pub bounces: Vec<Bounce>,
     /// What rays bounce off.
     pub bounce_tables: Option<BounceTables>,
+    /// Frames may trace rays.
+    traces: bool,
+    /// Some rays are always traced.
+    always_traces: bool,
+    pub bvh: BvhState,
     /// Triangles without area.
     pub without_area: usize,
     /// Shadow casters: all triangles but the camera's own, which are the last ones.
@@ -80,6 +85,8 @@ impl Resident {
         capacities: Option<Capacities>,
     ) -> Result<Resident> {
         let bounces = bounces(camera.optics.as_deref());
+        let always_traces =
+            plan.variant.method == Method::Trace || plan.variant.traces() && plan.variant.bounces_rays();
         let mut resident = Resident {
             chunks: Vec::new(),
             bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
@@ -97,6 +104,9 @@ impl Resident {
                 .transpose()?,
             bounces,
             without_area: 0,
+            traces: plan.variant.traces(),
+            always_traces,
+            bvh: BvhState::None,
             shadow_casters: None,
             facets: camera.optics.as_ref().and_then(|o| o.facets()).map_or(0, |f| f.triangles.len()),
             alpha_masks: Default::default(),
@@ -110,12 +120,42 @@ impl Resident {
         Ok(resident)
     }
 
+    /// Builds the hierarchies that trace follows, of the triangles that are on the device.
+    pub fn build_bvh(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
+        self.bvh = BvhState::Built;
+        self.upload_bvh(gpu, clustered)
+    }
+
+    /// What building them would cost.
+    pub fn build_cost(&self) -> u64 {
+        let slots: u64 = self.chunks.iter().map(|chunk| u64::from(chunk.slots)).sum();
+        if self.bvh == BvhState::None { u64::from(BUILD_COST) * slots } else { 0 }
+    }
+
     /// Puts the triangles on the device, anew where they were there before.
     pub fn upload_scene(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
         self.without_area = clustered.without_area;
+        self.bvh = if self.always_traces { BvhState::Built } else { BvhState::None };
         let mut there = std::mem::take(&mut self.chunks).into_iter().map(|c| c.buffers);
         let mut each = || there.next().unwrap_or_default();
         self.chunks = clustered.chunks.iter().map(|c| chunk_on_device(gpu, c, each())).collect::<Result<_>>()?;
+        self.upload_bvh(gpu, clustered)?;
+        Ok(())
+    }
+
+    /// The hierarchies that trace follows; without them, such as hold nothing.
+    fn upload_bvh(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
+        if !self.traces {
+            return Ok(());
+        }
+        for (there, chunk) in self.chunks.iter_mut().zip(&clustered.chunks) {
+            let bvh = match self.bvh {
+                BvhState::Built | BvhState::Preferred => TracedBvh::new(chunk)?,
+                BvhState::None => TracedBvh::default(),
+            };
+            there.buffers.upload_texels(gpu, "bvh", &bvh.nodes)?;
+            there.buffers.upload_texels(gpu, "bvh_triangles", &bvh.triangles)?;
+        }
         Ok(())
     }
 
@@ -124,7 +164,8 @@ impl Resident {
         self.chunks
             .iter_mut()
             .zip(&clustered.chunks)
-            .try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))
+            .try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))?;
+        self.upload_bvh(gpu, clustered)
     }
 
     /// Rebuilds the hierarchy of shadow casters when the appearance is next uploaded.
@@ -232,7 +273,8 @@ impl Resident {
                         buffers.upload_uniform(gpu, "params", &params)?;
                         Ok(buffers)
                     };
-                    let own = params(camera, plan, band, ids, clusters, self.capacities);
+                    let budget = self.raster_budget(plan, band, chunk);
+                    let own = params(camera, plan, band, ids, clusters, self.capacities, budget);
                     self.params.push(uniform(own)?);
                     if self.bounce_tables.is_some() {
                         self.bounced_params.push(uniform(after_bounce(own))?);
@@ -241,6 +283,17 @@ impl Resident {
             }
         }
         Ok(())
+    }
+
+    /// What raster may still cost in a band before trace takes over: what tracing costs, and building the hierarchy where there is none.
+    fn raster_budget(&self, plan: &Plan, band: &Band, chunk: &ChunkOnDevice) -> u32 {
+        let build = match self.bvh {
+            _ if plan.variant.method != Method::Auto => return u32::MAX,
+            BvhState::Preferred => return 0,
+            BvhState::Built => 0,
+            BvhState::None => u64::from(BUILD_COST) * u64::from(chunk.slots),
+        };
+        u32::try_from(trace_cost(plan, band) + build).unwrap_or(u32::MAX - 1)
     }
 
     /// First cluster and count of one batch.
@@ -311,6 +364,21 @@ impl Resident {
         let rest: u64 = self.bands.iter().chain(params).chain([&self.shared]).map(Buffers::bytes).sum();
         chunks + rest + self.bounce_tables.as_ref().map_or(0, BounceTables::bytes)
     }
+}
+
+/// What tracing the rays of a band costs.
+pub fn trace_cost(plan: &Plan, band: &Band) -> u64 {
+    u64::from(TRACE_COST) * u64::from(band.rows) * u64::from(plan.width)
+}
+
+/// The hierarchies that trace follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BvhState {
+    /// They hold nothing.
+    None,
+    Built,
+    /// And tracing was cheaper than raster.
+    Preferred,
 }
 
 /// In these buffers, where they are as large.

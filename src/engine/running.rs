@@ -4,7 +4,8 @@ use super::changes::Dirty;
 use super::frames::Frames;
 use super::planned::Planned;
 use super::readback::{Copies, InFlight, PendingReads, Readback};
-use super::{Capacities, Rendered};
+use super::resident::BvhState;
+use super::{Capacities, Counts, Rendered};
 use crate::gpu::buffers::{read_words, wait_for};
 use crate::gpu::layout::{COUNTERS, CULL_QUEUES, Counter};
 use crate::gpu::recorder::Recorded;
@@ -63,6 +64,7 @@ impl Frames {
     /// Enlarges the lists if they were too small for a finished frame. Returns whether they were large enough.
     pub(super) fn fits(&mut self, running: &Running) -> Result<bool> {
         let status = read_words(&self.gpu, &running.copies.status)?;
+        self.timed.raster_cost = Counts::of(&status).raster_cost();
         match self.shortage(&status, running) {
             Some(short) => self.grow_lists(short).map(|()| false),
             None => Ok(true),
@@ -72,8 +74,14 @@ impl Frames {
     /// The list sizes that a frame needed, by its counters, if it did not have them.
     fn shortage(&self, status: &[u32], running: &Running) -> Option<Shortage> {
         let have = running.capacities;
+        let is_set = |job: &[u32], counter: Counter| job[counter.index() as usize] > 0;
+        let jobs = || status.chunks_exact(COUNTERS as usize);
+        // lists that raster did not need in the end
+        let counts = |job: &[u32], index: u32| {
+            index >= Counter::Edges.index() || index == Counter::RecheckItems.index() || !is_set(job, Counter::Traced)
+        };
         let most =
-            |index: u32| status.chunks_exact(COUNTERS as usize).map(|s| s[index as usize]).max().unwrap_or(0) as u64;
+            |index: u32| jobs().filter(|job| counts(job, index)).map(|s| s[index as usize]).max().unwrap_or(0) as u64;
         let most_of = |counter: Counter| most(counter.index());
         let need = Capacities {
             queue: (0..CULL_QUEUES).map(most).max().unwrap_or(0),
@@ -85,14 +93,27 @@ impl Frames {
         };
         let fits =
             need.queue <= have.queue && need.work <= have.work && need.tasks <= have.tasks && need.pairs <= have.pairs;
-        let is_left = |job: &[u32]| job[Counter::Busy.index() as usize] > job[Counter::BusyEnd.index() as usize];
-        let is_done = !self.plan.variant.by_tile || !status.chunks_exact(COUNTERS as usize).any(is_left);
+        let is_left = |job: &[u32]| {
+            !is_set(job, Counter::Traced)
+                && job[Counter::Busy.index() as usize] > job[Counter::BusyEnd.index() as usize]
+        };
+        let is_done = !self.plan.variant.by_tile || !jobs().any(is_left);
+        let needs_bvh = self.resident.bvh == BvhState::None && jobs().any(|job| is_set(job, Counter::Traced));
         let has_all = fits && need.recheck_items <= have.recheck_items && need.edges <= have.edges && is_done;
-        (!has_all).then_some(Shortage { need, rounds: (!is_done).then_some(2 * running.raster_rounds) })
+        let is_lost = jobs().any(|job| is_set(job, Counter::Unfinished));
+        let rounds = (!is_done).then_some(2 * running.raster_rounds);
+        (!has_all || needs_bvh || is_lost).then_some(Shortage { need, rounds, needs_bvh, is_lost })
     }
 
     fn grow_lists(&mut self, short: Shortage) -> Result<()> {
         self.timed.grown += 1;
+        if short.is_lost {
+            self.is_lost = true;
+            return Err(Error::work("tracing takes too many steps here; use --method raster"));
+        }
+        if short.needs_bvh {
+            self.build_bvh()?;
+        }
         if let Some(rounds) = short.rounds {
             self.resident.raster_rounds = self.resident.raster_rounds.max(rounds);
         }
@@ -112,4 +133,8 @@ struct Shortage {
     need: Capacities,
     /// Rounds of raster over the busy tiles, if it left some.
     rounds: Option<u32>,
+    /// Trace took over, and has no hierarchy yet.
+    needs_bvh: bool,
+    /// Trace did not follow all paths to their ends.
+    is_lost: bool,
 }

@@ -23,10 +23,12 @@ use super::stage::shade::shade;
 use super::stage::small::small;
 use super::stage::sort::sort;
 use super::stage::split::split;
+use super::stage::trace::{take_over, trace};
 use super::stage::write::write;
 use super::stage::{Dispatch, Pixels};
+use crate::camera::TILE;
 use crate::engine::plan::Plan;
-use crate::gpu::kernels::{OpticsKind, Variant};
+use crate::gpu::kernels::{Method, OpticsKind, Variant};
 use crate::gpu::layout::{COUNTERS, Counter};
 use crate::image::frame::Channel;
 
@@ -117,6 +119,17 @@ impl FrameInputs<'_> {
         if self.bounces[at.bounce].count > 0 { Pixels::Live } else { Pixels::Every(self.pixels(at.band)) }
     }
 
+    /// The same, by tiles of one slab.
+    fn traced(&self, at: StepScope) -> Pixels {
+        match self.rays(at) {
+            Pixels::Live => Pixels::Live,
+            Pixels::Every(_) => {
+                let band = &self.plan.bands[at.band];
+                Pixels::Every(TILE * TILE * band.tiles.tiles_x * band.rows.div_ceil(TILE))
+            }
+        }
+    }
+
     /// Over all slabs.
     fn tiles(&self, band: usize) -> u32 {
         let tiles = &self.plan.bands[band].tiles;
@@ -192,7 +205,9 @@ impl StepList<'_> {
         self.pass("forget", from, [forget()]);
         self.clear("bounced_live", from, 0, None);
         self.pass("bounce", from, [bounce()]);
-        self.pass("fit", at, fit(&inputs.plan.bands[at.band].nodes.levels));
+        if inputs.variant(at.bounce).rasters() {
+            self.pass("fit", at, fit(&inputs.plan.bands[at.band].nodes.levels));
+        }
     }
 
     /// Those that have clusters.
@@ -223,10 +238,19 @@ impl StepList<'_> {
                 if step > 0 && alone {
                     // its pairs are still there, and it leaves its items to recheck again
                     self.clear("counters", at, counter_at(Counter::RecheckItems), Some(4));
-                } else {
+                } else if variant.rasters() {
                     self.add_pairs(at);
+                } else {
+                    self.clear("counters", at, 0, Some(counter_at(PERSISTENT_FROM)));
                 }
-                self.pass("raster", at, raster(variant, step, inputs.raster_rounds));
+                match variant.method {
+                    Method::Raster => self.pass("raster", at, raster(variant, step, inputs.raster_rounds)),
+                    Method::Trace => self.pass("trace", at, [trace(inputs.traced(at), step)]),
+                    Method::Auto => {
+                        self.pass("raster", at, raster(variant, step, inputs.raster_rounds));
+                        self.pass("trace", at, [take_over(step)]);
+                    }
+                }
                 if variant.rechecks() {
                     self.pass("recheck", at, [recheck(step)]);
                 }

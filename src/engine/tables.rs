@@ -147,6 +147,7 @@ pub fn params(
     ids: Span,
     clusters: Span,
     capacities: Capacities,
+    raster_budget: u32,
 ) -> layout::Params {
     let level = |f: fn(&Level) -> u32| {
         let mut words = [0; 8];
@@ -175,7 +176,7 @@ pub fn params(
         task_capacity: capacities.tasks as u32,
         edge_capacity: capacities.edges as u32,
         scene_size: plan.scene_size as f32,
-        pad0: 0,
+        raster_budget,
         pad1: 0,
         pad2: 0,
         t_min: split3(camera.t_range[0]),

@@ -13,4 +13,4 @@ mod surfaces;
 mod variant;
 pub use kernel::{Access, Binding, Kernel, Parts, Snippet};
 pub use optics::OpticsKind;
-pub use variant::{LightsKind, RaysKind, Variant};
+pub use variant::{LightsKind, Method, RaysKind, Variant};

@@ -85,6 +85,10 @@ counters! {
     Large = "count_large",
     /// Pairs in runs of tiles.
     Sorted = "count_sorted",
+    /// 1: tracing costs less than what raster would still take, and trace takes over.
+    Traced = "count_traced",
+    /// Pixels whose paths were longer than trace follows.
+    Unfinished = "count_unfinished",
     /// Pixels with an edge. This and those that follow stay while pairs are listed anew.
     Edges = "count_edges",
     /// Blocks of strips of four samples of these.
@@ -95,6 +99,16 @@ counters! {
 
 /// Words of `counters`.
 pub const COUNTERS: u32 = CULL_QUEUES + Counter::ALL.len() as u32;
+
+/// What things cost, in tenths of a microsecond on a software adapter beside other work: an item of cull's queue, a triangle group for bin,
+/// a triangle that small leaves to it, a pair, and tracing a pixel. Measured for `bench_results/lab.md`; only their ratios count.
+pub const CULL_COST: u32 = 60;
+pub const TASK_COST: u32 = 60;
+pub const LARGE_COST: u32 = 4;
+pub const PAIR_COST: u32 = 3;
+pub const TRACE_COST: u32 = 16;
+/// Building the hierarchy, a triangle.
+pub const BUILD_COST: u32 = 15;
 
 /// Bits of the last word of a triangle: id below, file order above, one-sidedness on top.
 pub const ID_BITS_MAX: u32 = 28;
@@ -151,7 +165,7 @@ pub struct Params {
     pub task_capacity: u32,
     pub edge_capacity: u32,
     pub scene_size: f32,
-    pub pad0: u32,
+    pub raster_budget: u32,
     pub pad1: u32,
     pub pad2: u32,
     pub t_min: [f32; 4],

@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::engine::plan::{LeftOut, Wanted};
 use crate::engine::report::Device;
 use crate::engine::rival::Choice;
-use crate::engine::{Counts, Engine, Rendered, RunOptions};
+use crate::engine::{Counts, Engine, MethodUsed, Rendered, RunOptions};
 use crate::gpu::device::NO_ADAPTER;
 use crate::image::frame::{Channel, Frame};
 use crate::image::tone::Tone;
@@ -121,6 +121,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
         stages: Vec::new(),
         counts: Counts::default(),
         bytes: 0,
+        method: MethodUsed::default(),
         left_out: without_style(scene, wanted).into_iter().collect(),
         grown: 0,
         passes: Default::default(),

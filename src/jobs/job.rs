@@ -2,6 +2,7 @@
 
 use super::options::Named;
 use crate::camera::Camera;
+use crate::engine::Method;
 use crate::engine::rival::Choice;
 use crate::geometry::texture::ImagesRead;
 use crate::input::{Error, Result};
@@ -65,6 +66,8 @@ pub struct RenderJob {
     pub moving: bool,
     /// Disable culling.
     pub no_cull: bool,
+    /// How the triangle of each pixel is found.
+    pub method: Method,
 }
 
 impl RenderJob {
@@ -87,6 +90,7 @@ impl RenderJob {
             repeat: None,
             moving: false,
             no_cull: false,
+            method: Method::default(),
         }
     }
 
@@ -95,6 +99,9 @@ impl RenderJob {
     /// # Errors
     /// [`Error::Input`] that names the flag.
     pub fn check_options(&self) -> Result<()> {
+        if self.method != Method::Auto && !matches!(self.engine, None | Some(EngineName::Compute)) {
+            return Err(Error::input("--method is of --engine compute; leave either out"));
+        }
         if !matches!(self.engine, Some(EngineName::Reference)) {
             return Ok(());
         }

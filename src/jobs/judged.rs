@@ -21,7 +21,7 @@ pub fn render(job: &RenderJob, backend: &mut Backend, scene: &Scene, camera: &Ar
     }
     let channels = if job.check { camera.channels() } else { vec![Channel::TriangleId] };
     let wanted = Wanted { counting, ..Wanted::of(channels) };
-    let run = RunOptions { no_cull: job.no_cull, ..Default::default() };
+    let run = RunOptions { no_cull: job.no_cull, method: job.method, ..Default::default() };
     backend.render(scene, camera, &wanted, &run).map(Some)
 }
 

@@ -2,6 +2,7 @@
 
 use super::batch::Shard;
 use super::job::EngineName;
+use crate::engine::Method;
 use crate::image::cryptomatte::MatteKind;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;
@@ -59,6 +60,16 @@ pub fn engine(name: &str) -> Result<EngineName, String> {
         "compute" => Ok(EngineName::Compute),
         "reference" => Ok(EngineName::Reference),
         _ => crate::rivals::parse(name).map(EngineName::Rival),
+    }
+}
+
+/// auto, raster or trace.
+pub fn method(name: &str) -> Result<Method, String> {
+    match name {
+        "auto" => Ok(Method::Auto),
+        "raster" => Ok(Method::Raster),
+        "trace" => Ok(Method::Trace),
+        _ => Err("no such method; known: auto, raster, trace".into()),
     }
 }
 

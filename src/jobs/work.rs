@@ -186,7 +186,7 @@ impl Work {
         let samples = if at_once { job.samples } else { 1 };
         backend.check_size(camera, &Wanted { samples, ..wanted.clone() })?;
         if let (Some(row_bytes), Backend::Compute(engine, None)) = (self.strips, &mut *backend) {
-            let run = RunOptions { no_cull: job.no_cull, ..Default::default() };
+            let run = RunOptions { no_cull: job.no_cull, method: job.method, ..Default::default() };
             let wanted = &Wanted { samples, ..wanted.clone() };
             let (color, exr) = (self.files.color.as_deref(), self.files.exr.as_deref());
             let rendered = Strips { scene, camera, wanted, run, row_bytes, color, exr }.render(engine)?;
@@ -197,7 +197,7 @@ impl Work {
         }
         let mut mattes = self.mattes();
         let (repeat, moving, no_cull) = (job.repeat.unwrap_or(0), job.moving, job.no_cull);
-        let run = RunOptions { repeat, moving, no_cull, ..Default::default() };
+        let run = RunOptions { repeat, moving, no_cull, method: job.method, ..Default::default() };
         let rendered = samples::render(backend, scene, camera, wanted, job.samples, &run, &mut mattes)?;
         let extra = judged::render(job, backend, scene, camera)?;
         Ok(Seen { rendered, extra, mattes, is_written: false })
@@ -216,7 +216,7 @@ impl Work {
             return Ok(None);
         };
         planner.check_size(camera, &wanted)?;
-        let run = RunOptions { no_cull: job.no_cull, ..Default::default() };
+        let run = RunOptions { no_cull: job.no_cull, method: job.method, ..Default::default() };
         planner.plan(scene, camera.clone(), &wanted, &run, last).map(Some)
     }
 

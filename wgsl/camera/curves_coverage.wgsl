@@ -1,5 +1,5 @@
 // Which pixels' curves may meet a triangle over a span of t, by their control nets.
-// Provides: COVERAGE_PROVES, coverage, span_of
+// Provides: COVERAGE_PROVES, coverage, net_may_meet, over_span, span_of
 // Needs: Cell, DEGREE, TILE, control_point, curve_place, first_bit, tile_corner, tile_layer, tile_slab, with_bit, without_bit
 // Binds: params
 
@@ -56,6 +56,32 @@ fn largest(b: vec4<f32>) -> f32 {
     return max(max(b.x, b.y), max(b.z, b.w));
 }
 
+// Whether a curve with this control net may meet a triangle over a span of t: not if a side of the triangle separates them.
+fn net_may_meet(net: array<vec3<f32>, 4>, span: vec2<f32>, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> bool {
+    let e0 = v1 - v0;
+    let e1 = v2 - v1;
+    let e2 = v0 - v2;
+    let n = cross(e0, -e2);
+    let size_e = max(length(e0), max(length(e1), length(e2)));
+    // an edge: two stored vertices and a difference, 4 units of the largest; N: two edges and a product; N x e: once more
+    let reach_v = max(length(v0), max(length(v1), length(v2)));
+    let lost_e = 4.0 * UNIT * (reach_v + size_e);
+    let lost_n = 4.0 * size_e * lost_e;
+    let lost_m = 2.0 * size_e * lost_n + 2.0 * length(n) * lost_e;
+    // how large the factors are that a product has, and what the control points and a vertex lost when stored
+    let reach = reach_v + max(max(length(net[0]), length(net[1])), max(length(net[2]), length(net[3])));
+    let size = reach * length(n);
+    let beyond = select(MOST, 1.0, size < MOST && size * size_e < MOST);
+    let error_n = beyond * (2.0 * reach * lost_n + 12.0 * UNIT * size + LEAST * (1.0 + reach));
+    let error_m = beyond * (2.0 * reach * lost_m + 12.0 * UNIT * size * size_e + LEAST * (1.0 + reach) * (1.0 + size_e));
+    let plane = along(net, v0, n, span);
+    var separated = least(plane) > error_n || largest(plane) < -error_n;
+    separated = separated || largest(along(net, v0, cross(n, e0), span)) < -error_m;
+    separated = separated || largest(along(net, v1, cross(n, e1), span)) < -error_m;
+    separated = separated || largest(along(net, v2, cross(n, e2), span)) < -error_m;
+    return !separated;
+}
+
 // Pixels that may be covered, as two words, then two words of 0. There is one owned pixel; it is excluded if a side of the triangle
 // separates the triangle from the curve's control net over the span. The hit test decides coverage, so nothing is left to recheck.
 fn coverage(
@@ -70,16 +96,6 @@ fn coverage(
     let corner = tile_corner(cell.tile);
     let layer = tile_layer(cell.tile);
     let span = vec2<f32>(span_of(cell.tile)) / f32(params.spans);
-    let e0 = v1 - v0;
-    let e1 = v2 - v1;
-    let e2 = v0 - v2;
-    let n = cross(e0, -e2);
-    let size_e = max(length(e0), max(length(e1), length(e2)));
-    // an edge: two stored vertices and a difference, 4 units of the largest; N: two edges and a product; N x e: once more
-    let reach_v = max(length(v0), max(length(v1), length(v2)));
-    let lost_e = 4.0 * UNIT * (reach_v + size_e);
-    let lost_n = 4.0 * size_e * lost_e;
-    let lost_m = 2.0 * size_e * lost_n + 2.0 * length(n) * lost_e;
     var may = vec2<u32>(0u);
     var left = owned;
     loop {
@@ -95,18 +111,7 @@ fn coverage(
         if DEGREE >= 3u {
             net[3] = control_point(place, 3u);
         }
-        // how large the factors are that a product has, and what the control points and a vertex lost when stored
-        let reach = reach_v + max(max(length(net[0]), length(net[1])), max(length(net[2]), length(net[3])));
-        let size = reach * length(n);
-        let beyond = select(MOST, 1.0, size < MOST && size * size_e < MOST);
-        let error_n = beyond * (2.0 * reach * lost_n + 12.0 * UNIT * size + LEAST * (1.0 + reach));
-        let error_m = beyond * (2.0 * reach * lost_m + 12.0 * UNIT * size * size_e + LEAST * (1.0 + reach) * (1.0 + size_e));
-        let plane = along(net, v0, n, span);
-        var separated = least(plane) > error_n || largest(plane) < -error_n;
-        separated = separated || largest(along(net, v0, cross(n, e0), span)) < -error_m;
-        separated = separated || largest(along(net, v1, cross(n, e1), span)) < -error_m;
-        separated = separated || largest(along(net, v2, cross(n, e2), span)) < -error_m;
-        if !separated {
+        if net_may_meet(net, span, v0, v1, v2) {
             may = with_bit(may, bit);
         }
         if all(left == vec2<u32>(0u)) {

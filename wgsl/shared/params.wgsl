@@ -27,11 +27,19 @@ const COUNT_PAIRS_TESTED: u32 = 17u;
 const COUNT_TASKS: u32 = 18u;
 const COUNT_LARGE: u32 = 19u;
 const COUNT_SORTED: u32 = 20u;         // pairs in runs of tiles
+const COUNT_TRACED: u32 = 21u;         // 1: trace takes over from raster
+const COUNT_UNFINISHED: u32 = 22u;     // pixels whose paths were longer than trace follows
 // These stay while pairs are listed anew, and so are the last.
-const COUNT_EDGES: u32 = 21u;          // edge pixels
-const COUNT_BLOCKS: u32 = 22u;         // of strips of four of their samples
-const COUNT_RECHECK_SAMPLES: u32 = 23u;
-const COUNTERS: u32 = 24u;
+const COUNT_EDGES: u32 = 23u;          // edge pixels
+const COUNT_BLOCKS: u32 = 24u;         // of strips of four of their samples
+const COUNT_RECHECK_SAMPLES: u32 = 25u;
+const COUNTERS: u32 = 26u;
+
+// What things cost, in tenths of a microsecond on a software adapter beside other work; only their ratios count.
+const CULL_COST: u32 = 60u;            // an item of cull's queue
+const TASK_COST: u32 = 60u;            // a triangle group for bin
+const LARGE_COST: u32 = 4u;            // a triangle that small leaves to it
+const PAIR_COST: u32 = 3u;
 
 // One band of the image and one batch of clusters.
 struct Params {
@@ -56,7 +64,7 @@ struct Params {
     task_capacity: u32,
     edge_capacity: u32,     // items
     scene_size: f32,        // by which rays are perturbed (perturb.wgsl); 0 for rays that are not
-    pad0: u32,
+    raster_budget: u32,     // what raster may still cost before trace takes over
     pad1: u32,
     pad2: u32,
     t_min: vec4<f32>,       // ends of t_range, each the exact sum of three

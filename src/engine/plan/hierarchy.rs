@@ -1,6 +1,7 @@
 //! A bounding volume hierarchy over triangles, for rays: shadow rays, and those of a rival. Built by a library, or
 //! refitted.
 
+use crate::engine::clusters::Chunk;
 use crate::gpu::layout::{BvhNode, LeafTriangle};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -9,6 +10,8 @@ use glam::DVec3;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::cwbvh::builder::build_cwbvh_from_tris;
+use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use std::time::Duration;
@@ -88,6 +91,80 @@ impl Hierarchy {
         };
         (self.tree.nodes.par_iter().map(node).collect(), self.tree.primitive_indices.par_iter().map(leaf).collect())
     }
+}
+
+/// A hierarchy over the triangles of a chunk, as trace follows it: `wgsl/shared/bvh8.wgsl`.
+#[derive(Debug, Clone)]
+pub struct TracedBvh {
+    pub nodes: Vec<[u32; 4]>,
+    pub triangles: Vec<[u32; 4]>,
+}
+
+/// Of no triangles.
+impl Default for TracedBvh {
+    fn default() -> TracedBvh {
+        TracedBvh {
+            nodes: [vec![[1f32.to_bits(), 0, 0, 0]], vec![[0; 4]; NODE_ROWS]].concat(),
+            triangles: vec![[0; 4]; 3],
+        }
+    }
+}
+
+/// Rows of a node.
+const NODE_ROWS: usize = 5;
+
+/// Groups of boxes that wait in the kernel at most.
+const WAITING_MAX: usize = 32;
+
+impl TracedBvh {
+    /// Of the triangles of a chunk.
+    ///
+    /// # Errors
+    /// [`Error::Work`] where it is deeper than the kernel can follow.
+    pub fn new(chunk: &Chunk) -> Result<TracedBvh> {
+        if chunk.triangles.is_empty() {
+            return Ok(TracedBvh::default());
+        }
+        let largest = chunk.vertices.par_iter().map(|v| v.position().abs().max_element()).reduce(|| 0.0, f64::max);
+        let scale = largest.max(f64::from(f32::MIN_POSITIVE)).log2().ceil().exp2().recip();
+        let corners = |slot: u32| {
+            let [a, b, c, word] = chunk.triangles[slot as usize];
+            ([a, b, c].map(|v| chunk.vertices[v as usize].position() * scale), word)
+        };
+        let boxed = |slot: u32| {
+            let [v0, v1, v2] = corners(slot).0.map(|v| v.as_vec3().into());
+            Triangle { v0, v1, v2 }
+        };
+        let triangles: Vec<Triangle> = (0..chunk.triangles.len() as u32).into_par_iter().map(boxed).collect();
+        let tree = build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
+        let depth = depth(&tree.nodes);
+        if depth > WAITING_MAX {
+            return Err(Error::work(format!("the hierarchy is {depth} boxes deep; the kernel follows {WAITING_MAX}")));
+        }
+        let mut nodes = vec![[(scale as f32).to_bits(), 0, 0, 0]];
+        nodes.extend(tree.nodes.iter().flat_map(|node| bytemuck::cast::<CwBvhNode, [[u32; 4]; NODE_ROWS]>(*node)));
+        let rows = |slot: &u32| {
+            let ([a, b, c], word) = corners(*slot);
+            let row = |v: DVec3, last: u32| {
+                let [x, y, z] = v.as_vec3().to_array().map(f32::to_bits);
+                [x, y, z, last]
+            };
+            [row(a, *slot), row(b - a, word), row(a - c, 0)]
+        };
+        let triangles = tree.primitive_indices.par_iter().flat_map_iter(rows).collect();
+        Ok(TracedBvh { nodes, triangles })
+    }
+}
+
+/// Nodes from the root to the lowest: those below one come after it.
+fn depth(nodes: &[CwBvhNode]) -> usize {
+    let mut depths = vec![1; nodes.len()];
+    for (k, node) in nodes.iter().enumerate() {
+        for child in (0..8).filter(|child| !node.is_leaf(*child)) {
+            depths[node.child_node_index(child) as usize] = depths[k] + 1;
+        }
+    }
+    depths.into_iter().max().unwrap_or(0)
 }
 
 /// A hierarchy as the kernels that light follow it in.

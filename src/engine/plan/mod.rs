@@ -202,6 +202,8 @@ pub struct Plan {
     pub scene_size: f64,
     /// How wide images on triangles are filtered, in pixels.
     pub filter_width: f32,
+    /// Why raster or trace, where the costs do not decide.
+    pub method_why: &'static str,
     pub left_out: Vec<LeftOut>,
 }
 
@@ -289,6 +291,7 @@ impl Plan {
             scene_size: extent.scene_size,
             // so many boxes of this width tile the pixel
             filter_width: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
+            method_why: "",
             left_out,
         }
     }

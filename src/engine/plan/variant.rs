@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::camera::ray_order::is_reordered;
 use crate::engine::{Arithmetic, RunOptions};
 use crate::gpu::device::AdapterFeatures;
-use crate::gpu::kernels::{LightsKind, OpticsKind, Variant};
+use crate::gpu::kernels::{LightsKind, Method, OpticsKind, RaysKind, Variant};
 use crate::image::frame::Channel;
 
 /// The variant for a scene with these contents through `camera`, on an adapter with these abilities.
@@ -23,6 +23,7 @@ pub fn variant(
         atomics64: has.atomics64,
         by_tile: false,
         wide: false,
+        method: method(camera, contents, wanted, run).0,
         small: false,
         rays: slabs::kind(camera),
         incoherent: is_reordered(camera),
@@ -50,4 +51,24 @@ pub fn variant(
     };
     let variant = if has.lanes && has.f64 { Variant { wide: has.wide, ..variant }.with_tiles() } else { variant };
     if wanted.channels.contains(&Channel::Certified) { variant } else { variant.with_small() }
+}
+
+/// How the triangle of each pixel is found, and why, where the costs do not decide. What samples see and what is proven is found from pairs.
+/// Without asking for it nothing is traced that moves, since its hierarchy would be built anew for each frame.
+pub fn method(camera: &Camera, contents: SceneContents, wanted: &Wanted, run: &RunOptions) -> (Method, &'static str) {
+    const RASTER: Method = Method::Raster;
+    let is_auto = run.method == Method::Auto;
+    match () {
+        _ if run.rival.is_some() => (RASTER, ""),
+        _ if run.method == RASTER => (RASTER, "asked for"),
+        _ if wanted.samples() > 1 => (RASTER, "samples are taken of pairs of triangles and tiles"),
+        _ if wanted.channels.contains(&Channel::Certified) => (RASTER, "proofs take pairs of triangles and tiles"),
+        _ if contents.has_alpha_masks => (RASTER, "the scene has alpha masks"),
+        _ if !is_auto => (Method::Trace, "asked for"),
+        _ if run.moving => (RASTER, "everything moves"),
+        _ if run.no_cull => (RASTER, "nothing is to be culled"),
+        _ if run.arithmetic != Arithmetic::Rechecked => (RASTER, "other arithmetic is asked for"),
+        _ if matches!(slabs::kind(camera), RaysKind::Curves { .. }) => (Method::Trace, "rays are curved"),
+        _ => (Method::Auto, ""),
+    }
 }

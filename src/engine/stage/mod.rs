@@ -31,6 +31,7 @@ pub mod sift;
 pub mod small;
 pub mod sort;
 pub mod split;
+pub mod trace;
 pub mod write;
 
 use crate::gpu::Gpu;
@@ -70,13 +71,14 @@ macro_rules! kernels {
 kernels! {
     /// Lays out the dispatches of the others that follow a counter.
     Args, |_, _| true, |_, _| args::kernel();
-    Cull, |_, _| true, |v, _| cull::kernel(v);
-    Split, |_, _| true, |v, _| split::kernel(v);
+    Cull, |v, _| v.rasters(), |v, _| cull::kernel(v);
+    Split, |v, _| v.rasters(), |v, _| split::kernel(v);
     Small, |v, _| v.small, |v, _| small::kernel(v);
-    Bin, |_, _| true, |v, _| bin::kernel(v);
+    Bin, |v, _| v.rasters(), |v, _| bin::kernel(v);
     Allot, |v, _| v.by_tile, |_, _| sort::allot_kernel();
     Sort, |v, _| v.by_tile, |_, _| sort::kernel();
-    Raster, |_, _| true, |v, _| raster::kernel(v);
+    Raster, |v, _| v.rasters(), |v, _| raster::kernel(v);
+    Trace, |v, _| v.traces(), |v, _| trace::kernel(v);
     Recheck, |v, _| v.rechecks(), |v, _| recheck::kernel(v);
     Meet, |v, _| v.meets(), |v, _| meet::kernel(v);
     Certify, |_, planes| planes.contains(&Channel::Certified), certify::kernel;
@@ -93,7 +95,7 @@ kernels! {
     Reach, |v, _| v.bounces_rays(), |_, _| reach::kernel();
     Forget, |v, _| v.bounces_rays(), |_, _| forget::kernel();
     Bounce, |v, _| v.bounces_rays(), |v, _| bounce::kernel(v);
-    Fit, |v, _| v.bounces_rays(), |v, _| fit::kernel(v);
+    Fit, |v, _| v.bounces_rays() && v.rasters(), |v, _| fit::kernel(v);
     Paste, |v, _| v.optics == Some(OpticsKind::Atlas), paste::kernel;
     Outline, |v, _| v.outlined, |_, planes| outline::kernel(planes);
     Write, |_, _| true, |_, planes| write::kernel(planes);

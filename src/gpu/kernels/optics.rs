@@ -1,7 +1,7 @@
 //! What a mirror or a lens brings into kernels.
 
 use super::parts::*;
-use super::variant::{RaysKind, Variant};
+use super::variant::{Method, RaysKind, Variant};
 use crate::camera::optics::{Optics, Smooth, Surface};
 
 /// What the surface of a camera's optics is made of.
@@ -43,7 +43,11 @@ impl Variant {
 
     /// For the rays of the next bounce.
     pub fn after_bounce(self) -> Variant {
-        Variant { rays: RaysKind::Field, small: false, incoherent: false, slabbed: false, bounced: true, ..self }
+        // a few rays, each its own way
+        let method = if self.traces() { Method::Trace } else { Method::Raster };
+        let by_tile = self.by_tile && method == Method::Raster;
+        let rays = RaysKind::Field;
+        Variant { rays, method, by_tile, small: false, incoherent: false, slabbed: false, bounced: true, ..self }
     }
 
     /// The pixel of a thread: of a tile that has a ray after a bounce, or of all.

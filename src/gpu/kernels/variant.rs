@@ -14,6 +14,18 @@ pub enum RaysKind {
     Curves { degree: u32 },
 }
 
+/// How the triangle of each pixel is found. All give the same bits.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Method {
+    /// The one that costs less.
+    #[default]
+    Auto,
+    /// Triangles are projected: the stages from cull to raster.
+    Raster,
+    /// Rays are traced through a bounding volume hierarchy: the stage trace.
+    Trace,
+}
+
 /// What the kernels know of lights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LightsKind {
@@ -36,6 +48,8 @@ pub struct Variant {
     pub by_tile: bool,
     /// Subgroups have more threads than a tile has columns: those of a tile are a part of one.
     pub wide: bool,
+    /// Which of trace and the stages from cull to raster there are; [`Method::Auto`]: both.
+    pub method: Method,
     /// `small` draws the triangles of few pixels, and bin pairs the others with tiles.
     pub small: bool,
     pub rays: RaysKind,
@@ -81,6 +95,7 @@ impl Variant {
         atomics64: false,
         by_tile: false,
         wide: false,
+        method: Method::Raster,
         small: false,
         rays: RaysKind::Pieces,
         incoherent: false,
@@ -140,11 +155,17 @@ impl Variant {
                 let seen = Variant { masked: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
                 list.extend([slabbed, seen, seen.after_bounce()]);
             }
+            let methods = [Method::Auto, Method::Trace];
+            list.extend(methods.map(|method| Variant { method, ..variant(RaysKind::Pieces, more, None) }));
+            list.push(Variant { method: Method::Trace, ..variant(RaysKind::Field, false, None) });
+            list.extend(curves.map(|rays| Variant { method: Method::Trace, ..variant(rays, true, None) }));
             list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
                 list.extend(seen);
                 list.extend(seen[0].bounces_rays().then(|| seen[0].after_bounce()));
+                let traced = Variant { method: Method::Trace, ..seen[0] };
+                list.extend(traced.bounces_rays().then(|| traced.after_bounce()));
             }
         }
         list
@@ -157,7 +178,12 @@ impl Variant {
 
     /// The same, with `raster` tile by tile where there is that.
     pub fn with_tiles(self) -> Variant {
-        let by_tile = self.f64 && self.atomics64 && !self.all_uncertain && self.rechecks() && !self.masked;
+        let by_tile = self.method != Method::Trace
+            && self.f64
+            && self.atomics64
+            && !self.all_uncertain
+            && self.rechecks()
+            && !self.masked;
         Variant { by_tile, ..self }
     }
 
@@ -165,6 +191,16 @@ impl Variant {
     pub fn with_small(self) -> Variant {
         let small = self.by_tile && self.culling && self.rays == RaysKind::Pieces && !self.slabbed && self.samples == 1;
         Variant { small, ..self }
+    }
+
+    /// Triangles may be rasterized.
+    pub fn rasters(self) -> bool {
+        self.method != Method::Trace
+    }
+
+    /// Rays may be traced.
+    pub fn traces(self) -> bool {
+        self.method != Method::Raster
     }
 
     pub(crate) fn real(self) -> Parts {

@@ -62,8 +62,13 @@ const OUTPUTS: [(&str, &str, Kind); 4] = [
 ];
 
 /// Other flags with a value.
-const VALUES: [(&str, &str); 4] =
-    [("size", "--size"), ("engine", "--engine"), ("samples", "--samples"), ("repeat", "--repeat")];
+const VALUES: [(&str, &str); 5] = [
+    ("size", "--size"),
+    ("engine", "--engine"),
+    ("method", "--method"),
+    ("samples", "--samples"),
+    ("repeat", "--repeat"),
+];
 
 /// Flags without one.
 const SWITCHES: [(&str, &str); 4] =
@@ -267,6 +272,7 @@ fn set(job: &mut RenderJob, flag: &str, value: String) -> std::result::Result<()
         "--report" => job.report = Some(value.into()),
         "--size" => job.change.size = Some(options::size(&value)?),
         "--engine" => job.engine = Some(options::engine(&value)?),
+        "--method" => job.method = options::method(&value)?,
         "--samples" => job.samples = options::samples(&value)?,
         "--repeat" => job.repeat = Some(options::repeat(&value)?),
         "--channels" => {

@@ -1,5 +1,6 @@
 //! Commands and flags, each value checked as far as it can be without the scene.
 
+use crate::engine::Method;
 use crate::input::limits;
 use crate::jobs::batch::Shard;
 use crate::jobs::options::{self, Named, REPEAT_MAX, SAMPLES_MAX};
@@ -147,6 +148,10 @@ pub struct RenderArgs {
     /// Disable culling: test every triangle in every part of the image
     #[arg(long)]
     pub no_cull: bool,
+    /// How the triangle of each pixel is found: by raster, by trace (rays through a hierarchy of boxes), or auto, by what costs less; the
+    /// picture is the same
+    #[arg(long, value_name = "NAME", default_value = "auto", value_parser = options::method)]
+    pub method: Method,
     /// Adapter to use: a part of its name
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -161,7 +166,7 @@ pub struct RenderArgs {
     pub dump_kernels: Option<PathBuf>,
     /// Only print one pixel's ray, hit, near candidates and whether it is safe
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = pixel, conflicts_with_all = [
-        "output", "exr", "points", "engine", "samples", "analytic", "channels", "report", "check", "repeat", "no_cull",
+        "output", "exr", "points", "engine", "samples", "analytic", "channels", "report", "check", "repeat", "no_cull", "method",
         "adapter", "no_int64", "no_f64", "dump_kernels",
     ])]
     pub pixel: Option<(u32, u32)>,
@@ -194,6 +199,7 @@ impl RenderArgs {
             repeat: self.repeat,
             moving: self.moving,
             no_cull: self.no_cull,
+            method: self.method,
             ..RenderJob::of(&self.scene)
         }
     }

@@ -1,0 +1,35 @@
+//! trace: the nearest triangle of each pixel, through a bounding volume hierarchy.
+
+use super::{Dispatch, KernelId, Pixels};
+use crate::gpu::kernels::parts::*;
+use crate::gpu::kernels::{RaysKind, Variant};
+use crate::gpu::layout::Counter;
+
+pub fn kernel(variant: Variant) -> Kernel {
+    let path = match variant.rays {
+        RaysKind::Pieces => snippets!("camera/pieces_path.wgsl", "camera/straight_stretch.wgsl"),
+        RaysKind::Field => snippets!("camera/field_path.wgsl", "camera/straight_stretch.wgsl"),
+        RaysKind::Curves { .. } => snippets!("camera/curves_path.wgsl"),
+    };
+    let pixels = if variant.bounced { LIVE_PIXELS } else { snippets!("shared/every_tile.wgsl") };
+    let own = [pixels, path, snippets!("shared/bvh8.wgsl", "trace.wgsl")];
+    let mut kernel = super::raster::into_visibility("trace", variant, &[variant.pixel(), &own].concat());
+    kernel.bindings.extend([table("bvh"), table("bvh_triangles")]);
+    if variant.bounced {
+        kernel.bindings.push(live());
+    }
+    if variant.rechecks() {
+        kernel.constants.push(("ALL_UNCERTAIN", f64::from(u8::from(variant.all_uncertain))));
+    }
+    kernel
+}
+
+/// Over the pixels of tiles.
+pub fn trace(pixels: Pixels, step: u32) -> Dispatch {
+    Dispatch::of_pixels(KernelId::Trace, pixels).nth(step)
+}
+
+/// Over all pixels, where it takes over from raster.
+pub fn take_over(step: u32) -> Dispatch {
+    Dispatch::counted(KernelId::Trace, Counter::Traced).nth(step)
+}

@@ -1,0 +1,34 @@
+// The ray of a pixel of a field, as trace follows it.
+// Provides: Path, path_depth, path_of
+// Needs: Bundle, Meeting, Stretch, TILE, UNIT, cell_bundle_at, field_at, field_direction, field_origin, is_there, ray_meeting, real, real3
+// Binds: params
+
+// P and D in f32, and bounds on the errors of their coordinates.
+struct Path {
+    p: vec3<f32>,
+    error_p: f32,
+    d: vec3<f32>,
+    error_d: f32,
+    item: u32,              // of recheck: the tile, and in the low 6 bits the pixel
+    start: u32,             // the triangle that the ray starts on
+}
+
+fn largest_part(v: vec3<f32>) -> f32 {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
+fn path_of(layer: u32, x: u32, y: u32) -> Path {
+    let at = field_at(x, y);
+    let p = field_origin(at);
+    let d = field_direction(at);
+    let tile = (y / TILE) * params.tiles_x + x / TILE;
+    return Path(p, UNIT * largest_part(p), d, UNIT * largest_part(d), (tile << 6u) | ((y % TILE) * TILE + x % TILE), start_of(y * params.width + x));
+}
+
+// The t of a triangle's plane.
+fn path_depth(path: Path, normal: real3, v: array<real3, 3>, slot: u32) -> real {
+    let corner = tile_corner(path.item >> 6u);
+    let bit = path.item & 63u;
+    let own = cell_bundle_at(field_at(corner.x + bit % TILE, corner.y + bit / TILE));
+    return ray_meeting(dot(normal, v[0] - own.p), dot(normal, own.d), 0.0, real(0.0)).t;
+}

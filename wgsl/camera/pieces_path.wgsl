@@ -1,0 +1,49 @@
+// The ray of a pixel that a piece owns, as trace follows it.
+// Provides: Path, path_depth, path_of
+// Needs: Bundle, Meeting, Stretch, TILE, TILE_REACH, UNIT, cell_bundle, cell_depth, cell_ray, piece_at, pixel_cell, pixel_depth, real, real3
+// Binds: cells
+
+// P and D in f32, and bounds on the errors of their coordinates.
+struct Path {
+    p: vec3<f32>,
+    error_p: f32,
+    d: vec3<f32>,
+    error_d: f32,
+    item: u32,              // of recheck: the tile, and in the low 6 bits the pixel
+    start: u32,             // the triangle that the ray starts on
+}
+
+fn largest_part(v: vec3<f32>) -> f32 {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
+// Errors: numbers as stored, two products, two sums and a quotient, 8 units of the sizes of what is summed up, and as many of those of
+// the divisor. Where the divisor is off by much nothing is left out.
+fn path_of(layer: u32, x: u32, y: u32) -> Path {
+    let cell = cells[pixel_cell(layer, x, y)];
+    let q = piece_at(cell.piece);
+    let place = vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH;
+    let h = cell.h + place.x * q.hx_hi + place.y * q.hy_hi;
+    let reach_h = abs(cell.h) + TILE_REACH * (abs(q.hx_hi) + abs(q.hy_hi));
+    let reach_p = largest_part(cell.p) + TILE_REACH * (largest_part(q.px_hi) + largest_part(q.py_hi));
+    let reach_d = largest_part(cell.d) + TILE_REACH * (largest_part(q.dx_hi) + largest_part(q.dy_hi));
+    let p = (cell.p + place.x * q.px_hi + place.y * q.py_hi) / h;
+    let d = (cell.d + place.x * q.dx_hi + place.y * q.dy_hi) / h;
+    let loss_h = 4.0 * UNIT * reach_h / abs(h);
+    let lost = 2.0 * loss_h + UNIT;
+    let error_p = lost * largest_part(p) + 4.0 * UNIT * reach_p / abs(h);
+    let error_d = lost * largest_part(d) + 4.0 * UNIT * reach_d / abs(h);
+    let is_sure = loss_h < 0.25;
+    return Path(p, select(ENDLESS, error_p, is_sure), d, select(ENDLESS, error_d, is_sure), (cell.tile << 6u) | ((y % TILE) * TILE + x % TILE), start_of(y * params.width + x));
+}
+
+// The t of a triangle's plane.
+fn path_depth(path: Path, normal: real3, v: array<real3, 3>, slot: u32) -> real {
+    let tile = path.item >> 6u;
+    let corner = tile_corner(tile);
+    let bit = path.item & 63u;
+    let x = corner.x + bit % TILE;
+    let y = corner.y + bit / TILE;
+    let cell = cells[pixel_cell(tile_layer(tile), x, y)];
+    return pixel_depth(cell_depth(cell_bundle(cell), normal, v, real(0.0), slot), cell, bit % TILE, bit / TILE).t;
+}

@@ -1,0 +1,115 @@
+// trace: one thread per pixel, those of a tile by one workgroup.
+// Reads a hierarchy of boxes around the chunk's triangles, triangles, vertices, cells and the camera's rays; follows each pixel's path
+// to the nearest triangle that it meets at a t in range, and writes its visibility key. What f32 does not prove on the way is left to
+// recheck. The list recheck_items may overflow: the counter keeps counting.
+// Needs: Path, SLABBED, Stretch, box_hits, bvh_scale, bvh_triangle, has_ray, is_seen, key_of, last_of, merge, nothing_seen, path_of,
+//   pixel_at, stretch_of, stretches, with_triangle
+// Binds: counters, params
+
+// Nodes and triangles that a path is tested against at most: software adapters end the loops of 16 threads after 65535 rounds in all.
+const ROUNDS: u32 = 4000u;
+
+// Groups of boxes that wait; the host refuses deeper hierarchies.
+const STACK: u32 = 32u;
+
+@compute @workgroup_size(64)
+fn trace(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take a pixel
+    let at = pixel_at(group, groups, lane);
+    if at.x >= params.width || at.y >= params.height {
+        return;
+    }
+
+    // follow its path, layer by layer and stretch by stretch, to the first triangle
+    let layers = select(1u, params.tiles_y / max(params.slab_rows * params.spans, 1u), SLABBED);
+    var layer = 0u;
+    loop {
+        if layer == layers {
+            break;
+        }
+        if has_ray(layer, at.x, at.y) {
+            let path = path_of(layer, at.x, at.y);
+            var seen = nothing_seen();
+            var rounds = 0u;
+            var k = 0u;
+            loop {
+                if k == stretches() {
+                    break;
+                }
+                let stretch = stretch_of(path, k, bvh_scale());
+                let found = followed(path, stretch, seen, rounds);
+                seen = found.seen;
+                rounds = found.rounds;
+                k++;
+                if last_of(stretch, seen) < stretch.last || rounds >= ROUNDS {
+                    break;
+                }
+            }
+            if rounds >= ROUNDS {
+                atomicAdd(&counters[COUNT_UNFINISHED], 1u);
+            }
+            if is_seen(seen) {
+                merge(at.y * params.width + at.x, key_of(path, seen));
+                layer = layers - 1u;
+            }
+        }
+        layer++;
+    }
+}
+
+// What a path met, after so many rounds.
+struct Followed {
+    seen: Seen,
+    rounds: u32,
+}
+
+// Goes down a hierarchy of eight boxes a node (Ylitie et al. 2017). A group is the number of the first node of some, and bits: which of
+// eight are nodes, and in the highest byte which of them are to be looked at, the nearest first.
+fn followed(path: Path, stretch: Stretch, before: Seen, rounds_before: u32) -> Followed {
+    let d = stretch.d;
+    let least = vec3<f32>(1.0e-20);
+    let inverse = 1.0 / select(d, select(least, -least, d < vec3<f32>(0.0)), abs(d) < least);
+    let octant = select(4u, 0u, d.x < 0.0) | select(2u, 0u, d.y < 0.0) | select(1u, 0u, d.z < 0.0);
+    var seen = before;
+    var rounds = rounds_before;
+    var waiting: array<vec2<u32>, STACK>;
+    var count = 0u;
+    var group = vec2<u32>(0u, 0x80000000u);
+    loop {
+        // take the nearest box of the group, and look at the eight below it
+        let bit = firstLeadingBit(group.y);
+        let node = group.x + countOneBits(group.y & ~(0xffffffffu << ((bit - 24u) ^ octant)));
+        group.y &= ~(1u << bit);
+        waiting[count] = group;
+        count += select(0u, 1u, group.y >= 0x1000000u);
+        let met = box_hits(node, stretch, inverse, octant, last_of(stretch, seen));
+        group = met.nodes;
+        rounds += 1u + countOneBits(met.triangles);
+
+        // test the triangles of those that are leaves
+        var triangles = met.triangles;
+        loop {
+            if triangles == 0u {
+                break;
+            }
+            let index = met.first_triangle + firstTrailingBit(triangles);
+            triangles &= triangles - 1u;
+            seen = with_triangle(path, stretch, seen, bvh_triangle(index));
+        }
+        if rounds >= ROUNDS {
+            break;
+        }
+        if group.y < 0x1000000u {
+            if count == 0u {
+                break;
+            }
+            count--;
+            group = waiting[count];
+        }
+    }
+    return Followed(seen, rounds);
+}
