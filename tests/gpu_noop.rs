@@ -4,9 +4,10 @@
 use anamorph::internals::engine::stage::Stages;
 use anamorph::internals::engine::stage::all_kernels;
 use anamorph::internals::gpu::buffers::Pipeline;
-use anamorph::internals::gpu::device::{AdapterFeatures, STORAGE_BUFFERS, STORAGE_BUFFERS_BY_TILE};
+use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::gpu::kernels::{Access, Binding, Kernel, Snippet, Variant};
 use anamorph::internals::gpu::layout::LANES;
+use anamorph::internals::gpu::needs::{STORAGE_BUFFERS, STORAGE_BUFFERS_BY_TILE};
 use anamorph::internals::gpu::{Gpu, GpuOptions};
 use anamorph::internals::image::frame::Channel;
 use rayon::prelude::*;

@@ -7,6 +7,7 @@ pub mod control;
 pub mod device;
 pub mod kernels;
 pub mod layout;
+pub mod needs;
 pub mod recorder;
 pub mod soft_f64;
 
