@@ -115,6 +115,20 @@ fn frames_are_the_same_whatever_the_adapter_has() {
     }
 }
 
+/// WebGPU's default limits: as many storage buffers as plain scenes bind, and bindings of 128 MiB.
+#[test]
+fn plain_frames_are_the_same_with_the_default_limits_of_webgpu() {
+    let small = engine_on(|gpu| (gpu.has.lanes, gpu.limits) = (false, wgpu::Limits::defaults()));
+    let (Some(mut small), Some(mut whole)) = (small, engine_on(|gpu| gpu.has.lanes = false)) else { return };
+    let wanted = Wanted { srgb8: true, ..Wanted::of(Channel::ALL.to_vec()) };
+    for number in SCENES {
+        let (scene, camera) = any(&mut Rng(number), SIZE);
+        let frame = |engine: &mut Engine| engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap();
+        let (a, b) = (frame(&mut small), frame(&mut whole));
+        assert!(!differs(&a.frame, &b.frame) && a.srgb8 == b.srgb8, "scene {number}");
+    }
+}
+
 /// With wgpu's own check of indirect dispatches, without which kernels cannot ask for the number of workgroups on DirectX 12.
 #[test]
 fn frames_are_the_same_with_checked_dispatches() {
