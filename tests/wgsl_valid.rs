@@ -2,10 +2,10 @@
 //! that has these, and keeps f64 to the operations that every driver translates right.
 
 use anamorph::internals::engine::stage;
-use anamorph::internals::gpu::control;
 use anamorph::internals::gpu::kernels::{Kernel, Variant};
 use anamorph::internals::gpu::layout::GROUP;
 use anamorph::internals::gpu::soft_f64::lowered;
+use anamorph::internals::gpu::{control, exact};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::rivals;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -26,7 +26,8 @@ fn variants() -> impl Iterator<Item = Variant> {
 }
 
 /// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
-const WIDE: [&str; 14] = [
+const WIDE: [&str; 15] = [
+    "exact",
     "small",
     "raster",
     "recheck",
@@ -73,6 +74,7 @@ fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
 fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
     let controls = [control::read_only(), control::write_only(), control::subgroup_width()];
     controls.iter().for_each(|k| check(k, Variant::PLAIN));
+    check(&exact::kernel(), Variant { f64: true, ..Variant::PLAIN });
     for variant in variants() {
         stage::all_kernels(variant, &Channel::every().collect::<Vec<_>>()).iter().for_each(|k| check(k, variant));
         for wide in [false, true] {
@@ -154,7 +156,8 @@ fn every_kernel_is_valid_and_portable() {
     let by_tile = 2 * 2 * (all - 6 + 2 * 2);
     // and small where pieces have one layer and one sample: plain, with lights in places, and with each of five kinds of surface
     let small = 2 * 2 * (1 + 1 + 5);
-    assert_eq!(wide, by_pair + masked + by_tile + small);
+    let exact = 1;
+    assert_eq!(wide, by_pair + masked + by_tile + small + exact);
 }
 
 /// It has the kernel's name and the common workgroup.

@@ -2,6 +2,7 @@
 
 use super::buffers::Pipelines;
 use super::compile::Dump;
+use super::exact;
 use super::kernels::Snippet;
 use super::layout::LANES;
 use super::needs::{STORAGE_BUFFERS_BY_TILE, lacks};
@@ -48,6 +49,9 @@ pub struct Gpu {
 pub struct AdapterFeatures {
     /// f64 and 64-bit integers: rechecks, depths and shading in the adapter's own f64; without them in 32-bit words.
     pub f64: bool,
+    /// Its f64 failed the test at opening: see [`super::exact`].
+    #[serde(skip)]
+    pub f64_is_wrong: bool,
     /// 64-bit atomic minimum and maximum: one dispatch for the depth test instead of two.
     pub atomics64: bool,
     /// Subgroups of at least as many threads as a tile has columns: `raster` goes tile by tile, and `small` draws small triangles.
@@ -68,6 +72,7 @@ impl AdapterFeatures {
             && limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS_BY_TILE;
         AdapterFeatures {
             f64: int64 && features.contains(wgpu::Features::SHADER_F64),
+            f64_is_wrong: false,
             atomics64: int64 && features.contains(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX),
             lanes,
             wide: lanes && info.subgroup_max_size > LANES,
@@ -168,7 +173,7 @@ impl Gpu {
         adapter.map(|a| Gpu::from_adapter(&a, options)).transpose()
     }
 
-    /// Opens an adapter.
+    /// Opens an adapter; without its f64, if that is wrong.
     pub fn from_adapter(adapter: &wgpu::Adapter, options: &GpuOptions) -> Result<Gpu> {
         let info = adapter.get_info();
         let limits = adapter.limits();
@@ -195,7 +200,7 @@ impl Gpu {
             }
         });
         let dump = options.dump_kernels.as_deref().map(Dump::new).transpose()?;
-        Ok(Gpu {
+        let mut gpu = Gpu {
             device,
             queue,
             info,
@@ -206,7 +211,12 @@ impl Gpu {
             dump,
             pipelines: Pipelines::default(),
             failed,
-        })
+        };
+        // that backend runs nothing
+        if gpu.info.backend != wgpu::Backend::Noop {
+            exact::check(&mut gpu)?;
+        }
+        Ok(gpu)
     }
 
     /// Compiles kernels from here on as they stand: without the bounds of indices and loops that wgpu adds to them. No kernel
