@@ -4,12 +4,14 @@
 use anamorph::internals::engine::stage::Stages;
 use anamorph::internals::engine::stage::all_kernels;
 use anamorph::internals::gpu::buffers::Pipeline;
-use anamorph::internals::gpu::device::{AdapterFeatures, STORAGE_BUFFERS, STORAGE_BUFFERS_BY_TILE};
+use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::gpu::kernels::{Access, Binding, Kernel, Snippet, Variant};
-use anamorph::internals::gpu::layout::LANES;
+use anamorph::internals::gpu::layout::{GROUP, LANES, TEXELS_A_ROW};
+use anamorph::internals::gpu::needs::{NEEDS, STORAGE_BUFFERS, STORAGE_BUFFERS_BY_TILE, lacks};
 use anamorph::internals::gpu::{Gpu, GpuOptions};
 use anamorph::internals::image::frame::Channel;
 use rayon::prelude::*;
+use std::collections::HashSet;
 use wgpu::Features;
 
 /// wgpu's defaults (128 MiB bindings, 65,535 workgroups a side) and as many storage buffers as the kernels bind.
@@ -206,11 +208,8 @@ fn kernels_are_written_as_they_are_compiled() {
 }
 
 #[test]
-fn one_storage_buffer_fewer_is_an_error_that_names_it() {
+fn a_kernel_with_more_storage_buffers_than_there_are_is_an_error_that_names_it() {
     let few = |most| wgpu::Limits { max_storage_buffers_per_shader_stage: most, ..limits() };
-    let error = open(Features::empty(), few(STORAGE_BUFFERS - 1), &GpuOptions::default()).err().expect("an error");
-    assert!(error.to_string().contains(&format!("{} storage buffers", STORAGE_BUFFERS - 1)), "{error}");
-    // of a kernel that binds more
     let gpu = open(Features::empty(), few(STORAGE_BUFFERS), &GpuOptions::default()).unwrap();
     let bounce = all_kernels(Variant::every(false, false).into_iter().find(|v| v.bounces_rays()).unwrap(), &[]);
     Pipeline::new(&gpu, bounce.into_iter().find(|k| k.name == "bounce").unwrap());
@@ -218,16 +217,82 @@ fn one_storage_buffer_fewer_is_an_error_that_names_it() {
     assert!(error.contains("kernel bounce needs 10 storage buffers, there are 8") && !error.contains('\n'), "{error}");
 }
 
+/// Kernels of scenes without optics, samples, caustics and the channel `certified`, pair by pair.
+fn plain_kernels(f64: bool, atomics64: bool) -> Vec<Kernel> {
+    let channels: Vec<Channel> = Channel::every().filter(|c| *c != Channel::Certified).collect();
+    let plain = Variant::every(f64, atomics64).into_iter().filter(|v| v.optics.is_none() && v.samples <= 1);
+    plain.flat_map(|v| all_kernels(v, &channels)).filter(|k| k.name != "gather").collect()
+}
+
 #[test]
-fn plain_scenes_and_raster_by_tile_bind_as_many_storage_buffers_as_is_said() {
-    let every: Vec<Channel> = Channel::every().filter(|c| *c != Channel::Certified).collect();
-    let most = |variants: Vec<Variant>, channels: &[Channel]| {
-        let kernels = variants.into_iter().flat_map(|v| all_kernels(v, channels));
-        kernels.filter(|k| k.name != "gather").map(|k| k.storage_buffers()).max()
+fn plain_scenes_take_what_is_said_and_webgpu_has_it_by_default() {
+    let kernels = plain_kernels(true, true);
+    let most = |of: fn(&Binding) -> bool| {
+        let count = |k: &Kernel| k.bindings.iter().filter(|b| of(b)).count() as u32;
+        kernels.iter().map(count).max().unwrap()
     };
-    let all = || Variant::every(true, true).into_iter();
-    let plain = all().filter(|v| v.optics.is_none() && v.samples <= 1).collect();
-    assert_eq!(most(plain, &every), Some(STORAGE_BUFFERS));
-    let by_tile = all().flat_map(|v| [v, v.with_tiles(), v.with_tiles().with_small()]).collect();
-    assert_eq!(most(by_tile, &Channel::every().collect::<Vec<_>>()), Some(STORAGE_BUFFERS_BY_TILE));
+    let taken = [
+        most(|b| matches!(b.access, Access::Read | Access::Write)),
+        most(|b| b.access == Access::Uniform),
+        most(|b| b.access == Access::Texels),
+        most(|b| b.access == Access::WriteTexels),
+        GROUP,
+        TEXELS_A_ROW,
+    ];
+    assert_eq!(NEEDS.map(|need| need.needed), taken);
+    let defaults = wgpu::Limits::defaults();
+    assert!(NEEDS.iter().all(|need| need.needed <= (need.allowed)(&defaults)));
+    assert!(lacks(&defaults).is_none());
+    // what has no row: memory of workgroups, and structs in uniform buffers, which are small
+    let mut seen = HashSet::new();
+    for kernel in kernels.iter().filter(|k| seen.insert(k.source())) {
+        let module = naga::front::wgsl::parse_str(&kernel.source()).unwrap();
+        for (_, global) in module.global_variables.iter() {
+            assert_ne!(global.space, naga::AddressSpace::WorkGroup, "{}", kernel.name);
+            let bytes = u64::from(module.types[global.ty].inner.size(module.to_ctx()));
+            let is_large =
+                global.space == naga::AddressSpace::Uniform && bytes > defaults.max_uniform_buffer_binding_size;
+            assert!(!is_large, "{}: {bytes} bytes", kernel.name);
+        }
+        assert!((kernel.bindings.len() as u32) < defaults.max_bindings_per_bind_group);
+    }
+}
+
+/// By wgpu's own checks; f64 that the adapter has not is done in 32-bit words.
+#[test]
+fn kernels_of_plain_scenes_compile_with_the_default_limits_of_webgpu() {
+    let sets = [(Features::empty(), false), (F64, false), (ATOMICS, true), (F64.union(ATOMICS), true)];
+    sets.into_par_iter().for_each(|(features, atomics64)| {
+        let gpu = open(features, wgpu::Limits::defaults(), &GpuOptions::default()).unwrap();
+        plain_kernels(true, atomics64).into_iter().for_each(|kernel| drop(Pipeline::new(&gpu, kernel)));
+        gpu.failure().unwrap_or_else(|e| panic!("{features:?}: {e}"));
+    });
+}
+
+#[test]
+fn an_adapter_with_less_is_an_error_that_names_it() {
+    let less: [fn(&mut wgpu::Limits); NEEDS.len()] = [
+        |l| l.max_storage_buffers_per_shader_stage = 7,
+        |l| l.max_uniform_buffers_per_shader_stage = 1,
+        |l| l.max_sampled_textures_per_shader_stage = 2,
+        |l| l.max_storage_textures_per_shader_stage = 0,
+        |l| l.max_compute_workgroup_size_x = 32,
+        |l| l.max_texture_dimension_2d = 2048,
+    ];
+    for (need, less) in NEEDS.iter().zip(less) {
+        let mut few = limits();
+        less(&mut few);
+        let error = open(Features::empty(), few.clone(), &GpuOptions::default()).err().expect("an error").to_string();
+        let says =
+            format!("(noop): {} {}, {} needed; use --engine reference", (need.allowed)(&few), need.what, need.needed);
+        assert!(error.starts_with("adapter ") && error.ends_with(&says), "{error}");
+    }
+}
+
+#[test]
+fn raster_by_tile_binds_as_many_storage_buffers_as_is_said() {
+    let by_tile = Variant::every(true, true).into_iter().flat_map(|v| [v, v.with_tiles(), v.with_tiles().with_small()]);
+    let kernels = by_tile.flat_map(|v| all_kernels(v, &Channel::every().collect::<Vec<_>>()));
+    let most = kernels.filter(|k| k.name != "gather").map(|k| k.storage_buffers()).max();
+    assert_eq!(most, Some(STORAGE_BUFFERS_BY_TILE));
 }

@@ -21,6 +21,7 @@ mod kernels {
     mod fit;
     mod gather;
     mod meet;
+    mod opened;
     mod planted;
     mod raster;
     mod shade;

@@ -1,11 +1,11 @@
-//! Every kernel of every variant is valid WGSL with the least capabilities that the variant may use, becomes SPIR-V,
-//! and keeps f64 to the operations that every driver translates right.
+//! Every kernel of every variant is valid WGSL with the least capabilities that the variant may use, is translated for every backend
+//! that has these, and keeps f64 to the operations that every driver translates right.
 
 use anamorph::internals::engine::stage;
-use anamorph::internals::gpu::control;
 use anamorph::internals::gpu::kernels::{Kernel, Variant};
 use anamorph::internals::gpu::layout::GROUP;
 use anamorph::internals::gpu::soft_f64::lowered;
+use anamorph::internals::gpu::{control, exact};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::rivals;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -13,8 +13,10 @@ use naga::{Expression, Function, MathFunction, Module, ScalarKind, ShaderStage, 
 use std::collections::HashSet;
 
 mod wgsl {
+    mod backends;
     mod headers;
     mod scan;
+    pub use backends::assert_translated;
     pub use headers::assert_scanned_right;
 }
 
@@ -24,7 +26,8 @@ fn variants() -> impl Iterator<Item = Variant> {
 }
 
 /// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
-const WIDE: [&str; 14] = [
+const WIDE: [&str; 15] = [
+    "exact",
     "small",
     "raster",
     "recheck",
@@ -71,6 +74,7 @@ fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
 fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
     let controls = [control::read_only(), control::write_only(), control::subgroup_width()];
     controls.iter().for_each(|k| check(k, Variant::PLAIN));
+    check(&exact::kernel(), Variant { f64: true, ..Variant::PLAIN });
     for variant in variants() {
         stage::all_kernels(variant, &Channel::every().collect::<Vec<_>>()).iter().for_each(|k| check(k, variant));
         for wide in [false, true] {
@@ -131,7 +135,7 @@ fn every_kernel_is_valid_and_portable() {
         assert_one_entry_point(kernel, &module, &what);
         assert_globals_are_bindings(kernel, &module, &what);
         wgsl::assert_scanned_right(kernel, &module, &what);
-        assert_becomes_spirv(kernel, &module, &info, &what);
+        wgsl::assert_translated(kernel, &module, &info, caps);
         // SPIR-V's sine, exponential and the like take no f64
         assert_eq!(forbidden_f64(&module, &info), [], "{what}");
         // a driver need not round f64 to f32 and back
@@ -152,7 +156,8 @@ fn every_kernel_is_valid_and_portable() {
     let by_tile = 2 * 2 * (all - 6 + 2 * 2);
     // and small where pieces have one layer and one sample: plain, with lights in places, and with each of five kinds of surface
     let small = 2 * 2 * (1 + 1 + 5);
-    assert_eq!(wide, by_pair + masked + by_tile + small);
+    let exact = 1;
+    assert_eq!(wide, by_pair + masked + by_tile + small + exact);
 }
 
 /// It has the kernel's name and the common workgroup.
@@ -175,17 +180,6 @@ fn assert_globals_are_bindings(kernel: &Kernel, module: &Module, what: &str) {
     assert_eq!(globals, table, "{what}");
 }
 
-fn assert_becomes_spirv(kernel: &Kernel, module: &Module, info: &ModuleInfo, what: &str) {
-    let mut constants = naga::back::PipelineConstants::default();
-    constants.extend(kernel.constants.iter().map(|&(name, value)| (name.to_string(), value)));
-    let entry = Some((ShaderStage::Compute, kernel.name));
-    let (module, info) = naga::back::pipeline_constants::process_overrides(module, info, entry, &constants)
-        .unwrap_or_else(|e| panic!("{what}: {e}"));
-    let words = naga::back::spv::write_vec(&module, &info, &naga::back::spv::Options::default(), None)
-        .unwrap_or_else(|e| panic!("{what}: {e}"));
-    assert_eq!(words.first(), Some(&0x0723_0203), "{what}: the magic number of SPIR-V");
-}
-
 #[test]
 fn every_kernel_does_without_f64_once_it_is_lowered() {
     let mut checked = HashSet::new();
@@ -199,12 +193,13 @@ fn every_kernel_does_without_f64_once_it_is_lowered() {
         let mut caps = allowed(kernel, variant).difference(Capabilities::FLOAT64);
         let reads_keys = variant.atomics64 && kernel.name == "shade";
         caps.set(Capabilities::SHADER_INT64, caps.contains(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX) || reads_keys);
-        validate(&module, caps).unwrap_or_else(|e| panic!("{} {variant:?} with {caps:?}: {e}", kernel.name));
+        let info = validate(&module, caps).unwrap_or_else(|e| panic!("{} {variant:?} with {caps:?}: {e}", kernel.name));
+        wgsl::assert_translated(kernel, &module, &info, caps);
     });
 }
 
 #[test]
-fn every_draw_of_the_rivals_validates_becomes_spirv_and_binds_what_the_table_says() {
+fn every_draw_of_the_rivals_validates_is_translated_and_binds_what_the_table_says() {
     for kernel in each_draw() {
         let module = parse(&kernel.source()).unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
         let mut caps = Capabilities::empty();
@@ -217,12 +212,7 @@ fn every_draw_of_the_rivals_validates_becomes_spirv_and_binds_what_the_table_say
         for (binding, global) in module.global_variables.iter().filter_map(|(_, g)| g.binding.map(|b| (b, g))) {
             assert_eq!(global.name.as_deref(), Some(kernel.bindings[binding.binding as usize].name));
         }
-        let mut constants = naga::back::PipelineConstants::default();
-        constants.extend(kernel.constants.iter().map(|&(name, value)| (name.to_string(), value)));
-        let (module, info) = naga::back::pipeline_constants::process_overrides(&module, &info, None, &constants)
-            .unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
-        naga::back::spv::write_vec(&module, &info, &naga::back::spv::Options::default(), None)
-            .unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
+        wgsl::assert_translated(&kernel, &module, &info, caps);
     }
 }
 

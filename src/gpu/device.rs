@@ -2,8 +2,10 @@
 
 use super::buffers::Pipelines;
 use super::compile::Dump;
+use super::exact;
 use super::kernels::Snippet;
 use super::layout::LANES;
+use super::needs::{STORAGE_BUFFERS_BY_TILE, lacks};
 use crate::input::{Error, Result};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -12,7 +14,7 @@ use std::sync::{Arc, Mutex};
 /// The user's choice of adapter and features.
 #[derive(Debug, Clone, Default)]
 pub struct GpuOptions {
-    /// Part of the wanted adapter's name, any case.
+    /// Part of the wanted adapter's [`label`], any case.
     pub adapter: Option<String>,
     /// How many of these to skip: a machine may have several of one name.
     pub skipped: usize,
@@ -47,6 +49,9 @@ pub struct Gpu {
 pub struct AdapterFeatures {
     /// f64 and 64-bit integers: rechecks, depths and shading in the adapter's own f64; without them in 32-bit words.
     pub f64: bool,
+    /// Its f64 failed the test at opening: see [`super::exact`].
+    #[serde(skip)]
+    pub f64_is_wrong: bool,
     /// 64-bit atomic minimum and maximum: one dispatch for the depth test instead of two.
     pub atomics64: bool,
     /// Subgroups of at least as many threads as a tile has columns: `raster` goes tile by tile, and `small` draws small triangles.
@@ -67,6 +72,7 @@ impl AdapterFeatures {
             && limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS_BY_TILE;
         AdapterFeatures {
             f64: int64 && features.contains(wgpu::Features::SHADER_F64),
+            f64_is_wrong: false,
             atomics64: int64 && features.contains(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX),
             lanes,
             wide: lanes && info.subgroup_max_size > LANES,
@@ -88,33 +94,62 @@ impl AdapterFeatures {
     }
 }
 
-/// The adapters of this machine, the fastest kind first.
+/// Backends whose adapters are opened where this build has them, the best one of an adapter first: of all that wgpu drives, Vulkan
+/// alone offers f64 to kernels.
+const BACKENDS: [wgpu::Backends; 3] = [wgpu::Backends::VULKAN, wgpu::Backends::METAL, wgpu::Backends::DX12];
+
+/// The adapters of this machine under every backend: those that can run the kernels first, of these the fastest kind. A GPU with drivers
+/// for two backends is there twice.
 pub fn adapters() -> Vec<wgpu::Adapter> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends: wgpu::Backends::VULKAN,
-        // `args` bounds every indirect dispatch itself: no second check
-        flags: wgpu::InstanceFlags::empty(),
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    });
-    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
-    adapters.sort_by_key(|a| match a.get_info().device_type {
-        wgpu::DeviceType::DiscreteGpu => 0,
-        wgpu::DeviceType::IntegratedGpu => 1,
-        wgpu::DeviceType::VirtualGpu => 2,
-        wgpu::DeviceType::Other => 3,
-        wgpu::DeviceType::Cpu => 4,
+    let mut adapters: Vec<wgpu::Adapter> = BACKENDS.into_iter().flat_map(of_backend).collect();
+    // stable: the better backend stays first
+    adapters.sort_by_key(|a| {
+        let kind = match a.get_info().device_type {
+            wgpu::DeviceType::DiscreteGpu => 0,
+            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::VirtualGpu => 2,
+            wgpu::DeviceType::Other => 3,
+            wgpu::DeviceType::Cpu => 4,
+        };
+        (lacks(&a.limits()).is_some(), kind)
     });
     adapters
 }
 
+fn of_backend(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
+    let flags = match backends {
+        // without it `num_workgroups` is 0 in an indirect dispatch there
+        wgpu::Backends::DX12 => wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL,
+        // `args` bounds every indirect dispatch itself: no second check
+        _ => wgpu::InstanceFlags::empty(),
+    };
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        flags,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    pollster::block_on(instance.enumerate_adapters(backends))
+}
+
+/// An adapter's name, and its backend in brackets.
+pub fn label(info: &wgpu::AdapterInfo) -> String {
+    format!("{} ({})", info.name, info.backend)
+}
+
 /// Advice for a machine without adapters.
-pub const NO_ADAPTER: &str = "no Vulkan adapter found; install a driver (on Debian or Ubuntu the software one: apt-get install mesa-vulkan-drivers)";
+pub const NO_ADAPTER: &str = if cfg!(target_vendor = "apple") {
+    "no Metal adapter found"
+} else if cfg!(windows) {
+    "no Vulkan or DirectX 12 adapter found; install the driver of a GPU"
+} else {
+    "no Vulkan adapter found; install a driver (on Debian or Ubuntu the software one: apt-get install mesa-vulkan-drivers)"
+};
 
 impl Gpu {
     /// Opens the chosen adapter, or the first; `Ok(None)` if the machine has none.
     pub fn open(options: &GpuOptions) -> Result<Option<Gpu>> {
         let adapters = adapters();
-        let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
+        let names: Vec<String> = adapters.iter().map(|a| label(&a.get_info())).collect();
         let wanted = options.adapter.as_deref().map(str::to_lowercase);
         let adapter = match &wanted {
             None if options.skipped >= adapters.len() && !adapters.is_empty() => {
@@ -126,7 +161,7 @@ impl Gpu {
             }
             None => adapters.into_iter().nth(options.skipped),
             Some(w) => {
-                let named = |a: &wgpu::Adapter| a.get_info().name.to_lowercase().contains(w);
+                let named = |a: &wgpu::Adapter| label(&a.get_info()).to_lowercase().contains(w);
                 let found = adapters.into_iter().filter(named).nth(options.skipped);
                 if found.is_none() {
                     let names = if names.is_empty() { "none".into() } else { names.join(", ") };
@@ -138,19 +173,15 @@ impl Gpu {
         adapter.map(|a| Gpu::from_adapter(&a, options)).transpose()
     }
 
-    /// Opens an adapter.
+    /// Opens an adapter; without its f64, if that is wrong.
     pub fn from_adapter(adapter: &wgpu::Adapter, options: &GpuOptions) -> Result<Gpu> {
         let info = adapter.get_info();
         let limits = adapter.limits();
         let mut has = AdapterFeatures::of(adapter.features(), &info, &limits);
         has.atomics64 &= !options.no_int64;
         has.f64 &= !options.no_f64;
-        if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
-            let n = limits.max_storage_buffers_per_shader_stage;
-            let name = &info.name;
-            return Err(Error::work(format!(
-                "adapter {name}: {n} storage buffers a kernel, {STORAGE_BUFFERS} needed; use --engine reference"
-            )));
+        if let Some(lack) = lacks(&limits) {
+            return Err(Error::work(format!("adapter {}: {lack}; use --engine reference", label(&info))));
         }
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("anamorph"),
@@ -159,7 +190,7 @@ impl Gpu {
             ..Default::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|e| Error::work(format!("adapter {}: cannot open it: {}", info.name, one_line(e))))?;
+            .map_err(|e| Error::work(format!("adapter {}: cannot open it: {}", label(&info), one_line(e))))?;
         let failed = Arc::new(Mutex::new(None));
         let (uncaptured, lost) = (failed.clone(), failed.clone());
         device.on_uncaptured_error(Arc::new(move |e| note(&uncaptured, described(&e))));
@@ -169,7 +200,7 @@ impl Gpu {
             }
         });
         let dump = options.dump_kernels.as_deref().map(Dump::new).transpose()?;
-        Ok(Gpu {
+        let mut gpu = Gpu {
             device,
             queue,
             info,
@@ -180,7 +211,12 @@ impl Gpu {
             dump,
             pipelines: Pipelines::default(),
             failed,
-        })
+        };
+        // that backend runs nothing
+        if gpu.info.backend != wgpu::Backend::Noop {
+            exact::check(&mut gpu)?;
+        }
+        Ok(gpu)
     }
 
     /// Compiles kernels from here on as they stand: without the bounds of indices and loops that wgpu adds to them. No kernel
@@ -231,13 +267,6 @@ impl Gpu {
 fn note(failed: &Mutex<Option<String>>, text: String) {
     failed.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(text);
 }
-
-/// Storage buffers of the kernel that binds most in a scene without optics, samples, caustics and the channel `certified`, pair by pair:
-/// as many as every WebGPU adapter has. A kernel that binds more than the adapter has is an error when it is compiled.
-pub const STORAGE_BUFFERS: u32 = 8;
-
-/// The same tile by tile, in any scene: those of `edges`.
-pub const STORAGE_BUFFERS_BY_TILE: u32 = 12;
 
 /// The device's error, with advice if its memory is full.
 fn described(e: &wgpu::Error) -> String {

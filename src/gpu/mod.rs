@@ -5,8 +5,10 @@ pub mod buffers;
 mod compile;
 pub mod control;
 pub mod device;
+pub mod exact;
 pub mod kernels;
 pub mod layout;
+pub mod needs;
 pub mod recorder;
 pub mod soft_f64;
 

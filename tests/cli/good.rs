@@ -363,7 +363,10 @@ fn texts_are_printed() {
     assert!(place.works(&["render", "--help"]).contains("--samples"));
     assert!(place.works(&["camera", "--help"]).contains("Kinds of camera: pinhole"));
     assert!(place.works(&["camera", "--help", "mesh"]).contains("normalize"));
-    assert!(place.works(&["info"]).starts_with("anamorph "));
+    let info = place.works(&["info"]);
+    let backends = ["(vulkan, ", "(metal, ", "(dx12, "];
+    assert!(info.starts_with("anamorph "), "{info}");
+    assert_eq!(backends.iter().any(|backend| info.contains(backend)), place.has_adapter(), "{info}");
     let list = place.works(&["example", "--list"]);
     assert_eq!(list.lines().count(), anamorph::internals::tools::example::EXAMPLES.len(), "{list}");
     let pixel = place.works(&["render", "scene.toml", "--pixel", "32,24"]);

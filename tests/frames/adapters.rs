@@ -5,7 +5,7 @@ use crate::common;
 use anamorph::internals::camera::Rays;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Engine, RunOptions};
-use anamorph::internals::gpu::Gpu;
+use anamorph::internals::gpu::{Gpu, GpuOptions};
 use anamorph::internals::image::frame::{Channel, Frame};
 use common::any::any;
 use common::gpu::engine_on;
@@ -112,6 +112,42 @@ fn frames_are_the_same_whatever_the_adapter_has() {
             };
             assert!(same, "scene {number} without {what}");
         }
+    }
+}
+
+/// WebGPU's default limits: as many storage buffers as plain scenes bind, and bindings of 128 MiB.
+#[test]
+fn plain_frames_are_the_same_with_the_default_limits_of_webgpu() {
+    let small = engine_on(|gpu| (gpu.has.lanes, gpu.limits) = (false, wgpu::Limits::defaults()));
+    let (Some(mut small), Some(mut whole)) = (small, engine_on(|gpu| gpu.has.lanes = false)) else { return };
+    let wanted = Wanted { srgb8: true, ..Wanted::of(Channel::ALL.to_vec()) };
+    for number in SCENES {
+        let (scene, camera) = any(&mut Rng(number), SIZE);
+        let frame = |engine: &mut Engine| engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap();
+        let (a, b) = (frame(&mut small), frame(&mut whole));
+        assert!(!differs(&a.frame, &b.frame) && a.srgb8 == b.srgb8, "scene {number}");
+    }
+}
+
+/// With wgpu's own check of indirect dispatches, without which kernels cannot ask for the number of workgroups on DirectX 12.
+#[test]
+fn frames_are_the_same_with_checked_dispatches() {
+    let by_pair = |gpu: &mut Gpu| gpu.has.lanes = false;
+    let Some(mut plain) = engine_on(by_pair) else { return };
+    let backends = wgpu::Backends::from(plain.gpu.info.backend);
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        flags: wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let adapters = pollster::block_on(instance.enumerate_adapters(backends));
+    let adapter = adapters.iter().find(|a| a.get_info() == plain.gpu.info).expect("the same adapter");
+    let mut gpu = Gpu::from_adapter(adapter, &GpuOptions::default()).unwrap();
+    by_pair(&mut gpu);
+    let (plain, checked) = (frames(&mut plain), frames(&mut Engine::new(gpu)));
+    for (number, (plain, checked)) in SCENES.zip(plain.iter().zip(&checked)) {
+        let (Some(plain), Some(checked)) = (plain, checked) else { continue };
+        assert!(!differs(plain, checked), "scene {number}");
     }
 }
 

@@ -183,6 +183,7 @@ impl Case {
             wide: false,
             timestamps: false,
             clip_distances: false,
+            f64_is_wrong: false,
         };
         let planner = Planner { name: "test".into(), has, limit: self.limit, table_limit: self.limit };
         planner.plan(&self.scene, self.camera.clone(), &self.wanted, &self.run, None).map(|_| ())

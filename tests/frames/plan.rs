@@ -22,8 +22,15 @@ use glam::{DVec2, DVec3, Vec3};
 
 const SIZE: (u32, u32) = (101, 77);
 const LAVAPIPE_BINDING: u64 = 128 << 20;
-const HAS_ALL: AdapterFeatures =
-    AdapterFeatures { f64: true, atomics64: true, lanes: true, wide: false, timestamps: true, clip_distances: true };
+const HAS_ALL: AdapterFeatures = AdapterFeatures {
+    f64: true,
+    f64_is_wrong: false,
+    atomics64: true,
+    lanes: true,
+    wide: false,
+    timestamps: true,
+    clip_distances: true,
+};
 const HAS_NONE: AdapterFeatures = AdapterFeatures {
     f64: false,
     atomics64: false,
@@ -31,6 +38,7 @@ const HAS_NONE: AdapterFeatures = AdapterFeatures {
     wide: false,
     timestamps: false,
     clip_distances: false,
+    f64_is_wrong: false,
 };
 
 fn wanted(channels: &[Channel]) -> Wanted {

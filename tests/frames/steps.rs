@@ -43,8 +43,15 @@ ior = 1.5
 fresnel = true
 depth = 2"#;
 
-const HAS: AdapterFeatures =
-    AdapterFeatures { f64: true, atomics64: true, lanes: true, wide: false, timestamps: true, clip_distances: true };
+const HAS: AdapterFeatures = AdapterFeatures {
+    f64: true,
+    f64_is_wrong: false,
+    atomics64: true,
+    lanes: true,
+    wide: false,
+    timestamps: true,
+    clip_distances: true,
+};
 
 /// What frames are made of: a camera, an adapter, contents, and what is wanted of them.
 struct Case {

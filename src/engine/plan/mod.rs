@@ -473,7 +473,8 @@ fn left_out(
         say("fragment counters", "no report asked for".into());
     }
     if !has.f64 {
-        say("the adapter's f64", "it has none, or no 64-bit integers: f64 is done in 32-bit words".into());
+        let why = if has.f64_is_wrong { "it failed a test" } else { "it has none, or no 64-bit integers" };
+        say("the adapter's f64", format!("{why}: f64 is done in 32-bit words"));
     }
     if has.atomics64 {
         say("second depth dispatch", "the adapter has 64-bit atomics".into());

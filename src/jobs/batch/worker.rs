@@ -9,6 +9,7 @@ use crate::engine::report::Device;
 use crate::engine::sequence::Sequence;
 use crate::engine::{Engine, RunOptions};
 use crate::gpu::device::{GpuOptions, NO_ADAPTER, adapters};
+use crate::gpu::needs::lacks;
 use crate::input::files::Inputs;
 use crate::input::{Error, Result};
 use crate::jobs::{Backend, Seen, Work};
@@ -371,14 +372,23 @@ impl Driver<'_> {
     }
 }
 
-/// The hardware adapters; if there are none, the software ones.
+/// The hardware adapters; if there are none, the software ones. Each once, under the best of its backends.
 fn all_adapters() -> Vec<GpuOptions> {
-    let all: Vec<_> = adapters().iter().map(wgpu::Adapter::get_info).collect();
-    let is_hard = |info: &&wgpu::AdapterInfo| info.device_type != wgpu::DeviceType::Cpu;
-    let count = all.iter().filter(is_hard).count();
-    // the fastest kinds come first
-    let own = 0..if count > 0 { count } else { all.len().max(1) };
-    own.map(|skipped| GpuOptions { skipped, ..GpuOptions::default() }).collect()
+    // those that cannot run the kernels come last
+    let is_able = |a: &&wgpu::Adapter| lacks(&a.limits()).is_none();
+    let infos: Vec<_> = adapters().iter().take_while(is_able).map(wgpu::Adapter::get_info).collect();
+    numbers(&infos).into_iter().map(|skipped| GpuOptions { skipped, ..GpuOptions::default() }).collect()
+}
+
+/// The numbers of these adapters among all of a machine. One of these ids that another backend has before is the same GPU.
+fn numbers(all: &[wgpu::AdapterInfo]) -> Vec<usize> {
+    let is_hard = |info: &wgpu::AdapterInfo| info.device_type != wgpu::DeviceType::Cpu;
+    let any_hard = all.iter().any(is_hard);
+    let ids = |info: &wgpu::AdapterInfo| (info.vendor, info.device);
+    let is_known = |k: usize| all[..k].iter().any(|o| ids(o) == ids(&all[k]) && o.backend != all[k].backend);
+    let own: Vec<usize> = (0..all.len()).filter(|&k| is_hard(&all[k]) == any_hard && !is_known(k)).collect();
+    // without any, the worker finds that out
+    if own.is_empty() { vec![0] } else { own }
 }
 
 enum Launched {
@@ -386,4 +396,24 @@ enum Launched {
     Seen(Box<Seen>, f64),
     /// The device was lost during the previous frame.
     Not,
+}
+
+#[test]
+fn a_gpu_of_two_backends_works_once() {
+    let info =
+        |device_type, backend, device| wgpu::AdapterInfo { device, ..wgpu::AdapterInfo::new(device_type, backend) };
+    use wgpu::Backend::{Dx12, Vulkan};
+    use wgpu::DeviceType::{Cpu, DiscreteGpu, IntegratedGpu};
+    let all = [
+        info(DiscreteGpu, Vulkan, 1),
+        info(DiscreteGpu, Vulkan, 1),
+        info(DiscreteGpu, Dx12, 1),
+        info(DiscreteGpu, Dx12, 1),
+        info(IntegratedGpu, Dx12, 2),
+        info(Cpu, Vulkan, 3),
+        info(Cpu, Dx12, 4),
+    ];
+    assert_eq!(numbers(&all), [0, 1, 4]);
+    assert_eq!(numbers(&all[5..]), [0, 1]);
+    assert_eq!(numbers(&[]), [0]);
 }

@@ -5,7 +5,8 @@ mod contents;
 use super::args::InfoArgs;
 use super::say::print;
 use crate::gpu::Gpu;
-use crate::gpu::device::{AdapterFeatures, NO_ADAPTER, STORAGE_BUFFERS, adapters};
+use crate::gpu::device::{AdapterFeatures, NO_ADAPTER, adapters};
+use crate::gpu::needs::lacks;
 use crate::input::{Error, Result};
 use serde::Serialize;
 use std::fmt;
@@ -52,7 +53,7 @@ struct Paths {
     mapping: &'static str,
     stage_times: &'static str,
     clipping: &'static str,
-    usable: &'static str,
+    usable: String,
 }
 
 pub fn run(args: &InfoArgs) -> Result<()> {
@@ -82,7 +83,6 @@ fn of_adapter(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
 
 fn about(info: &wgpu::AdapterInfo, limits: &wgpu::Limits, has: AdapterFeatures, chosen: bool) -> AdapterInfo {
     let either = |ability: bool, yes: &'static str, no: &'static str| if ability { yes } else { no };
-    let enough = limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS;
     AdapterInfo {
         name: info.name.clone(),
         driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
@@ -116,7 +116,7 @@ fn about(info: &wgpu::AdapterInfo, limits: &wgpu::Limits, has: AdapterFeatures, 
             },
             stage_times: either(has.timestamps, "GPU timestamps", "none"),
             clipping: either(has.clip_distances, "yes", "none: raster-* are refused but raster-cubemap"),
-            usable: either(enough, "yes", "no: too few storage buffers a kernel; use --engine reference"),
+            usable: lacks(limits).map_or("yes".into(), |lack| format!("no: {lack}; use --engine reference")),
         },
     }
 }
@@ -136,9 +136,8 @@ impl fmt::Display for AdapterInfo {
         let chosen = if self.chosen { ", chosen by default" } else { "" };
         let yes = |ability: bool| if ability { "yes" } else { "no" };
         let (has, limits, paths) = (&self.abilities, &self.limits, &self.paths);
-        writeln!(f, "\n{} ({}{chosen})", self.name, self.kind)?;
+        writeln!(f, "\n{} ({}, {}{chosen})", self.name, self.backend, self.kind)?;
         writeln!(f, "  driver            {}", self.driver)?;
-        writeln!(f, "  backend           {}", self.backend)?;
         writeln!(f, "  usable            {}", paths.usable)?;
         writeln!(f, "  f64               {:<4} -> {}", yes(has.f64), paths.arithmetic)?;
         writeln!(f, "  64-bit atomics    {:<4} -> {}", yes(has.atomics64), paths.depth_test)?;
