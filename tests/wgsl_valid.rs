@@ -26,10 +26,11 @@ fn variants() -> impl Iterator<Item = Variant> {
 }
 
 /// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
-const WIDE: [&str; 15] = [
+const WIDE: [&str; 16] = [
     "exact",
     "small",
     "raster",
+    "trace",
     "recheck",
     "certify",
     "sample",
@@ -39,7 +40,7 @@ const WIDE: [&str; 15] = [
     "meet",
     "bounce",
     "paste",
-    "trace",
+    "raytrace",
     "take",
     "unfold",
 ];
@@ -49,7 +50,7 @@ const WIDE: [&str; 15] = [
 fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
     let mut caps = Capabilities::empty();
     caps.set(Capabilities::FLOAT64, variant.f64 && WIDE.contains(&kernel.name));
-    let merges = ["small", "raster", "recheck", "meet", "recheck_samples"].contains(&kernel.name);
+    let merges = ["small", "raster", "trace", "recheck", "meet", "recheck_samples"].contains(&kernel.name);
     caps.set(
         Capabilities::SHADER_INT64_ATOMIC_MIN_MAX,
         variant.atomics64 && (merges || kernel.name == "sample" && !variant.by_tile),
@@ -156,8 +157,11 @@ fn every_kernel_is_valid_and_portable() {
     let by_tile = 2 * 2 * (all - 6 + 2 * 2);
     // and small where pieces have one layer and one sample: plain, with lights in places, and with each of five kinds of surface
     let small = 2 * 2 * (1 + 1 + 5);
+    // where rays may be traced: pieces with both ways, by tile and with small too; pieces and a field without raster, three cameras of curves,
+    // with rivals each; and the bounced rays of four kinds of optics, three of them smooth
+    let traced = 4 * (5 + 2 * 4 + 3 * 3 + 6 * 4 + 4 * 5 + 3) + 2 * 2 + 2;
     let exact = 1;
-    assert_eq!(wide, by_pair + masked + by_tile + small + exact);
+    assert_eq!(wide, by_pair + masked + by_tile + small + traced + exact);
 }
 
 /// It has the kernel's name and the common workgroup.

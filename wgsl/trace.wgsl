@@ -2,12 +2,14 @@
 // Reads a hierarchy of boxes around the chunk's triangles, triangles, vertices, cells and the camera's rays; follows each pixel's path
 // to the nearest triangle that it meets at a t in range, and writes its visibility key. What f32 does not prove on the way is left to
 // recheck. The list recheck_items may overflow: the counter keeps counting.
-// Needs: Path, SLABBED, Stretch, box_hits, bvh_scale, bvh_triangle, has_ray, is_seen, key_of, last_of, merge, nothing_seen, path_of,
-//   pixel_at, stretch_of, stretches, with_triangle
-// Binds: counters, params
+// Needs: COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_UNFINISHED, Path, SLABBED, Seen, Stretch, box_hits, bvh_scale, bvh_triangle,
+//   has_ray, is_seen, key_of, last_of, merge, nothing_seen, path_of, pixel_at, stretch_of, stretches, with_triangle
+// Binds: counters, params, step
 
 // Nodes and triangles that a path is tested against at most: software adapters end the loops of 16 threads after 65535 rounds in all.
 const ROUNDS: u32 = 4000u;
+
+override COUNTING: bool = false;
 
 // Groups of boxes that wait; the host refuses deeper hierarchies.
 const STACK: u32 = 32u;
@@ -35,6 +37,7 @@ fn trace(
             let path = path_of(layer, at.x, at.y);
             var seen = nothing_seen();
             var rounds = 0u;
+            var tested = 0u;
             var k = 0u;
             loop {
                 if k == stretches() {
@@ -44,10 +47,15 @@ fn trace(
                 let found = followed(path, stretch, seen, rounds);
                 seen = found.seen;
                 rounds = found.rounds;
+                tested += found.tested;
                 k++;
                 if last_of(stretch, seen) < stretch.last || rounds >= ROUNDS {
                     break;
                 }
+            }
+            if COUNTING && step.value == 0u {
+                atomicAdd(&counters[COUNT_FRAGMENTS_TESTED], tested);
+                atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], select(0u, 1u, is_seen(seen)));
             }
             if rounds >= ROUNDS {
                 atomicAdd(&counters[COUNT_UNFINISHED], 1u);
@@ -61,10 +69,11 @@ fn trace(
     }
 }
 
-// What a path met, after so many rounds.
+// What a path met, after how many nodes and triangles in all, and how many triangles of its stretch.
 struct Followed {
     seen: Seen,
     rounds: u32,
+    tested: u32,
 }
 
 // Goes down a hierarchy of eight boxes a node (Ylitie et al. 2017). A group is the number of the first node of some, and bits: which of
@@ -76,6 +85,7 @@ fn followed(path: Path, stretch: Stretch, before: Seen, rounds_before: u32) -> F
     let octant = select(4u, 0u, d.x < 0.0) | select(2u, 0u, d.y < 0.0) | select(1u, 0u, d.z < 0.0);
     var seen = before;
     var rounds = rounds_before;
+    var tested = 0u;
     var waiting: array<vec2<u32>, STACK>;
     var count = 0u;
     var group = vec2<u32>(0u, 0x80000000u);
@@ -89,6 +99,7 @@ fn followed(path: Path, stretch: Stretch, before: Seen, rounds_before: u32) -> F
         let met = box_hits(node, stretch, inverse, octant, last_of(stretch, seen));
         group = met.nodes;
         rounds += 1u + countOneBits(met.triangles);
+        tested += countOneBits(met.triangles);
 
         // test the triangles of those that are leaves
         var triangles = met.triangles;
@@ -111,5 +122,5 @@ fn followed(path: Path, stretch: Stretch, before: Seen, rounds_before: u32) -> F
             group = waiting[count];
         }
     }
-    return Followed(seen, rounds);
+    return Followed(seen, rounds, tested);
 }

@@ -41,19 +41,17 @@ pub struct Clustered {
     pub without_area: usize,
 }
 
-/// Bytes of a triangle and of a vertex in the largest single buffer that holds them.
-const TRIANGLE_BYTES: u64 = 16;
-const TEXTURED_BYTES: u64 = 48;
+/// Bytes of a triangle and of a vertex in the largest table that holds them: where images lie, or what trace tests.
+const TRIANGLE_BYTES: u64 = 48;
 const VERTEX_BYTES: u64 = size_of::<Vertex>() as u64;
 
 /// Splits a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with texture coordinates where they are to be
 /// `textured`.
 pub fn cluster(mesh: &Mesh, anchor: DVec3, textured: bool, binding_limit: u64) -> Clustered {
-    let triangle_bytes = if textured { TEXTURED_BYTES } else { TRIANGLE_BYTES };
-    let whole = mesh.triangles.len() as u64 * triangle_bytes <= binding_limit
+    let whole = mesh.triangles.len() as u64 * TRIANGLE_BYTES <= binding_limit
         && mesh.positions.len() as u64 * VERTEX_BYTES <= binding_limit;
     let per_chunk =
-        if whole { mesh.triangles.len() as u64 } else { binding_limit / triangle_bytes.max(3 * VERTEX_BYTES) };
+        if whole { mesh.triangles.len() as u64 } else { binding_limit / TRIANGLE_BYTES.max(3 * VERTEX_BYTES) };
     let count = mesh.triangles.len() as u64;
     let mut chunks: Vec<Chunk> = (0..count)
         .step_by(per_chunk.max(1) as usize)

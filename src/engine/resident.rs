@@ -14,7 +14,7 @@ use crate::engine::plan::{Band, Plan};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::kernels::{LightsKind, Method};
-use crate::gpu::layout::{BUILD_COST, Params, TRACE_COST};
+use crate::gpu::layout::Params;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use wgpu::BufferUsages;
@@ -365,6 +365,10 @@ impl Resident {
         chunks + rest + self.bounce_tables.as_ref().map_or(0, BounceTables::bytes)
     }
 }
+
+/// What tracing a pixel costs, in the units of [`crate::gpu::layout::CULL_COST`], and building a hierarchy, a triangle.
+const TRACE_COST: u32 = 16;
+const BUILD_COST: u32 = 15;
 
 /// What tracing the rays of a band costs.
 pub fn trace_cost(plan: &Plan, band: &Band) -> u64 {

@@ -101,14 +101,11 @@ counters! {
 pub const COUNTERS: u32 = CULL_QUEUES + Counter::ALL.len() as u32;
 
 /// What things cost, in tenths of a microsecond on a software adapter beside other work: an item of cull's queue, a triangle group for bin,
-/// a triangle that small leaves to it, a pair, and tracing a pixel. Measured for `bench_results/lab.md`; only their ratios count.
+/// a triangle that small leaves to it, and a pair. Only their ratios count; the measurements are in `bench_results/lab.md`.
 pub const CULL_COST: u32 = 60;
 pub const TASK_COST: u32 = 60;
 pub const LARGE_COST: u32 = 4;
 pub const PAIR_COST: u32 = 3;
-pub const TRACE_COST: u32 = 16;
-/// Building the hierarchy, a triangle.
-pub const BUILD_COST: u32 = 15;
 
 /// Bits of the last word of a triangle: id below, file order above, one-sidedness on top.
 pub const ID_BITS_MAX: u32 = 28;

@@ -27,9 +27,9 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
     };
     let search =
         if brute { snippets!("rivals/brute.wgsl") } else { snippets!("rivals/hierarchy.wgsl", "shared/bvh.wgsl") };
-    let own = [SEGMENT, search, path, snippets!("rivals/trace.wgsl")];
+    let own = [SEGMENT, search, path, snippets!("rivals/raytrace.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SLABS, KEY][..], &variant.pixel_snippets(), &own].concat();
-    let mut kernel = Kernel::new("trace", bindings, &snippets);
+    let mut kernel = Kernel::new("raytrace", bindings, &snippets);
     kernel.constants = variant.constants();
     kernel.constants.extend([("LAYERS", f64::from(layers)), ("SEGMENTS", f64::from(segments))]);
     kernel

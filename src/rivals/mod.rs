@@ -9,10 +9,10 @@ mod draw;
 pub mod kernels;
 pub mod layout;
 mod outline;
+mod raytrace;
 mod replicated;
 mod splat;
 mod through_pieces;
-mod trace;
 
 use crate::engine::rival::{Choice, Parameter, Technique};
 use crate::engine::stage::Scopes;
@@ -20,15 +20,15 @@ use crate::gpu::buffers::Buffers;
 
 /// All rivals.
 pub const TECHNIQUES: &[Technique] = &[
-    Technique { name: "raytrace", parameter: None, culls: false, draws: false, make: trace::rebuilt },
-    Technique { name: "raytrace-refit", parameter: None, culls: false, draws: false, make: trace::refitted },
-    Technique { name: "raytrace-brute", parameter: None, culls: false, draws: false, make: trace::brute },
+    Technique { name: "raytrace", parameter: None, culls: false, draws: false, make: raytrace::rebuilt },
+    Technique { name: "raytrace-refit", parameter: None, culls: false, draws: false, make: raytrace::refitted },
+    Technique { name: "raytrace-brute", parameter: None, culls: false, draws: false, make: raytrace::brute },
     Technique {
         name: "raymarch-segments",
         parameter: Some(Parameter { name: "segments", default: 8, least: 1, most: 256 }),
         culls: false,
         draws: false,
-        make: trace::segments,
+        make: raytrace::segments,
     },
     Technique {
         name: "raster-warp",

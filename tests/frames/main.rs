@@ -18,6 +18,7 @@ mod determinism;
 mod frame_reference;
 mod layered_reference;
 mod memory;
+mod methods;
 mod optics;
 mod overflow;
 mod plan;

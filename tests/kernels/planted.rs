@@ -3,6 +3,7 @@
 use crate::common::cameras::pinhole;
 use crate::common::file::camera_of;
 use crate::common::gpu::{engine_on, ids};
+use crate::common::layered;
 use crate::common::needs::skip;
 use crate::common::rng::Rng;
 use crate::common::{FORWARD, camera, mesh, scene, soup};
@@ -10,7 +11,7 @@ use crate::stages::slab_on_rays;
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::plan::samples::sample_offsets;
-use anamorph::internals::engine::{Engine, Rendered, RunOptions};
+use anamorph::internals::engine::{Engine, Method, Rendered, RunOptions};
 use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::geometry::place;
 use anamorph::internals::geometry::texture::{Texels, Texture};
@@ -58,6 +59,26 @@ fn seen(engine: &mut Engine) -> Result<(), String> {
     seen_by(engine, &eye())
 }
 
+/// The same by tracing.
+fn traced(engine: &mut Engine) -> Result<(), String> {
+    seen_with(engine, &eye(), &crowd(), Method::Trace)
+}
+
+/// Curves, by tracing.
+fn traced_curves(engine: &mut Engine) -> Result<(), String> {
+    seen_with(engine, &layered::wavy(3, 0.8, false, SIZE), &crowd(), Method::Trace)
+}
+
+/// A slab whose vertices lie on rays has no holes, by tracing.
+fn traced_no_holes(engine: &mut Engine) -> Result<(), String> {
+    let camera = eye();
+    let slab = scene(slab_on_rays(&camera, 1));
+    let run = RunOptions { method: Method::Trace, ..RunOptions::default() };
+    let [raster, trace] = [RunOptions { method: Method::Raster, ..run.clone() }, run]
+        .map(|run| engine.render(&slab, &camera, &centres(&[Channel::T, Channel::TriangleId]), &run).unwrap());
+    demand(ids(&raster.frame) == ids(&trace.frame), "the slab shows other triangles, or has holes")
+}
+
 /// The same with a ball that mirrors what is around it.
 fn mirrored(engine: &mut Engine) -> Result<(), String> {
     let eye = "eye = { kind = \"pinhole\", eye = [0.1, 0.2, 3], target = [0, 0, 0], vfov = 40 }";
@@ -66,9 +87,13 @@ fn mirrored(engine: &mut Engine) -> Result<(), String> {
 }
 
 fn seen_by(engine: &mut Engine, camera: &Camera) -> Result<(), String> {
-    let scene = crowd();
-    let seen = frame(engine, &scene, camera, &centres(&Channel::ALL)).frame;
-    let judged = judge(&scene, camera, &seen);
+    seen_with(engine, camera, &crowd(), Method::Raster)
+}
+
+fn seen_with(engine: &mut Engine, camera: &Camera, scene: &Scene, method: Method) -> Result<(), String> {
+    let run = RunOptions { method, ..RunOptions::default() };
+    let seen = engine.render(scene, camera, &centres(&Channel::ALL), &run).unwrap().frame;
+    let judged = judge(scene, camera, &seen);
     let truth = ids(&judged.truth);
     let wrong = (0..truth.len()).filter(|&k| judged.safe[k] && truth[k] != ids(&seen)[k]).count();
     demand(
@@ -280,10 +305,36 @@ enum Dispatching {
 /// A snippet, its text, what is planted, and what notices it.
 type Planted = (&'static str, &'static str, &'static str, Dispatching, Check);
 
-const PLANTED: [Planted; 33] = [
+const PLANTED: [Planted; 41] = [
     ("args.wgsl", "items = GROUP / TRIANGLE_GROUP;", "items = GROUP;", Dispatching::ByPair, seen),
     ("args.wgsl", "count = min(count, params.pair_capacity);", "count = count / 2u;", Dispatching::ByPair, seen),
     ("args.wgsl", "count -= first;", "count = first;", Dispatching::ByTile, seen),
+    ("trace.wgsl", "if k == stretches() {", "if k + 1u == stretches() {", Dispatching::ByPair, traced),
+    ("trace.wgsl", "count += select(0u, 1u,", "count += select(0u, 0u,", Dispatching::ByPair, traced),
+    ("shared/bvh8.wgsl", "* y.step + y.leaves,", "* y.step + y.enters,", Dispatching::ByPair, traced_no_holes),
+    ("camera/pieces_path.wgsl", "+ place.x * q.dx_hi", "+ 1.01 * place.x * q.dx_hi", Dispatching::ByPair, traced),
+    (
+        "camera/straight_stretch.wgsl",
+        "let is_nearest = is_met && last < before.first;",
+        "let is_nearest = is_met;",
+        Dispatching::ByPair,
+        traced,
+    ),
+    (
+        "camera/straight_stretch.wgsl",
+        "vec2<u32>(own.slot, path.item);",
+        "vec2<u32>(0u, path.item);",
+        Dispatching::ByPair,
+        traced_no_holes,
+    ),
+    (
+        "camera/curves_path.wgsl",
+        "vec3<f32>(x.z, y.z, z.z)",
+        "0.0 * vec3<f32>(x.z, y.z, z.z)",
+        Dispatching::ByPair,
+        traced_curves,
+    ),
+    ("args.wgsl", "f32(left) * f32(cost) > budget", "f32(left) * f32(cost) > 100.0", Dispatching::ByPair, seen),
     ("reach.wgsl", "optic.box_half)", "0.5 * optic.box_half)", Dispatching::ByPair, mirrored),
     ("reach.wgsl", "optic.box_centre,", "optic.box_centre + optic.box_half,", Dispatching::ByTile, mirrored),
     ("split.wgsl", "lane % TRIANGLE_GROUPS;", "(lane % TRIANGLE_GROUPS) / 2u;", Dispatching::ByPair, seen),

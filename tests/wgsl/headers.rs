@@ -11,7 +11,7 @@ use std::path::Path;
 const ALONE: &str = "shared/soft_f64.wgsl";
 
 /// Snippets of which some variant of a kernel uses nothing.
-const IDLE: [(&str, &str); 23] = [
+const IDLE: [(&str, &str); 25] = [
     ("bin", "shared/slabs.wgsl"),
     ("certify", "shared/index.wgsl"),
     ("certify", "shared/ray.wgsl"),
@@ -33,6 +33,8 @@ const IDLE: [(&str, &str); 23] = [
     ("recheck_samples", "shared/index.wgsl"),
     ("recheck_samples", "shared/ray.wgsl"),
     ("shade", "shared/index.wgsl"),
+    ("trace", "shared/bits.wgsl"),
+    ("trace", "shared/index.wgsl"),
     ("splat_project", "rivals/drawn.wgsl"),
     ("splat_project", "rivals/range.wgsl"),
 ];

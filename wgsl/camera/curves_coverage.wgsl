@@ -1,5 +1,5 @@
 // Which pixels' curves may meet a triangle over a span of t, by their control nets.
-// Provides: COVERAGE_PROVES, coverage, net_may_meet, over_span, span_of
+// Provides: COVERAGE_PROVES, LEAST, UNIT, coverage, net_may_meet, over_span, span_of
 // Needs: Cell, DEGREE, TILE, control_point, curve_place, first_bit, tile_corner, tile_layer, tile_slab, with_bit, without_bit
 // Binds: params
 

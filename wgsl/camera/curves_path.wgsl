@@ -1,7 +1,8 @@
 // The curve of a pixel in a layer, as trace follows it: a span of t after the other, each about its chord.
-// Provides: INSIDE, Path, Stretch, UNCERTAIN, path_depth, path_of, stretch_of, stretches, verdict
-// Needs: Bundle, Cell, DEGREE, LEAST, Meeting, TILE, UNIT, cell_bundle, cell_depth, control_point, curve_place, net_may_meet, over_span,
-//   pixel_depth, real, real3
+// Provides: Path, Seen, Stretch, is_seen, key_of, last_of, nothing_seen, path_of, stretch_of, stretches, with_triangle
+// Needs: BvhTriangle, Cell, DEGREE, LEAST, ONE_SIDED, TILE, UNIT, bvh_scale, cell_bundle, cell_depth, control_point, curve_place,
+//   is_excluded, net_may_meet, over_span, pixel_depth, real, real3, start_of, tile_layer, triangle_at, triangle_id, triangle_reversed,
+//   vertex_real, visibility_key
 // Binds: params
 
 struct Path {
@@ -126,10 +127,6 @@ fn hit(path: Path, stretch: Stretch, slot: u32) -> Seen {
     cell.tile = (path.item >> 6u) + stretch.number * params.slab_rows * params.tiles_x;
     let meeting = pixel_depth(cell_depth(cell_bundle(cell), normal, v, back_sign, slot), cell, bit % TILE, bit / TILE);
     let is_met = meeting.visible && path.start != id && !is_excluded(id);
-    if COUNTING && step.value == 0u {
-        atomicAdd(&counters[COUNT_FRAGMENTS_TESTED], 1u);
-        atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], select(0u, 1u, is_met));
-    }
     let t = f32(meeting.t);
     let key = ~visibility_key(tile_layer(path.item >> 6u), meeting.t, id);
     return Seen(select(vec2<u32>(0u), key, is_met), t + 2.0 * UNIT * abs(t));

@@ -1,5 +1,5 @@
 // What a triangle covers of a cell, ray by ray, and how deep.
-// Provides: COVERAGE_PROVES, cell_depth, coverage, pixel_depth
+// Provides: COVERAGE_PROVES, LEAST, UNIT, cell_depth, coverage, pixel_depth
 // Needs: Bundle, Cell, Meeting, NONE, PERTURB_BOUND, TILE, cell_bundle_at, field_at, field_direction, field_origin, first_bit, is_there,
 //   ray_meeting, real, real3, tile_corner, with_bit, without_bit
 // Binds: params

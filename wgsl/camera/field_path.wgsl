@@ -1,6 +1,6 @@
 // The ray of a pixel of a field, as trace follows it.
 // Provides: Path, path_depth, path_of
-// Needs: Bundle, Meeting, Stretch, TILE, UNIT, cell_bundle_at, field_at, field_direction, field_origin, is_there, ray_meeting, real, real3
+// Needs: TILE, UNIT, cell_bundle_at, field_at, field_direction, field_origin, ray_meeting, real, real3, start_of, tile_corner
 // Binds: params
 
 // P and D in f32, and bounds on the errors of their coordinates.

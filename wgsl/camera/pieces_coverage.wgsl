@@ -1,5 +1,5 @@
 // What a triangle covers of a cell, by its edge conics over the tile, and how deep.
-// Provides: COVERAGE_PROVES, cell_depth, coverage, pixel_depth
+// Provides: COVERAGE_PROVES, LEAST, UNIT, cell_depth, coverage, pixel_depth
 // Needs: Bundle, Cell, Meeting, Piece, SLABBED, TILE_REACH, bundle_at, end_rounding, is_there, piece_at, ray_meeting, reach3, real, real3
 
 // Coverage is proven if true; else it is possible.

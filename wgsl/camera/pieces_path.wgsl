@@ -1,7 +1,8 @@
 // The ray of a pixel that a piece owns, as trace follows it.
 // Provides: Path, path_depth, path_of
-// Needs: Bundle, Meeting, Stretch, TILE, TILE_REACH, UNIT, cell_bundle, cell_depth, cell_ray, piece_at, pixel_cell, pixel_depth, real, real3
-// Binds: cells
+// Needs: ENDLESS, TILE, TILE_REACH, UNIT, cell_bundle, cell_depth, piece_at, pixel_cell, pixel_depth, real, real3, start_of, tile_corner,
+//   tile_layer
+// Binds: cells, params
 
 // P and D in f32, and bounds on the errors of their coordinates.
 struct Path {

@@ -1,9 +1,8 @@
 // The path of a pixel in a layer: one straight ray, about a scene none of whose coordinates is larger than 1; and what it meets, to f32.
-// Provides: Seen, Stretch, is_seen, key_of, last_of, nothing_seen, stretch_of, stretches, with_triangle
-// Needs: COUNTING, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_RECHECK_ITEMS, BvhTriangle, LEAST, NONE, ONE_SIDED, PERTURB_BOUND, Path,
-//   SLABBED, TILE, UNIT, is_excluded, path_depth, real, real3, start_of, tile_layer, triangle_at, triangle_id, triangle_reversed, vertex_real,
-//   visibility_key
-// Binds: counters, params, recheck_items, step
+// Provides: ENDLESS, Seen, Stretch, is_seen, key_of, last_of, nothing_seen, stretch_of, stretches, with_triangle
+// Needs: BvhTriangle, COUNT_RECHECK_ITEMS, LEAST, NONE, ONE_SIDED, PERTURB_BOUND, Path, SLABBED, UNIT, is_excluded, path_depth, real3,
+//   tile_layer, triangle_at, triangle_id, triangle_reversed, vertex_real, visibility_key
+// Binds: counters, params, recheck_items
 
 // Nothing is proven.
 override ALL_UNCERTAIN: bool = false;
@@ -50,11 +49,14 @@ fn stretches() -> u32 {
 // of that to a plane of its grid, and of its share, 24 units of the largest distance.
 fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
     let p = path.p * scale;
-    let exponent = -frexp(largest_of(path.d)).exp;
+    let exponent = clamp(bitcast<u32>(largest_of(path.d)) >> 23u, 1u, 252u);
+    // a power of two that brings d under 1, and its inverse
+    let share = bitcast<f32>((253u - exponent) << 23u);
+    let back = bitcast<f32>((exponent + 1u) << 23u);
     let error_p = path.error_p * scale + LEAST;
-    let error_d = ldexp(path.error_d, exponent) + LEAST;
+    let error_d = path.error_d * share + LEAST;
     let slack = error_p + (1.0 + largest_of(p)) * (2.0 * error_d + 24.0 * UNIT + 2.0 * PERTURB_BOUND);
-    let t_share = ldexp(scale, -exponent);
+    let t_share = scale * back;
     let t_first = params.t_min.x + params.t_min.y + params.t_min.z;
     let t_last = params.t_max.x + params.t_max.y + params.t_max.z;
     // in a chain what lies a little beyond an end may count as on it
@@ -62,7 +64,7 @@ fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
     let first = (more + 4.0 * UNIT * abs(t_first)) * t_share;
     let last = (more + 4.0 * UNIT * abs(t_last)) * t_share;
     return Stretch(
-        p, error_p, ldexp(path.d, vec3<i32>(exponent)), error_d, vec3<f32>(slack),
+        p, error_p, path.d * share, error_d, vec3<f32>(slack),
         t_first * t_share - first - slack, t_last * t_share + last + slack,
         t_first * t_share + first + slack, t_last * t_share - last - slack,
     );

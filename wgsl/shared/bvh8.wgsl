@@ -3,7 +3,7 @@
 // al. 2017): the grid's origin, and its three steps' exponents and which boxes are nodes; where the nodes and the triangles below begin,
 // and a byte a box; two bytes a box for each axis. Of triangles there are three rows: a corner
 // with the slot, and the edges from it and to it, one with the last word of the packed triangle.
-// Provides: BvhTriangle, Met, box_hits, bvh_scale, bvh_triangle
+// Provides: BvhTriangle, box_hits, bvh_scale, bvh_triangle
 // Needs: Stretch, table_texel
 // Binds: bvh, bvh_triangles
 

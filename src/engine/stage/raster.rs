@@ -5,11 +5,13 @@ use crate::gpu::kernels::parts::*;
 use crate::gpu::kernels::{RaysKind, Variant};
 use crate::gpu::layout::Counter;
 
+pub(super) const HITS: Parts = snippets!("shared/hits.wgsl");
+
 pub fn kernel(variant: Variant) -> Kernel {
     if variant.by_tile {
         return by_tile(variant);
     }
-    let mut kernel = into_visibility("raster", variant, &[PAIR, UNCERTAIN, snippets!("raster.wgsl")]);
+    let mut kernel = into_visibility("raster", variant, &[HITS, PAIR, UNCERTAIN, snippets!("raster.wgsl")]);
     kernel.bindings.push(reads("pairs", "array<vec2<u32>>"));
     kernel.constants.push(("ALL_UNCERTAIN", f64::from(u8::from(variant.all_uncertain && variant.rechecks()))));
     kernel
@@ -84,7 +86,7 @@ pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts
         bindings.extend(variant.pages());
     }
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.alpha_masks()];
-    let shared = [BITS, variant.merge(), MEETING, snippets!("shared/hits.wgsl"), variant.camera()];
+    let shared = [BITS, variant.merge(), MEETING, variant.camera()];
     let all = [&snippets[..], &shared[..], own, variant.coverage(), variant.start()].concat();
     let mut kernel = Kernel::new(name, bindings, &all);
     kernel.constants = variant.constants();

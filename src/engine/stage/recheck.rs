@@ -7,7 +7,7 @@ use crate::gpu::layout::Counter;
 
 /// What bounds in f32 may leave to be rechecked.
 pub fn kernel(variant: Variant) -> Kernel {
-    super::raster::into_visibility("recheck", variant, &[SIDES, snippets!("recheck.wgsl")])
+    super::raster::into_visibility("recheck", variant, &[super::raster::HITS, SIDES, snippets!("recheck.wgsl")])
 }
 
 /// After every step of raster, of variants with [`crate::gpu::kernels::Variant::rechecks`].

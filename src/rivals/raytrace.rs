@@ -101,7 +101,7 @@ impl Rival for Trace {
         // its own leaves hold the triangles of all chunks
         let Some(chunk) = band.chunks.first() else { return Ok(()) };
         let group = self.pipeline.bind(gpu, &with(&chunk.scopes, &[&self.own]))?;
-        let mut pass = recorder.compute("trace");
+        let mut pass = recorder.compute("raytrace");
         pass.set_pipeline(self.pipeline.raw());
         pass.set_bind_group(0, &group, &[]);
         dispatch_items(gpu, &mut pass, self.tiles_x * band.rows.div_ceil(TILE) * TILE * TILE);

@@ -1,4 +1,4 @@
-// trace: one thread per pixel of the band.
+// raytrace: one thread per pixel of the band.
 // Reads the pixel's rays, segment by segment, and triangles in a bounding volume hierarchy, or one after the other; writes the
 // visibility key of the nearest triangle of the first segment that meets one.
 // Provides: SEGMENTS
@@ -9,7 +9,7 @@ override LAYERS: u32 = 1u;
 override SEGMENTS: u32 = 1u;      // of a layer
 
 @compute @workgroup_size(64)
-fn trace(
+fn raytrace(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,

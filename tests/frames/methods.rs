@@ -1,0 +1,174 @@
+//! What raster finds, trace finds, to the last bit; and `--method auto` traces where that costs less.
+
+use crate::common;
+
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Method, Rendered, RunOptions};
+use anamorph::internals::geometry::mesh::Mesh;
+use anamorph::internals::geometry::{generate, place};
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::scene::Scene;
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, pinhole, raymap};
+use common::file::camera_of;
+use common::gpu::{Without, engine, render_with, words};
+use common::layered;
+use common::rng::Rng;
+use common::{ALL_T, FORWARD, camera, scene, soup};
+use glam::DVec3;
+use std::sync::Arc;
+
+const SIZE: (u32, u32) = (61, 45);
+
+const EYE: &str = r#"eye = { kind = "pinhole", eye = [0.2, 0.4, 4], target = [0, 0, 0], vfov = 40 }"#;
+
+/// Every class of rays: pieces of all kinds, a field, chains, curves of each degree, and rays that bounce.
+fn cameras() -> Vec<(&'static str, Camera)> {
+    let mut list: Vec<(&str, Camera)> =
+        glc_of_each_class().into_iter().map(|(name, kind)| (name, camera(kind, SIZE, ALL_T))).collect();
+    let shape = MeshShape { discontinuous: true, ..Default::default() };
+    let optics = |keys: &str| camera_of("", SIZE, &format!("{keys}\n{EYE}")).unwrap();
+    list.extend([
+        ("mesh", camera(mesh_camera(1, 9, 7, shape), SIZE, FORWARD)),
+        ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
+        ("chain", layered::chain(3, 3, (4, 3), MeshShape::default(), SIZE)),
+        ("curves of degree 2", layered::wavy(2, 0.5, true, SIZE)),
+        ("curves of degree 3", layered::wavy(3, 1.5, false, SIZE)),
+        ("straight, then curved", layered::straight_then_curved(SIZE)),
+        (
+            "mirror",
+            optics(
+                "kind = \"reflection\"\nfacets = \"normals\"\ndepth = 3\nmirror = { shape = \"torus\", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.4, count = 300 }",
+            ),
+        ),
+        (
+            "glass",
+            optics(
+                "kind = \"refraction\"\nior = 1.5\nfresnel = true\ndepth = 3\nlens = { shape = \"sphere\", center = [0, 0, 0.4], radius = 0.8 }",
+            ),
+        ),
+    ]);
+    list
+}
+
+/// A ball, triangles of all sizes through each other, some of them one-sided.
+fn crowd() -> Mesh {
+    let mut rng = Rng(1);
+    let mut all =
+        place::merge(vec![generate::icosphere(3), soup(&mut rng, 400, 0.5), soup(&mut rng, 300, 0.02)]).unwrap();
+    let one_sided = anamorph::internals::geometry::mesh::Material { two_sided: false, ..all.materials[0].clone() };
+    all.materials.push(one_sided);
+    let last = all.materials.len() as u32 - 1;
+    all.material_of.iter_mut().step_by(3).for_each(|material| *material = last);
+    all
+}
+
+fn scaled(mesh: &Mesh, by: f64, to: DVec3) -> Mesh {
+    Mesh { positions: mesh.positions.iter().map(|p| by * *p + to).collect(), ..mesh.clone() }
+}
+
+fn by(method: Method) -> RunOptions {
+    RunOptions { method, ..RunOptions::default() }
+}
+
+fn assert_same(name: &str, raster: &Rendered, other: &Rendered) {
+    assert!(words(&raster.frame) == words(&other.frame) && raster.srgb8 == other.srgb8, "{name}");
+}
+
+#[test]
+fn trace_gives_the_bytes_of_raster() {
+    let crowd = crowd();
+    let scenes = [
+        ("crowd", scene(crowd.clone())),
+        // many in a pixel; so far from the world's origin that f32 does not tell neighbours apart
+        ("grains", scene(soup(&mut Rng(5), 4000, 0.01))),
+        ("without triangles", scene(Mesh { triangles: Vec::new(), material_of: Vec::new(), ..crowd })),
+    ];
+    for (name, camera) in cameras() {
+        for (what, scene) in &scenes {
+            for without in [Without::Nothing, Without::Int64Atomics] {
+                let Some(raster) = render_with(scene, &camera, without, &by(Method::Raster)) else { return };
+                for method in [Method::Trace, Method::Auto] {
+                    let other = render_with(scene, &camera, without, &by(method)).unwrap();
+                    assert_same(&format!("{name}, {what}, {without:?}, {method:?}"), &raster, &other);
+                }
+                assert_eq!(raster.method.name, "raster");
+            }
+        }
+    }
+}
+
+#[test]
+fn trace_gives_the_bytes_of_raster_at_any_size_and_far_away() {
+    let eye =
+        |at: f64, by: f64| camera(pinhole(DVec3::new(at, 0.1 * by, 3.0 * by), DVec3::X * at, 40.0), SIZE, FORWARD);
+    for (scale, to) in [(1e-9, 0.0), (1e9, 0.0), (1e25, 0.0), (1.0, 1e6), (1e-3, 1e3)] {
+        let scene = scene(scaled(&crowd(), scale, DVec3::X * to));
+        let camera = eye(to, scale);
+        let Some(raster) = render_with(&scene, &camera, Without::Nothing, &by(Method::Raster)) else { return };
+        let traced = render_with(&scene, &camera, Without::Nothing, &by(Method::Trace)).unwrap();
+        assert_same(&format!("{scale} at {to}"), &raster, &traced);
+        let seen = raster.frame.u32(Channel::TriangleId).unwrap();
+        assert!(seen.iter().any(|id| *id != seen[0]), "{scale} at {to}: nothing is seen");
+    }
+}
+
+#[test]
+fn what_is_behind_the_ends_of_t_is_left_out() {
+    let camera = camera(pinhole(DVec3::new(0.1, 0.2, 3.0), DVec3::ZERO, 40.0), SIZE, [2.3, 3.1]);
+    let scene = scene(crowd());
+    let Some(raster) = render_with(&scene, &camera, Without::Nothing, &by(Method::Raster)) else { return };
+    let traced = render_with(&scene, &camera, Without::Nothing, &by(Method::Trace)).unwrap();
+    assert_same("a thin slice", &raster, &traced);
+}
+
+#[test]
+fn trace_takes_over_where_raster_costs_more() {
+    // each triangle covers the image
+    let heavy = scene(soup(&mut Rng(7), 3000, 4.0));
+    let light = scene(soup(&mut Rng(7), 300, 0.1));
+    let camera = Arc::new(camera(pinhole(DVec3::new(0.1, 0.2, 9.0), DVec3::ZERO, 40.0), SIZE, FORWARD));
+    let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+    let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
+    let mut run = |scene: &Scene, method, repeat| {
+        let run = RunOptions { repeat, ..by(method) };
+        engine.render(scene, camera.clone(), &wanted, &run).unwrap()
+    };
+    for repeat in [0, 3] {
+        let auto = run(&heavy, Method::Auto, repeat);
+        assert_eq!((auto.method.name, auto.grown), ("trace", 1), "{}", auto.method.why);
+        assert!(auto.stages.is_empty() || auto.stages.iter().any(|stage| stage.0 == "trace"));
+        assert_same("heavy", &run(&heavy, Method::Raster, 0), &auto);
+        let auto = run(&light, Method::Auto, repeat);
+        assert_eq!((auto.method.name, auto.grown), ("raster", 0), "{}", auto.method.why);
+        assert_same("light", &run(&light, Method::Raster, 0), &auto);
+    }
+}
+
+#[test]
+fn frames_that_repeat_are_traced_once_that_has_paid() {
+    // dear for raster, but not so that building a hierarchy for one frame pays
+    let dense = scene(generate::icosphere(5));
+    let camera = Arc::new(camera(pinhole(DVec3::new(0.0, 0.0, 9.0), DVec3::ZERO, 40.0), (24, 18), FORWARD));
+    let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+    let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
+    let mut frames = engine.prepare(&dense, camera, &wanted, &RunOptions::default()).unwrap();
+    for _ in 0..8 {
+        frames.frame().unwrap();
+    }
+    assert_eq!(frames.finish().unwrap().method.name, "trace");
+}
+
+#[test]
+fn what_takes_pairs_is_rastered_and_says_so() {
+    let camera = Arc::new(camera(pinhole(DVec3::new(0.1, 0.2, 3.0), DVec3::ZERO, 40.0), SIZE, FORWARD));
+    let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+    let all = scene(crowd());
+    for wanted in [
+        Wanted { samples: 4, srgb8: true, ..Wanted::of(Vec::new()) },
+        Wanted::of(vec![Channel::Certified, Channel::TriangleId]),
+    ] {
+        let seen = engine.render(&all, camera.clone(), &wanted, &by(Method::Trace)).unwrap();
+        assert!(seen.method.name == "raster" && seen.method.why.contains("pairs"), "{:?}", seen.method);
+    }
+}
