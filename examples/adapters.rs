@@ -130,10 +130,9 @@ fn render(program: &Path, folder: &Path, example: &str, adapter: &Adapter) -> st
     if own["engine"] != "compute" {
         return Err(format!("the adapter did not render, but {}", own["engine"]));
     }
-    if let Some(other) = adapter.other_than {
-        if own["driver"] == told(&file(other, "json"))?["driver"] {
-            return Err(format!("the driver is that of {other}: {}", own["driver"]));
-        }
+    let other = adapter.other_than.map(|other| told(&file(other, "json"))).transpose()?;
+    if other.is_some_and(|other| other["driver"] == own["driver"]) {
+        return Err(format!("the same driver as before: {}", own["driver"]));
     }
     for (key, what) in [("wrong_safe", "safe pixels are wrong"), ("not_near", "pixels show no near candidate")] {
         match own["error"][key].as_u64() {
