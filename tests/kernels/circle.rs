@@ -17,10 +17,11 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = circle(real(revolutions[id.x].x) + real(revolutions[id.x].y));
-    let hi = vec2<f32>(at);
-    let rest = at - vec2<real>(hi);
-    let mid = vec2<f32>(rest);
-    found[id.x] = array<vec2<f32>, 3>(hi, mid, vec2<f32>(rest - vec2<real>(mid)));
+    // rounded by integer operations: a driver may optimize away a conversion to f32 and back
+    let hi = vec2<real>(round_to_f32(at.x), round_to_f32(at.y));
+    let rest = at - hi;
+    let mid = vec2<real>(round_to_f32(rest.x), round_to_f32(rest.y));
+    found[id.x] = array<vec2<f32>, 3>(vec2<f32>(hi), vec2<f32>(mid), vec2<f32>(rest - mid));
 }
 ";
 
