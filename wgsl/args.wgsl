@@ -53,7 +53,7 @@ fn args() {
     if f32(left) * f32(cost) > budget {
         atomicStore(&counters[COUNT_TRACED], 1u);
     }
-    let is_traced = atomicLoad(&counters[COUNT_TRACED]) != 0u;
+    let is_traced = atomicLoad(&counters[COUNT_TRACED]) == 1u;
     count = select(count, 0u, is_traced && (cost > 0u || step.value == COUNT_WORK));
     let tiles = params.tiles_x * ((params.height + TILE - 1u) / TILE);
     count = select(count, select(0u, tiles, is_traced), step.value == COUNT_TRACED);

@@ -16,6 +16,7 @@ type List = (u32, u32, u32);
 
 fn params() -> Params {
     Params {
+        raster_budget: u32::MAX,
         queue_capacity: 1000,
         work_capacity: 900_000_000,
         pair_capacity: 70_000_000,
@@ -43,8 +44,12 @@ fn lists() -> [List; 8] {
 
 /// What the kernel writes, and the counters after it.
 fn args(gpu: &Gpu, pipeline: &Pipeline, counter: u32, given: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
+    args_of(gpu, pipeline, params(), counter, given)
+}
+
+fn args_of(gpu: &Gpu, pipeline: &Pipeline, params: Params, counter: u32, given: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
     let mut b = Buffers::default();
-    b.upload_uniform(gpu, "params", &params()).unwrap();
+    b.upload_uniform(gpu, "params", &params).unwrap();
     b.upload_uniform(gpu, "step", &Step { value: counter }).unwrap();
     b.upload(gpu, "indirect", &[crate::stages::POISON; 8]).unwrap();
     counters(gpu, &mut b, given);
@@ -105,4 +110,30 @@ fn dispatches_hold_all_items_of_a_list_and_end_with_it() {
     assert!(
         suit(&[2, 1, 1], 128, 1) && !suit(&[1, 1, 1], 128, 1) && !suit(&[2, 2, 1], 128, 1) && !suit(&[2, 1, 2], 128, 1)
     );
+}
+
+#[test]
+fn trace_takes_over_where_what_is_left_of_raster_costs_more() {
+    let Some(gpu) = adapter() else { return };
+    let pipeline = Pipeline::new(&gpu, stage::args::kernel());
+    let traced = Counter::Traced.index();
+    let run = |budget: u32, counter: u32, given: &[(u32, u32)]| {
+        let own = Params { raster_budget: budget, tiles_x: 7, height: 19, ..params() };
+        args_of(&gpu, &pipeline, own, counter, given)
+    };
+    let lists = [(0, CULL_COST), (Counter::Tasks.index(), TASK_COST), (Counter::Large.index(), LARGE_COST)];
+    for (counter, cost) in lists.into_iter().chain([(Counter::Pairs.index(), PAIR_COST)]) {
+        for (count, taken_over) in [(300, false), (301, true)] {
+            let (indirect, after) = run(300 * cost, counter, &[(counter, count), (traced, 0)]);
+            assert_eq!((indirect[0] == 0, after[traced as usize]), (taken_over, u32::from(taken_over)), "{counter}");
+        }
+    }
+    // from then on nothing of raster is left, and all tiles are traced
+    for counter in [0, Counter::Work.index(), Counter::Tasks.index(), Counter::Pairs.index()] {
+        assert_eq!(run(u32::MAX, counter, &[(counter, 5), (traced, 1)]).0[0], 0, "{counter}");
+    }
+    assert!(run(u32::MAX, Counter::RecheckItems.index(), &[(Counter::RecheckItems.index(), 5), (traced, 1)]).0[0] > 0);
+    for (flag, tiles) in [(0, 0), (1, 7 * 3)] {
+        assert_eq!(run(u32::MAX, traced, &[(traced, flag)]).0[0], tiles);
+    }
 }
