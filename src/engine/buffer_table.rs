@@ -155,6 +155,7 @@ pub fn table() -> Vec<BufferSpec> {
             &[
                 Cull,
                 Raster,
+                Trace,
                 Recheck,
                 Meet,
                 Certify,
@@ -175,6 +176,7 @@ pub fn table() -> Vec<BufferSpec> {
             &[
                 Small,
                 Raster,
+                Trace,
                 Recheck,
                 Meet,
                 Certify,
@@ -191,9 +193,13 @@ pub fn table() -> Vec<BufferSpec> {
         uploaded(
             "rays_hi",
             24,
-            &[Raster, Recheck, Meet, Certify, Sample, SampleByTile, RecheckSamples, Shade, Resolve, Bounce, Fit],
+            &[Raster, Trace, Recheck, Meet, Certify, Sample, SampleByTile, RecheckSamples, Shade, Resolve, Bounce, Fit],
         ),
-        uploaded("rays_lo", 24, &[Raster, Recheck, Meet, Certify, Sample, SampleByTile, RecheckSamples, Shade, Bounce]),
+        uploaded(
+            "rays_lo",
+            24,
+            &[Raster, Trace, Recheck, Meet, Certify, Sample, SampleByTile, RecheckSamples, Shade, Bounce],
+        ),
         uploaded("cell_samples", 8, SAMPLED),
         uploaded("sample_ray_deltas", 24, &[Sample, SampleByTile, RecheckSamples, Resolve]),
         BufferSpec {
@@ -215,6 +221,7 @@ pub fn table() -> Vec<BufferSpec> {
                     Small,
                     Bin,
                     Raster,
+                    Trace,
                     Recheck,
                     Meet,
                     Certify,
@@ -230,17 +237,20 @@ pub fn table() -> Vec<BufferSpec> {
             )
         },
         // its optics
-        uploaded("optic", size_of::<layout::Optic>(), &[Raster, Reach, Meet, Shade, Gather, Bounce, Fit, Paste]),
+        uploaded("optic", size_of::<layout::Optic>(), &[Raster, Trace, Reach, Meet, Shade, Gather, Bounce, Fit, Paste]),
         uploaded("corners", size_of::<layout::Corner>(), &[Bounce, Paste]),
         uploaded("quadrics", size_of::<layout::Quadric>(), &[Meet, Bounce]),
         uploaded("tori", size_of::<layout::Torus>(), &[Meet, Bounce]),
         uploaded("waves", size_of::<layout::Wave>(), &[Meet, Bounce]),
-        uploaded("paths", size_of::<layout::PathState>(), &[Raster, Recheck, Meet, Shade, Gather, Bounce]),
+        uploaded("paths", size_of::<layout::PathState>(), &[Raster, Trace, Recheck, Meet, Shade, Gather, Bounce]),
         each_pixel("bounced_hi", 24, &[Forget, Bounce]),
         each_pixel("bounced_lo", 24, &[Forget, Bounce]),
         each_pixel("bounced_paths", size_of::<layout::PathState>(), &[Forget, Bounce]),
         // how many tiles have a ray, or may meet the optics, and two words a tile
-        BufferSpec { written_by: &[Args, Reach], ..uploaded("live", 4, &[Args, Reach, Meet, Shade, Bounce, Fit]) },
+        BufferSpec {
+            written_by: &[Args, Reach],
+            ..uploaded("live", 4, &[Args, Reach, Trace, Meet, Shade, Bounce, Fit])
+        },
         BufferSpec { written_by: &[Args, Bounce], ..uploaded("bounced_live", 4, &[Args, Forget, Bounce]) },
         uploaded("atlas_layout", size_of::<layout::AtlasLayout>(), &[Paste]),
         uploaded("atlas", 4, &[Paste]),
@@ -249,7 +259,7 @@ pub fn table() -> Vec<BufferSpec> {
             "counters",
             Lasts::Bounce,
             |_| Some(4 * u64::from(COUNTERS)),
-            &[Args, Cull, Split, Small, Bin, Allot, Raster, Recheck, Edges, EdgesByTile, SampleByTile],
+            &[Args, Cull, Split, Small, Bin, Allot, Raster, Trace, Recheck, Edges, EdgesByTile, SampleByTile],
             &[
                 Args,
                 Cull,
@@ -259,6 +269,7 @@ pub fn table() -> Vec<BufferSpec> {
                 Allot,
                 Sort,
                 Raster,
+                Trace,
                 Recheck,
                 Certify,
                 Edges,
@@ -281,6 +292,7 @@ pub fn table() -> Vec<BufferSpec> {
                 Bin,
                 Sort,
                 Raster,
+                Trace,
                 Recheck,
                 Meet,
                 Shade,
@@ -316,7 +328,7 @@ pub fn table() -> Vec<BufferSpec> {
             "recheck_items",
             Job,
             |s| Some(ITEM_BYTES * s.capacities.recheck_items),
-            &[Small, Raster, SampleByTile],
+            &[Small, Raster, Trace, SampleByTile],
             &[Recheck, RecheckSamples],
         ),
         // of each pixel with an edge its place, and a key a sample
@@ -341,8 +353,8 @@ pub fn table() -> Vec<BufferSpec> {
             "visibility",
             Lasts::Bounce,
             |s| Some(8 * s.pixels()),
-            &[Small, Raster, Recheck, Meet],
-            &[Small, Raster, Recheck, Meet, Certify, Edges, EdgesByTile, Shade, Gather, Bounce, Paste],
+            &[Small, Raster, Trace, Recheck, Meet],
+            &[Small, Raster, Trace, Recheck, Meet, Certify, Edges, EdgesByTile, Shade, Gather, Bounce, Paste],
         ),
         list(
             "proofs",

@@ -405,11 +405,14 @@ impl Frames {
         let milliseconds = |cost: u64| cost as f64 / 1e4;
         let trace: u64 = self.plan.bands.iter().map(|band| trace_cost(&self.plan, band)).sum();
         let trace = format!("tracing every pixel is rated {:.1}", milliseconds(trace));
+        let raster =
+            format!("its lists are rated {:.1}", milliseconds(self.timed.raster_cost.max(counts.raster_cost())));
         let (name, why) = match (self.plan.variant.method, counts.taken_over > 0) {
-            (Method::Auto, true) => ("trace", format!("{trace}; what raster would still have taken is rated higher")),
-            (Method::Auto, false) => {
-                ("raster", format!("its lists are rated {:.1}, {trace}", milliseconds(counts.raster_cost())))
+            (Method::Auto, _) if self.resident.bvh == BvhState::Preferred => {
+                ("trace", format!("{raster} in the first frame, {trace}"))
             }
+            (Method::Auto, true) => ("trace", format!("{trace}; what raster would still have taken is rated higher")),
+            (Method::Auto, false) => ("raster", format!("{raster}, {trace}")),
             (Method::Raster, _) => ("raster", self.plan.method_why.to_owned()),
             (Method::Trace, _) => ("trace", self.plan.method_why.to_owned()),
         };

@@ -125,7 +125,7 @@ fn what_is_behind_the_ends_of_t_is_left_out() {
 #[test]
 fn trace_takes_over_where_raster_costs_more() {
     // each triangle covers the image
-    let heavy = scene(soup(&mut Rng(7), 3000, 4.0));
+    let heavy = scene(soup(&mut Rng(7), 3000, 30.0));
     let light = scene(soup(&mut Rng(7), 300, 0.1));
     let camera = Arc::new(camera(pinhole(DVec3::new(0.1, 0.2, 9.0), DVec3::ZERO, 40.0), SIZE, FORWARD));
     let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
