@@ -167,7 +167,7 @@ fn every_kernel_is_valid_and_portable() {
 /// It has the kernel's name and the common workgroup.
 fn assert_one_entry_point(kernel: &Kernel, module: &Module, what: &str) {
     let [entry] = &module.entry_points[..] else { panic!("{what}: {} entries", module.entry_points.len()) };
-    let side = if kernel.name == "args" { 1 } else { GROUP };
+    let side = if ["args", "choose"].contains(&kernel.name) { 1 } else { GROUP };
     assert_eq!((entry.name.as_str(), entry.stage), (kernel.name, ShaderStage::Compute), "{what}");
     assert_eq!(entry.workgroup_size, [side, 1, 1], "{what}");
 }

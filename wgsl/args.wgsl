@@ -1,21 +1,16 @@
 // args: one thread in all. Reads a stage's count in `counters` and the capacity of its list, or how many tiles there are;
-// writes the indirect arguments of the next dispatch, in two dimensions, clamped to the list's end. Where what raster has still to do
-// costs more than tracing, nothing more of it is dispatched, and trace takes all tiles.
+// writes the indirect arguments of the next dispatch, in two dimensions, clamped to the list's end.
 // Needs: CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_LARGE, COUNT_PAIRS, COUNT_RECHECK_ITEMS,
-//   COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_TRACED, COUNT_WORK, CULL_COST, GROUP, LANES, LARGE_COST, NONE, PAIR_COST, TASK_COST, TILE,
-//   TRIANGLE_GROUP
+//   COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK, GROUP, LANES, NONE, TRIANGLE_GROUP
 // Binds: counters, indirect, params, step
 
 const GROUPS_A_SIDE: u32 = 65535u;
-
-const ENDLESS: f32 = 3.0e38;
 
 @compute @workgroup_size(1)
 fn args() {
     // find the count and how many items a workgroup takes
     let is_of_tiles = step.value == NONE;
     var count = atomicLoad(&counters[select(step.value, 0u, is_of_tiles)]);
-    var counted = count;
     var items = GROUP;
     if is_of_tiles {
         items = 1u;
@@ -41,24 +36,9 @@ fn args() {
         atomicStore(&counters[COUNT_BUSY_FIRST], first);
         count -= first;
         items = GROUP / LANES;
-    } else {
+    } else if step.value < COUNT_WORK {
         count = min(count, params.queue_capacity);
     }
-    // let trace take over where it costs less than what is still to come
-    let is_of_pairs = step.value == COUNT_PAIRS || step.value == COUNT_BUSY;
-    let cost = select(0u, CULL_COST, step.value < COUNT_WORK) + select(0u, TASK_COST, step.value == COUNT_TASKS)
-        + select(0u, LARGE_COST, step.value == COUNT_LARGE) + select(0u, PAIR_COST, is_of_pairs);
-    let left = select(counted, atomicLoad(&counters[COUNT_PAIRS]), is_of_pairs);
-    let budget = select(f32(params.raster_budget), ENDLESS, params.raster_budget == NONE);
-    if f32(left) * f32(cost) > budget {
-        atomicStore(&counters[COUNT_TRACED], 1u);
-    }
-    let is_traced = atomicLoad(&counters[COUNT_TRACED]) == 1u;
-    count = select(count, 0u, is_traced && (cost > 0u || step.value == COUNT_WORK));
-    let tiles = params.tiles_x * ((params.height + TILE - 1u) / TILE);
-    count = select(count, select(0u, tiles, is_traced), step.value == COUNT_TRACED);
-    items = select(items, 1u, step.value == COUNT_TRACED);
-
     // lay the groups out in rows
     let groups = (count + items - 1u) / items;
     let rows = (groups + GROUPS_A_SIDE - 1u) / GROUPS_A_SIDE;

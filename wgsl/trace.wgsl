@@ -1,12 +1,13 @@
-// trace: one thread per pixel, those of a tile by one workgroup.
-// Reads a hierarchy of boxes around the chunk's triangles, triangles, vertices, cells and the camera's rays; follows each pixel's path
-// to the nearest triangle that it meets at a t in range, and writes its visibility key. What f32 does not prove on the way is left to
-// recheck. The list recheck_items may overflow: the counter keeps counting.
+// trace: one thread per pixel, one workgroup per tile.
+// Reads the chunk's hierarchy, its triangles and vertices, cells and the camera's rays; follows each pixel's path to the nearest triangle
+// that it meets at a t in range, and merges its visibility key. Triangles of which f32 proves neither a hit nor a miss are left to recheck.
+// The list recheck_items may overflow: the counter keeps counting. What takes too many steps is counted, too.
 // Needs: COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_UNFINISHED, Path, SLABBED, Seen, Stretch, box_hits, bvh_scale, bvh_triangle,
 //   has_ray, is_seen, key_of, last_of, merge, nothing_seen, path_of, pixel_at, stretch_of, stretches, with_triangle
 // Binds: counters, params, step
 
-// Nodes and triangles that a path is tested against at most: software adapters end the loops of 16 threads after 65535 rounds in all.
+// The most boxes and triangles that a path is tested against: software adapters end a loop when its 16 threads together have taken 65535
+// rounds.
 const ROUNDS: u32 = 4000u;
 
 override COUNTING: bool = false;
@@ -49,7 +50,8 @@ fn trace(
                 rounds = found.rounds;
                 tested += found.tested;
                 k++;
-                if last_of(stretch, seen) < stretch.last || rounds >= ROUNDS {
+                // a hit near the end of a stretch may be level with one in the next
+                if last_of(stretch, seen) < stretch.last + 2.0 * min(stretch.first, 0.0) || rounds >= ROUNDS {
                     break;
                 }
             }
@@ -76,8 +78,9 @@ struct Followed {
     tested: u32,
 }
 
-// Goes down a hierarchy of eight boxes a node (Ylitie et al. 2017). A group is the number of the first node of some, and bits: which of
-// eight are nodes, and in the highest byte which of them are to be looked at, the nearest first.
+// Walks a hierarchy with eight boxes a node (Ylitie et al. 2017). A group stands for the children of one node that are nodes themselves:
+// x is the index of the first; the low byte of y says which of the eight children are nodes, the high byte which of these the path may
+// still meet, the nearest in the highest bit.
 fn followed(path: Path, stretch: Stretch, before: Seen, rounds_before: u32) -> Followed {
     let d = stretch.d;
     let least = vec3<f32>(1.0e-20);

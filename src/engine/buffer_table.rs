@@ -259,9 +259,10 @@ pub fn table() -> Vec<BufferSpec> {
             "counters",
             Lasts::Bounce,
             |_| Some(4 * u64::from(COUNTERS)),
-            &[Args, Cull, Split, Small, Bin, Allot, Raster, Trace, Recheck, Edges, EdgesByTile, SampleByTile],
+            &[Args, Choose, Cull, Split, Small, Bin, Allot, Raster, Trace, Recheck, Edges, EdgesByTile, SampleByTile],
             &[
                 Args,
+                Choose,
                 Cull,
                 Split,
                 Small,

@@ -7,7 +7,7 @@ use super::combinations::{Asked, Feature};
 use super::pages::PageStore;
 use super::planned::{Planned, Planner, outlined_by, written};
 use super::readback::{FrameLayout, PendingReads, RawFrame, Readback};
-use super::resident::{BvhState, Resident, trace_cost};
+use super::resident::{BvhState, Resident};
 use super::running::Running;
 use super::{Counts, MethodUsed, Rendered, RunOptions, setup};
 use crate::camera::Camera;
@@ -106,7 +106,7 @@ impl Frames {
     /// One more frame by all stages, whatever changed; its wall time, from the first upload until its results are complete on the device,
     /// ms.
     pub fn frame(&mut self) -> Result<f64> {
-        self.prefer_trace()?;
+        let is_new = self.prefer_trace()?;
         loop {
             self.compile(&self.steps(false, Dirty::All))?;
             let moved = [self.atlas.as_mut().and_then(|p| p.frames.next_move()), self.next_move()];
@@ -116,8 +116,8 @@ impl Frames {
             let drawn = self.draw(own)?;
             wait(&self.gpu)?;
             let ms = started.elapsed().as_secs_f64() * 1e3;
-            // only what moves may come to need more
-            let mut fits = !(self.moving.is_some() || self.is_aimed) || self.fits(&drawn)?;
+            // what moves may come to need more, and so may the first frame that is traced from its start
+            let mut fits = !(self.moving.is_some() || self.is_aimed || is_new) || self.fits(&drawn)?;
             if let (Some(atlas), Some(atlas_frame)) = (&mut self.atlas, &atlas_frame) {
                 fits &= self.moving.is_none() || atlas.frames.fits(atlas_frame)?;
                 let stages = atlas_frame.recorded.stage_ms(&self.gpu)?;
@@ -132,19 +132,21 @@ impl Frames {
     }
 
     /// Traces from the next frame on, where that costs less than raster, once what it would have saved is worth building a hierarchy.
-    fn prefer_trace(&mut self) -> Result<()> {
+    /// Returns whether it does so from now on.
+    fn prefer_trace(&mut self) -> Result<bool> {
         let frames = self.timed.frame_ms.len() as u64 + 1;
-        let trace: u64 = self.plan.bands.iter().map(|band| trace_cost(&self.plan, band)).sum();
+        let trace = self.resident.trace_cost(&self.plan);
         let saved = self.timed.raster_cost.saturating_sub(trace + trace / 8);
         let is_open = self.plan.variant.method == Method::Auto && self.resident.bvh != BvhState::Preferred;
         if !is_open || saved == 0 || saved * frames < self.resident.build_cost() {
-            return Ok(());
+            return Ok(false);
         }
         if self.resident.bvh == BvhState::None {
             self.build_bvh()?;
         }
         self.resident.bvh = BvhState::Preferred;
-        self.resident.write_params(&self.gpu, &self.camera, &self.plan)
+        self.resident.write_params(&self.gpu, &self.camera, &self.plan)?;
+        Ok(true)
     }
 
     /// Builds the hierarchies that trace follows.
@@ -194,6 +196,7 @@ impl Frames {
             )));
         }
         self.resident.aim(&self.gpu, &camera, &plan)?;
+        self.timed.raster_cost = 0;
         if let Some(rival) = &mut self.rival {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
@@ -403,8 +406,8 @@ impl Frames {
             return MethodUsed::default();
         }
         let milliseconds = |cost: u64| cost as f64 / 1e4;
-        let trace: u64 = self.plan.bands.iter().map(|band| trace_cost(&self.plan, band)).sum();
-        let trace = format!("tracing every pixel is rated {:.1}", milliseconds(trace));
+        let trace = milliseconds(self.resident.trace_cost(&self.plan));
+        let trace = format!("tracing every pixel is rated {trace:.1}");
         let raster =
             format!("its lists are rated {:.1}", milliseconds(self.timed.raster_cost.max(counts.raster_cost())));
         let (name, why) = match (self.plan.variant.method, counts.taken_over > 0) {

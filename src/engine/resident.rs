@@ -126,6 +126,11 @@ impl Resident {
         self.upload_bvh(gpu, clustered)
     }
 
+    /// What tracing a frame costs: each chunk has a hierarchy of its own.
+    pub fn trace_cost(&self, plan: &Plan) -> u64 {
+        self.chunks.len() as u64 * plan.bands.iter().map(|band| trace_cost(plan, band)).sum::<u64>()
+    }
+
     /// What building them would cost.
     pub fn build_cost(&self) -> u64 {
         let slots: u64 = self.chunks.iter().map(|chunk| u64::from(chunk.slots)).sum();
@@ -143,7 +148,7 @@ impl Resident {
         Ok(())
     }
 
-    /// The hierarchies that trace follows; without them, such as hold nothing.
+    /// Uploads the hierarchies that trace follows, or such as hold nothing.
     fn upload_bvh(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
         if !self.traces {
             return Ok(());
@@ -182,6 +187,10 @@ impl Resident {
 
     /// Puts the tables of another camera on the device, of a plan whose bands are as large.
     pub fn aim(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
+        // what was cheaper for another camera
+        if self.bvh == BvhState::Preferred {
+            self.bvh = BvhState::Built;
+        }
         self.bands = plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?;
         // another camera may have more tiles
         self.allocate_lists(gpu, camera, plan)
@@ -371,7 +380,7 @@ const TRACE_COST: u32 = 16;
 const BUILD_COST: u32 = 15;
 
 /// What tracing the rays of a band costs.
-pub fn trace_cost(plan: &Plan, band: &Band) -> u64 {
+fn trace_cost(plan: &Plan, band: &Band) -> u64 {
     u64::from(TRACE_COST) * u64::from(band.rows) * u64::from(plan.width)
 }
 
@@ -380,8 +389,9 @@ pub fn trace_cost(plan: &Plan, band: &Band) -> u64 {
 pub enum BvhState {
     /// They hold nothing.
     None,
+    /// They are there.
     Built,
-    /// And tracing was cheaper than raster.
+    /// And frames are traced from their start.
     Preferred,
 }
 

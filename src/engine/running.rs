@@ -18,6 +18,8 @@ pub(super) struct Running {
     pub recorded: Recorded,
     capacities: Capacities,
     raster_rounds: u32,
+    /// The hierarchies when it was submitted: a later frame may have built them.
+    bvh: BvhState,
     started: Instant,
 }
 
@@ -29,7 +31,7 @@ impl Frames {
         let started = Instant::now();
         let (copies, recorded) = self.submit(&steps)?;
         let (capacities, raster_rounds) = (self.resident.capacities, self.resident.raster_rounds);
-        Ok(Running { copies, recorded, capacities, raster_rounds, started })
+        Ok(Running { copies, recorded, capacities, raster_rounds, bvh: self.resident.bvh, started })
     }
 
     /// Submits a whole frame of `planned`, which is shown, and returns without waiting for it.
@@ -64,7 +66,10 @@ impl Frames {
     /// Enlarges the lists if they were too small for a finished frame. Returns whether they were large enough.
     pub(super) fn fits(&mut self, running: &Running) -> Result<bool> {
         let status = read_words(&self.gpu, &running.copies.status)?;
-        self.timed.raster_cost = Counts::of(&status).raster_cost();
+        // of lists that were cut off nothing is learnt
+        if running.bvh != BvhState::Preferred {
+            self.timed.raster_cost = Counts::of(&status).raster_cost();
+        }
         match self.shortage(&status, running) {
             Some(short) => self.grow_lists(short).map(|()| false),
             None => Ok(true),
@@ -76,12 +81,12 @@ impl Frames {
         let have = running.capacities;
         let is_set = |job: &[u32], counter: Counter| job[counter.index() as usize] > 0;
         let jobs = || status.chunks_exact(COUNTERS as usize);
-        // lists that raster did not need in the end
-        let counts = |job: &[u32], index: u32| {
+        // where trace took over, raster's own lists may have run over
+        let matters = |job: &[u32], index: u32| {
             index >= Counter::Edges.index() || index == Counter::RecheckItems.index() || !is_set(job, Counter::Traced)
         };
         let most =
-            |index: u32| jobs().filter(|job| counts(job, index)).map(|s| s[index as usize]).max().unwrap_or(0) as u64;
+            |index: u32| jobs().filter(|job| matters(job, index)).map(|s| s[index as usize]).max().unwrap_or(0) as u64;
         let most_of = |counter: Counter| most(counter.index());
         let need = Capacities {
             queue: (0..CULL_QUEUES).map(most).max().unwrap_or(0),
@@ -98,7 +103,7 @@ impl Frames {
                 && job[Counter::Busy.index() as usize] > job[Counter::BusyEnd.index() as usize]
         };
         let is_done = !self.plan.variant.by_tile || !jobs().any(is_left);
-        let needs_bvh = self.resident.bvh == BvhState::None && jobs().any(|job| is_set(job, Counter::Traced));
+        let needs_bvh = running.bvh == BvhState::None && jobs().any(|job| is_set(job, Counter::Traced));
         let has_all = fits && need.recheck_items <= have.recheck_items && need.edges <= have.edges && is_done;
         let is_lost = jobs().any(|job| is_set(job, Counter::Unfinished));
         let rounds = (!is_done).then_some(2 * running.raster_rounds);
@@ -111,7 +116,7 @@ impl Frames {
             self.is_lost = true;
             return Err(Error::work("tracing takes too many steps here; use --method raster"));
         }
-        if short.needs_bvh {
+        if short.needs_bvh && self.resident.bvh == BvhState::None {
             self.build_bvh()?;
         }
         if let Some(rounds) = short.rounds {

@@ -4,7 +4,7 @@ use crate::common;
 
 use anamorph::internals::camera::{Camera, Field, Rays};
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::{Rendered, RunOptions};
+use anamorph::internals::engine::{Method, Rendered, RunOptions};
 use anamorph::internals::geometry::generate::icosphere;
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::geometry::place::merge;
@@ -90,7 +90,8 @@ fn incoherent_rays_see_the_same_in_images_of_every_shape() {
     let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
     let mut render = |size| {
         let camera = camera(&rays, size, FORWARD);
-        engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap()
+        let run = RunOptions { method: Method::Raster, ..RunOptions::default() };
+        engine.render(&scene, &camera, &wanted, &run).unwrap()
     };
     let square = render((40, 25));
     for size in [(1000, 1), (1, 1000), (250, 4)] {

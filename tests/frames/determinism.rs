@@ -4,9 +4,9 @@
 use crate::common;
 
 use anamorph::internals::camera::Camera;
-use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
+use anamorph::internals::engine::{Method, RunOptions};
 use anamorph::internals::geometry::{generate, place};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
@@ -29,6 +29,11 @@ eye = { kind = "pinhole", eye = [0.2, 0.4, 4], target = [0, 0, 0], vfov = 40 }
 lens = { shape = "lens", center = [0, 0, 1.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6] }
 ior = 1.5
 depth = 2"#;
+
+/// With all its lists.
+fn by_raster() -> RunOptions {
+    RunOptions { method: Method::Raster, ..RunOptions::default() }
+}
 
 fn crowd() -> Scene {
     scene(place::merge(vec![generate::icosphere(3), soup(&mut Rng(1), 500, 0.5)]).unwrap())
@@ -122,10 +127,10 @@ fn two_32_bit_dispatches_give_the_bytes_of_one_of_64_bits() {
 fn counting_and_fewer_channels_change_no_value() {
     let scene = crowd();
     for ((name, camera), without) in in_both_ways() {
-        let Some(all) = render_with(&scene, &camera, without, &RunOptions::default()) else { return };
+        let Some(all) = render_with(&scene, &camera, without, &by_raster()) else { return };
         let render = |wanted: &Wanted| {
             let mut engine = engine(&camera, without)?;
-            engine.render(&scene, &camera, wanted, &RunOptions::default()).ok()
+            engine.render(&scene, &camera, wanted, &by_raster()).ok()
         };
         let counted = render(&Wanted { counting: true, ..wanted() }).unwrap();
         assert!(words(&counted.frame) == words(&all.frame) && counted.srgb8 == all.srgb8, "{name}");
@@ -170,8 +175,7 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
         assert!(words(&parts.frame) == words(&whole.frame) && parts.srgb8 == whole.srgb8, "{name}");
         // no fewer are listed where tiles are taken whole
         let counting = Wanted { counting: true, ..wanted() };
-        let by_pair =
-            engine(&camera, Without::Lanes).unwrap().render(&scene, &camera, &counting, &RunOptions::default());
+        let by_pair = engine(&camera, Without::Lanes).unwrap().render(&scene, &camera, &counting, &by_raster());
         let kept = by_pair.unwrap().counts.pairs_kept;
         let lists = (plan.bands.len() * chunks) as u64;
         let in_one_batch = lists * SMALL_BINDING / 8;

@@ -5,7 +5,7 @@ use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::{Arithmetic, Capacities, Engine, RunOptions};
+use anamorph::internals::engine::{Arithmetic, Capacities, Engine, Method, RunOptions};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::input::Error;
 use anamorph::internals::scene::Scene;
@@ -50,7 +50,11 @@ fn lists_of_one_item_grow_to_the_identical_image() {
     let scene = crowd();
     for (name, camera) in cameras() {
         for without in [Without::Nothing, Without::Int64Atomics] {
-            let Some(ample) = render_with(&scene, &camera, without, &RunOptions::default()) else { return };
+            let Some(ample) =
+                render_with(&scene, &camera, without, &RunOptions { method: Method::Raster, ..Default::default() })
+            else {
+                return;
+            };
             let large = Capacities {
                 queue: 1 << 20,
                 work: 1 << 20,
@@ -67,7 +71,7 @@ fn lists_of_one_item_grow_to_the_identical_image() {
                 Capacities { pairs: 1, ..large },
                 Capacities { recheck_items: 1, ..large },
             ] {
-                let run = RunOptions { capacities: Some(start), ..Default::default() };
+                let run = RunOptions { capacities: Some(start), method: Method::Raster, ..Default::default() };
                 let grown = render_with(&scene, &camera, without, &run).unwrap();
                 // a frame that shows three levels of nodes has two queues, and each fills the next
                 let most = if start.pairs == 1 && start.work == 1 { 8 } else { 4 };
@@ -82,9 +86,14 @@ fn lists_of_one_item_grow_to_the_identical_image() {
                 assert!(without == Without::Nothing || grown.counts == ample.counts, "{name} {start:?}");
             }
             assert_eq!(
-                render_with(&scene, &camera, without, &RunOptions { capacities: Some(large), ..Default::default() })
-                    .unwrap()
-                    .grown,
+                render_with(
+                    &scene,
+                    &camera,
+                    without,
+                    &RunOptions { capacities: Some(large), method: Method::Raster, ..Default::default() }
+                )
+                .unwrap()
+                .grown,
                 0
             );
         }

@@ -198,6 +198,10 @@ impl Known {
             let own = self.uses(KernelId::Args, variant, planes).clone();
             let bound = |name: String| if name == "counters" { number.counted_in().into() } else { name };
             all.extend(own.into_iter().map(|(name, does)| (KernelId::Args, bound(name), does)));
+            if variant.method == Method::Auto && number.is_of_raster() {
+                let own = self.uses(KernelId::Choose, variant, planes).clone();
+                all.extend(own.into_iter().map(|(name, does)| (KernelId::Choose, name, does)));
+            }
             all.push((d.kernel, "indirect".into(), Use { reads: true, writes: false }));
         }
         for (name, does) in self.uses(d.kernel, variant, planes).clone() {

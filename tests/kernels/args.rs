@@ -44,7 +44,7 @@ fn lists() -> [List; 8] {
 
 /// What the kernel writes, and the counters after it.
 fn args(gpu: &Gpu, pipeline: &Pipeline, counter: u32, given: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
-    args_of(gpu, pipeline, params(), counter, given)
+    args_of(gpu, pipeline, params(), counter, given, 3)
 }
 
 fn args_of(gpu: &Gpu, pipeline: &Pipeline, params: Params, counter: u32, given: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
@@ -61,7 +61,7 @@ fn args_of(gpu: &Gpu, pipeline: &Pipeline, params: Params, counter: u32, given: 
         Ok(())
     });
     let indirect = read(gpu, &b, "indirect");
-    assert_poisoned(&indirect[..8], 3, "indirect");
+    assert_poisoned(&indirect[..8], written, "indirect");
     (indirect[..3].to_vec(), read(gpu, &b, "counters"))
 }
 
@@ -115,25 +115,28 @@ fn dispatches_hold_all_items_of_a_list_and_end_with_it() {
 #[test]
 fn trace_takes_over_where_what_is_left_of_raster_costs_more() {
     let Some(gpu) = adapter() else { return };
-    let pipeline = Pipeline::new(&gpu, stage::args::kernel());
+    let kernels = [stage::choose::kernel(), stage::args::kernel()].map(|kernel| Pipeline::new(&gpu, kernel));
     let traced = Counter::Traced.index();
-    let run = |budget: u32, counter: u32, given: &[(u32, u32)]| {
+    let run = |pipeline: &Pipeline, budget: u32, counter: u32, given: &[(u32, u32)]| {
         let own = Params { raster_budget: budget, tiles_x: 7, height: 19, ..params() };
-        args_of(&gpu, &pipeline, own, counter, given)
+        args_of(&gpu, pipeline, own, counter, given, if counter == traced { 3 } else { 0 })
     };
-    let lists = [(0, CULL_COST), (Counter::Tasks.index(), TASK_COST), (Counter::Large.index(), LARGE_COST)];
-    for (counter, cost) in lists.into_iter().chain([(Counter::Pairs.index(), PAIR_COST)]) {
-        for (count, taken_over) in [(300, false), (301, true)] {
-            let (indirect, after) = run(300 * cost, counter, &[(counter, count), (traced, 0)]);
-            assert_eq!((indirect[0] == 0, after[traced as usize]), (taken_over, u32::from(taken_over)), "{counter}");
+    let pixels = 7 * 3 * 64;
+    let costs = [(0, CULL_COST), (7, CULL_COST), (Counter::Tasks.index(), TASK_COST)];
+    let costs = costs.into_iter().chain([(Counter::Large.index(), LARGE_COST), (Counter::Pairs.index(), PAIR_COST)]);
+    for (counter, cost) in costs {
+        for (count, left, taken) in [(300, 300, 0), (301, 0, pixels)] {
+            let after = run(&kernels[0], 300 * cost, counter, &[(counter, count), (traced, 0)]).1;
+            assert_eq!([after[counter as usize], after[traced as usize]], [left, taken], "{counter}");
         }
     }
-    // from then on nothing of raster is left, and all tiles are traced
-    for counter in [0, Counter::Work.index(), Counter::Tasks.index(), Counter::Pairs.index()] {
-        assert_eq!(run(u32::MAX, counter, &[(counter, 5), (traced, 1)]).0[0], 0, "{counter}");
+    // from then on nothing of raster is left
+    for counter in [0, Counter::Work.index(), Counter::Tasks.index(), Counter::Pairs.index(), Counter::Busy.index()] {
+        let after = run(&kernels[0], u32::MAX, counter, &[(counter, 5), (traced, pixels)]).1;
+        assert_eq!([after[counter as usize], after[traced as usize]], [0, pixels], "{counter}");
     }
-    assert!(run(u32::MAX, Counter::RecheckItems.index(), &[(Counter::RecheckItems.index(), 5), (traced, 1)]).0[0] > 0);
-    for (flag, tiles) in [(0, 0), (1, 7 * 3)] {
-        assert_eq!(run(u32::MAX, traced, &[(traced, flag)]).0[0], tiles);
+    // all tiles are traced, more than any list holds
+    for count in [0, pixels, 9_999_936] {
+        assert!(suit(&run(&kernels[1], 0, traced, &[(traced, count)]).0, count, 1));
     }
 }

@@ -64,6 +64,11 @@ fn traced(engine: &mut Engine) -> Result<(), String> {
     seen_with(engine, &eye(), &crowd(), Method::Trace)
 }
 
+/// The same by what costs less: a few triangles, and so many that each pixel has some.
+fn chosen(engine: &mut Engine) -> Result<(), String> {
+    seen_with(engine, &eye(), &crowd(), Method::Auto)
+}
+
 /// Curves, by tracing.
 fn traced_curves(engine: &mut Engine) -> Result<(), String> {
     seen_with(engine, &layered::wavy(3, 0.8, false, SIZE), &crowd(), Method::Trace)
@@ -334,7 +339,7 @@ const PLANTED: [Planted; 41] = [
         Dispatching::ByPair,
         traced_curves,
     ),
-    ("args.wgsl", "f32(left) * f32(cost) > budget", "f32(left) * f32(cost) > 100.0", Dispatching::ByPair, seen),
+    ("choose.wgsl", "select(count, 0u, traced > 0u)", "0u", Dispatching::ByPair, chosen),
     ("reach.wgsl", "optic.box_half)", "0.5 * optic.box_half)", Dispatching::ByPair, mirrored),
     ("reach.wgsl", "optic.box_centre,", "optic.box_centre + optic.box_half,", Dispatching::ByTile, mirrored),
     ("split.wgsl", "lane % TRIANGLE_GROUPS;", "(lane % TRIANGLE_GROUPS) / 2u;", Dispatching::ByPair, seen),

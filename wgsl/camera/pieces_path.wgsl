@@ -18,8 +18,8 @@ fn largest_part(v: vec3<f32>) -> f32 {
     return max(abs(v.x), max(abs(v.y), abs(v.z)));
 }
 
-// Errors: numbers as stored, two products, two sums and a quotient, 8 units of the sizes of what is summed up, and as many of those of
-// the divisor. Where the divisor is off by much nothing is left out.
+// Errors: numbers as stored, a product and two sums lose 4 units of the sizes of what is summed up, and this bound 1. A quotient loses what
+// its dividend and its divisor lost, over 1 - loss_h, and 5 units. Where loss_h is large nothing is known of the ray, so nothing is left out.
 fn path_of(layer: u32, x: u32, y: u32) -> Path {
     let cell = cells[pixel_cell(layer, x, y)];
     let q = piece_at(cell.piece);
@@ -30,12 +30,16 @@ fn path_of(layer: u32, x: u32, y: u32) -> Path {
     let reach_d = largest_part(cell.d) + TILE_REACH * (largest_part(q.dx_hi) + largest_part(q.dy_hi));
     let p = (cell.p + place.x * q.px_hi + place.y * q.py_hi) / h;
     let d = (cell.d + place.x * q.dx_hi + place.y * q.dy_hi) / h;
-    let loss_h = 4.0 * UNIT * reach_h / abs(h);
-    let lost = 2.0 * loss_h + UNIT;
-    let error_p = lost * largest_part(p) + 4.0 * UNIT * reach_p / abs(h);
-    let error_d = lost * largest_part(d) + 4.0 * UNIT * reach_d / abs(h);
+    let loss_h = 5.0 * UNIT * reach_h / abs(h);
     let is_sure = loss_h < 0.25;
-    return Path(p, select(ENDLESS, error_p, is_sure), d, select(ENDLESS, error_d, is_sure), (cell.tile << 6u) | ((y % TILE) * TILE + x % TILE), start_of(y * params.width + x));
+    let more = 1.0 / max(1.0 - loss_h, 0.5);
+    let error_p = more * (loss_h * largest_part(p) + 5.0 * UNIT * reach_p / abs(h)) + 5.0 * UNIT * largest_part(p);
+    let error_d = more * (loss_h * largest_part(d) + 5.0 * UNIT * reach_d / abs(h)) + 5.0 * UNIT * largest_part(d);
+    return Path(
+        select(vec3<f32>(0.0), p, is_sure), select(ENDLESS, error_p, is_sure),
+        select(vec3<f32>(1.0), d, is_sure), select(ENDLESS, error_d, is_sure),
+        (cell.tile << 6u) | ((y % TILE) * TILE + x % TILE), start_of(y * params.width + x),
+    );
 }
 
 // The t of a triangle's plane.

@@ -4,7 +4,7 @@
 //   tile_layer, triangle_at, triangle_id, triangle_reversed, vertex_real, visibility_key
 // Binds: counters, params, recheck_items
 
-// Nothing is proven.
+// No hit is proven: all that may be one is left to recheck.
 override ALL_UNCERTAIN: bool = false;
 
 const ENDLESS: f32 = 1.0e30;
@@ -45,38 +45,43 @@ fn stretches() -> u32 {
     return 1u;
 }
 
-// The ray in f32, its direction of about size 1. Rounding: what was lost of P, and of D up to the farthest box; then of the way to a box,
-// of that to a plane of its grid, and of its share, 24 units of the largest distance.
+// The ray in f32, its direction of size 1/2 to 1. The slack: what is lost of P, and of D on the way to the farthest box, as |s| is at most
+// (1 + |P|) / (1/2 - error_d). Then 24 units of the largest distance: 1 for corners as stored, 8 for the grid of boxes, which is computed in
+// f32; here 1 for the way to its origin, 5 for 1 / d, and 7 for two products and two sums of twice that distance at most.
 fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
     let p = path.p * scale;
     let exponent = clamp(bitcast<u32>(largest_of(path.d)) >> 23u, 1u, 252u);
     // a power of two that brings d under 1, and its inverse
     let share = bitcast<f32>((253u - exponent) << 23u);
     let back = bitcast<f32>((exponent + 1u) << 23u);
-    let error_p = path.error_p * scale + LEAST;
-    let error_d = path.error_d * share + LEAST;
-    let slack = error_p + (1.0 + largest_of(p)) * (2.0 * error_d + 24.0 * UNIT + 2.0 * PERTURB_BOUND);
+    // coverage is decided on the perturbed ray
+    let error_p = path.error_p * scale + PERTURB_BOUND * params.scene_size * scale + LEAST;
+    let error_d = select(path.error_d * share, ENDLESS, path.error_d >= ENDLESS) + PERTURB_BOUND + LEAST;
+    let far = 1.0 + largest_of(p) + error_p;
+    let slack = min(error_p + far * (error_d / max(0.5 - error_d, LEAST) + 24.0 * UNIT), ENDLESS);
+    // ends that are infinite lie at ENDLESS
     let t_share = scale * back;
-    let t_first = params.t_min.x + params.t_min.y + params.t_min.z;
-    let t_last = params.t_max.x + params.t_max.y + params.t_max.z;
-    // in a chain what lies a little beyond an end may count as on it
-    let more = select(0.0, 0.00390625, SLABBED) * (t_last - t_first);
-    let first = (more + 4.0 * UNIT * abs(t_first)) * t_share;
-    let last = (more + 4.0 * UNIT * abs(t_last)) * t_share;
+    let s_first = clamp((params.t_min.x + params.t_min.y + params.t_min.z) * t_share, -ENDLESS, ENDLESS);
+    let s_last = clamp((params.t_max.x + params.t_max.y + params.t_max.z) * t_share, -ENDLESS, ENDLESS);
+    // in a chain a hit up to end_rounding / |N . d| beyond an end counts as on it: less than this, but for triangles within 2^-36 of
+    // edge-on, whose t is rounding alone
+    let more = select(0.0, 0.00390625 * (s_last - s_first), SLABBED);
+    let margin_first = more + slack + 4.0 * UNIT * abs(s_first);
+    let margin_last = more + slack + 4.0 * UNIT * abs(s_last);
     return Stretch(
         p, error_p, path.d * share, error_d, vec3<f32>(slack),
-        t_first * t_share - first - slack, t_last * t_share + last + slack,
-        t_first * t_share + first + slack, t_last * t_share - last - slack,
+        s_first - margin_first, s_last + margin_last, s_first + margin_first, s_last - margin_last,
     );
 }
 
-// Sizes of vectors are their largest components here; |d| <= 1 and |v| <= 1. A corner and d are off by what was lost of them, edges as
-// stored by a unit, the third by 3, and m by error_m.
+// Sizes of vectors are their largest components here; |d| <= 1 and |v| <= 1. Edges are off by a unit as stored, the third by 3. m is off by
+// what was lost of p, by a unit of 1 for v as stored, and by 2 of its size: two differences and an edge.
 //
-// The ray passes an edge on the side that E = e . (d x m) tells. A component of d x m is off by 2 (error_m + |m| error_d) and 4 units of
-// |m|; E by 3 |e| times that, and by 18 units of |e| |d x m|: 3 products, each with 3 units of the edge and 3 of rounding.
-// s = N . m / N . d: a component of N is off by 8 units of |e|^2; N . m by 3 |m| times that, by the sum of |N| times error_m, and by 3 units
-// of the products' sum; N . d likewise.
+// The side on which the ray passes an edge is the sign of E = e . (d x m). A component of d x m is off by twice the sum of error_m and
+// (|m| + error_m) error_d, and by 4 units of |m|. E is off by 3 |e| times that, and by 18 units of |e| |d x m|: three products, each with 3
+// units of the edge and 3 of rounding.
+// s = N . m / N . d. A component of N is off by 8 units of |e|^2. N . m is off by 3 |m| times that, by error_m times the sum of |N|, and by
+// 3 units of |N| |m|; N . d alike. 8 units of s: a quotient, off by 2.5 ulp at most, and the sum below.
 fn with_triangle(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> Seen {
     let m0 = own.v - stretch.p;
     let e01 = own.to_next;
@@ -89,8 +94,9 @@ fn with_triangle(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -
     let c = dot(e12, g1);
     let size_e = largest_of(abs(e01) + abs(e20));
     let size_m = largest_of(m0) + size_e;
-    let error_m = UNIT * (1.0 + size_m) + stretch.error_p;
-    let error_g = 2.0 * (error_m + size_m * stretch.error_d) + UNIT * (4.0 * size_m + 6.0 * max(largest_of(g0), largest_of(g1)));
+    let error_m = UNIT * (1.0 + 2.0 * size_m) + stretch.error_p;
+    let error_g = 2.0 * (error_m + (size_m + error_m) * stretch.error_d)
+        + UNIT * (4.0 * size_m + 6.0 * max(largest_of(g0), largest_of(g1)));
     let bound = 3.0 * size_e * error_g + LEAST;
     let low = min(a, min(b, c));
     let high = max(a, max(b, c));
@@ -103,10 +109,10 @@ fn with_triangle(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -
     let error_n = 24.0 * UNIT * size_e * size_e + LEAST;
     let across = dot(normal, stretch.d);
     let error_across = error_n + size_n * (stretch.error_d + 3.0 * UNIT);
-    let error_along = error_n * size_m + size_n * (error_m + 3.0 * UNIT * size_m);
+    let error_along = (error_n + 3.0 * UNIT * size_n) * (size_m + error_m) + size_n * error_m;
     let is_across = abs(across) > 2.0 * error_across;
     let s = dot(normal, m0) / across;
-    let error_s = (error_along + abs(s) * error_across) / (abs(across) - error_across) + 4.0 * UNIT * abs(s);
+    let error_s = (error_along + abs(s) * error_across) / (abs(across) - error_across) + 8.0 * UNIT * abs(s);
     let first = select(-ENDLESS, s - error_s, is_across);
     let last = select(ENDLESS, s + error_s, is_across);
 

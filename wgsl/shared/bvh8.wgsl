@@ -1,13 +1,14 @@
-// The bounding volume hierarchy of a chunk's triangles, in textures, all coordinates times a power of two: none is larger than 1. The
-// first row holds that number. Then come nodes, five rows each, with eight boxes below them whose corners are bytes on a grid (Ylitie et
-// al. 2017): the grid's origin, and its three steps' exponents and which boxes are nodes; where the nodes and the triangles below begin,
-// and a byte a box; two bytes a box for each axis. Of triangles there are three rows: a corner
-// with the slot, and the edges from it and to it, one with the last word of the packed triangle.
+// The bounding volume hierarchy of a chunk's triangles, in textures. Coordinates are scaled by a power of two so that none is larger than 1.
+// `bvh`: a row with that power, then five rows a node, as the crate obvhs packs them (Ylitie et al. 2017): the origin of a grid, the
+// exponents of its steps, and a bit for each child that is a node; the indices of the first node and the first triangle below, and a byte a
+// child; then for each axis the lower bounds of the eight children on the grid, a byte each, and the upper ones.
+// `bvh_triangles`: three rows a triangle: a corner and the slot; the edge from that corner to the next, and the last word of the packed
+// triangle; the edge from the last corner to the first.
 // Provides: BvhTriangle, box_hits, bvh_scale, bvh_triangle
 // Needs: Stretch, table_texel
 // Binds: bvh, bvh_triangles
 
-// What a path may meet below a node: a group of nodes, and triangles as bits from the first one on.
+// What a path may meet below a node: a group (see followed), and triangles, bit k for the k-th from first_triangle on.
 struct Met {
     nodes: vec2<u32>,
     first_triangle: u32,
@@ -57,7 +58,7 @@ fn axis_of(exponent: u32, origin: f32, p: f32, slack: f32, inverse: f32) -> Axis
     return Axis(bitcast<f32>((exponent & 0xffu) << 23u) * inverse, place - more, place + more);
 }
 
-// Which of four boxes a path may meet; numbers that are none leave no box out.
+// Which of four boxes a path may meet. A comparison with NaN leaves no box out.
 fn four_hits(lo: vec3<u32>, hi: vec3<u32>, x: Axis, y: Axis, z: Axis, back: vec3<bool>, first: f32, last: f32) -> vec4<bool> {
     let near = select(lo, hi, back);
     let far = select(hi, lo, back);
@@ -72,7 +73,7 @@ fn four_hits(lo: vec3<u32>, hi: vec3<u32>, x: Axis, y: Axis, z: Axis, back: vec3
     return !(enters > leaves);
 }
 
-// The bits of four boxes: of a node the one that says when its turn comes, of a leaf one for each triangle.
+// The bits that four children set: a node one, in the high byte, higher if it is nearer; a leaf one for each of its triangles.
 fn bits_of(word: u32, octant: u32, hits: vec4<bool>) -> u32 {
     let is_node = ((word & (word << 1u)) & 0x10101010u) >> 4u;
     let places = ((word ^ (octant * is_node)) & 0x1f1f1f1fu);

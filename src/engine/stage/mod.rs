@@ -12,6 +12,7 @@ pub mod args;
 pub mod bin;
 pub mod bounce;
 pub mod certify;
+pub mod choose;
 pub mod cull;
 pub mod deposit;
 pub mod edges;
@@ -37,7 +38,7 @@ pub mod write;
 
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
-use crate::gpu::kernels::{Kernel, OpticsKind, Variant};
+use crate::gpu::kernels::{Kernel, Method, OpticsKind, Variant};
 use crate::gpu::layout::{CULL_QUEUES, Counter, GROUP, NONE, Step};
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
@@ -72,6 +73,8 @@ macro_rules! kernels {
 kernels! {
     /// Lays out the dispatches of the others that follow a counter.
     Args, |_, _| true, |_, _| args::kernel();
+    /// Whether trace takes over from raster.
+    Choose, |v, _| v.method == Method::Auto, |_, _| choose::kernel();
     Cull, |v, _| v.rasters(), |v, _| cull::kernel(v);
     Split, |v, _| v.rasters(), |v, _| split::kernel(v);
     Small, |v, _| v.small, |v, _| small::kernel(v);
@@ -152,6 +155,16 @@ impl Number {
     /// Where `args` finds the count.
     pub fn counted_in(self) -> &'static str {
         if let Number::Tiles(list) = self { list } else { "counters" }
+    }
+
+    /// What it counts is for a stage of raster, which may be left out.
+    pub fn is_of_raster(self) -> bool {
+        use Counter::*;
+        match self {
+            Number::Index(_) => true,
+            Number::Counter(counter) => matches!(counter, Work | Tasks | Large | Pairs | Busy),
+            Number::Tiles(_) => false,
+        }
     }
 
     fn value(self) -> u32 {
@@ -265,6 +278,13 @@ impl Stages {
         let scopes: Vec<&Buffers> = scopes.iter().copied().chain([&self.steps]).collect();
         for Dispatch { kernel, step, threads, renamed } in dispatches {
             if let Threads::Counted(number) = threads {
+                if self.variant.method == Method::Auto && number.is_of_raster() {
+                    let choose = self.pipeline(gpu, KernelId::Choose)?;
+                    let group = choose.bind_renamed(gpu, &scopes, &[("step", number.name())])?;
+                    pass.set_pipeline(choose.raw());
+                    pass.set_bind_group(0, &group, &[]);
+                    pass.dispatch_workgroups(1, 1, 1);
+                }
                 let args = self.pipeline(gpu, KernelId::Args)?;
                 let group =
                     args.bind_renamed(gpu, &scopes, &[("step", number.name()), ("counters", number.counted_in())])?;

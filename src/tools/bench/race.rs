@@ -7,7 +7,7 @@ use super::yardstick::Yardstick;
 use crate::camera::Camera;
 use crate::engine::plan::Wanted;
 use crate::engine::plan::samples::sample_offsets;
-use crate::engine::{Arithmetic, Engine, Frames, Rendered, RunOptions};
+use crate::engine::{Arithmetic, Engine, Frames, Method, Rendered, RunOptions};
 use crate::gpu::Gpu;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER};
 use crate::image::compare::compare;
@@ -348,7 +348,9 @@ fn seen(depth: bool, bare: bool) -> Wanted {
 fn options(case: &Case, arm: &Arm, rules: &Rules) -> Result<RunOptions> {
     let (moving, draws_max) = (case.moving == Moving::Triangles, rules.draws_max);
     let (no_cull, arithmetic) = (arm.no_cull, arm.arithmetic);
-    Ok(RunOptions { rival: arm.choice()?, moving, no_cull, arithmetic, draws_max, ..Default::default() })
+    // what raster's stages do is counted
+    let method = if case.counted { Method::Raster } else { Method::Auto };
+    Ok(RunOptions { rival: arm.choice()?, moving, no_cull, method, arithmetic, draws_max, ..Default::default() })
 }
 
 /// Counters of one frame.
