@@ -13,7 +13,7 @@ const COSTS: array<u32, 21> = array<u32, 21>(
 @compute @workgroup_size(1)
 fn choose() {
     let count = atomicLoad(&counters[step.value]);
-    let is_dear = f32(count) * f32(COSTS[step.value]) > f32(params.raster_budget);
+    let is_dear = f32(count) * f32(COSTS[step.value]) > params.raster_budget;
     let pixels = params.tiles_x * ((params.height + TILE - 1u) / TILE) * TILE * TILE;
     let traced = max(atomicLoad(&counters[COUNT_TRACED]), select(0u, pixels, is_dear));
     atomicStore(&counters[COUNT_TRACED], traced);

@@ -137,14 +137,17 @@ impl Frames {
         let frames = self.timed.frame_ms.len() as u64 + 1;
         let trace = self.resident.trace_cost(&self.plan);
         let saved = self.timed.raster_cost.saturating_sub(trace + trace / 8);
-        let is_open = self.plan.variant.method == Method::Auto && self.resident.bvh != BvhState::Preferred;
+        let is_open =
+            self.plan.variant.method == Method::Auto && matches!(self.resident.bvh, BvhState::None | BvhState::Built);
         if !is_open || saved == 0 || saved * frames < self.resident.build_cost() {
             return Ok(false);
         }
         if self.resident.bvh == BvhState::None {
             self.build_bvh()?;
         }
-        self.resident.bvh = BvhState::Preferred;
+        if self.resident.bvh == BvhState::Built {
+            self.resident.bvh = BvhState::Preferred;
+        }
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)?;
         Ok(true)
     }

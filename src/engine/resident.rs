@@ -153,15 +153,22 @@ impl Resident {
         if !self.traces {
             return Ok(());
         }
+        let is_there = matches!(self.bvh, BvhState::Built | BvhState::Preferred);
         for (there, chunk) in self.chunks.iter_mut().zip(&clustered.chunks) {
-            let bvh = match self.bvh {
-                BvhState::Built | BvhState::Preferred => TracedBvh::new(chunk)?,
-                BvhState::None => TracedBvh::default(),
-            };
+            let bvh = if is_there { TracedBvh::new(chunk) } else { Some(TracedBvh::default()) };
+            if bvh.is_none() {
+                self.bvh = BvhState::GivenUp;
+            }
+            let bvh = bvh.unwrap_or_default();
             there.buffers.upload_texels(gpu, "bvh", &bvh.nodes)?;
             there.buffers.upload_texels(gpu, "bvh_triangles", &bvh.triangles)?;
         }
         Ok(())
+    }
+
+    /// Some rays are to be traced, and cannot be.
+    pub fn cannot_trace(&self) -> bool {
+        self.always_traces && self.bvh == BvhState::GivenUp
     }
 
     /// Puts the triangles that are there where they are now.
@@ -295,14 +302,14 @@ impl Resident {
     }
 
     /// What raster may still cost in a band before trace takes over: what tracing costs, and building the hierarchy where there is none.
-    fn raster_budget(&self, plan: &Plan, band: &Band, chunk: &ChunkOnDevice) -> u32 {
+    fn raster_budget(&self, plan: &Plan, band: &Band, chunk: &ChunkOnDevice) -> f32 {
         let build = match self.bvh {
-            _ if plan.variant.method != Method::Auto => return u32::MAX,
-            BvhState::Preferred => return 0,
+            BvhState::GivenUp => return f32::MAX,
+            BvhState::Preferred => return 0.0,
             BvhState::Built => 0,
             BvhState::None => u64::from(BUILD_COST) * u64::from(chunk.slots),
         };
-        u32::try_from(trace_cost(plan, band) + build).unwrap_or(u32::MAX - 1)
+        (trace_cost(plan, band) + build) as f32
     }
 
     /// First cluster and count of one batch.
@@ -393,6 +400,8 @@ pub enum BvhState {
     Built,
     /// And frames are traced from their start.
     Preferred,
+    /// They are too deep, or paths take too many steps in them: raster does it all.
+    GivenUp,
 }
 
 /// In these buffers, where they are as large.

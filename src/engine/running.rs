@@ -7,10 +7,14 @@ use super::readback::{Copies, InFlight, PendingReads, Readback};
 use super::resident::BvhState;
 use super::{Capacities, Counts, Rendered};
 use crate::gpu::buffers::{read_words, wait_for};
+use crate::gpu::kernels::Method;
 use crate::gpu::layout::{COUNTERS, CULL_QUEUES, Counter};
 use crate::gpu::recorder::Recorded;
 use crate::input::{Error, Result};
 use std::time::Instant;
+
+/// What is said where rays cannot be traced.
+const NOT_TRACED: &str = "tracing takes too many steps here; use --method raster";
 
 /// A submitted frame, and the sizes of its lists.
 pub(super) struct Running {
@@ -26,6 +30,9 @@ pub(super) struct Running {
 impl Frames {
     /// Submits the steps that draw what is dirty. With `reads`, they copy the picture to where the host can read it.
     pub(super) fn begin(&self, dirty: Dirty, reads: bool) -> Result<Running> {
+        if self.resident.cannot_trace() {
+            return Err(Error::work(NOT_TRACED));
+        }
         let steps = self.steps(reads, dirty);
         self.compile(&steps)?;
         let started = Instant::now();
@@ -113,8 +120,11 @@ impl Frames {
     fn grow_lists(&mut self, short: Shortage) -> Result<()> {
         self.timed.grown += 1;
         if short.is_lost {
-            self.is_lost = true;
-            return Err(Error::work("tracing takes too many steps here; use --method raster"));
+            if self.plan.variant.method != Method::Auto || self.plan.variant.bounces_rays() {
+                self.is_lost = true;
+                return Err(Error::work(NOT_TRACED));
+            }
+            self.resident.bvh = BvhState::GivenUp;
         }
         if short.needs_bvh && self.resident.bvh == BvhState::None {
             self.build_bvh()?;

@@ -147,7 +147,7 @@ pub fn params(
     ids: Span,
     clusters: Span,
     capacities: Capacities,
-    raster_budget: u32,
+    raster_budget: f32,
 ) -> layout::Params {
     let level = |f: fn(&Level) -> u32| {
         let mut words = [0; 8];

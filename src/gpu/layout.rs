@@ -162,7 +162,7 @@ pub struct Params {
     pub task_capacity: u32,
     pub edge_capacity: u32,
     pub scene_size: f32,
-    pub raster_budget: u32,
+    pub raster_budget: f32,
     pub pad1: u32,
     pub pad2: u32,
     pub t_min: [f32; 4],

@@ -147,7 +147,7 @@ impl Tables {
         let ids = Span { first: chunk.id_first, count: chunk.id_count };
         let clusters = Span { first: 0, count: chunk.clusters.len() as u32 };
         KernelInputs {
-            params: params(camera, &self.plan, band, ids, clusters, capacities, u32::MAX),
+            params: params(camera, &self.plan, band, ids, clusters, capacities, f32::MAX),
             clusters: &chunk.clusters,
             triangle_groups: &chunk.triangle_groups,
             nodes: &band.nodes.nodes,

@@ -16,7 +16,7 @@ type List = (u32, u32, u32);
 
 fn params() -> Params {
     Params {
-        raster_budget: u32::MAX,
+        raster_budget: f32::MAX,
         queue_capacity: 1000,
         work_capacity: 900_000_000,
         pair_capacity: 70_000_000,
@@ -47,7 +47,14 @@ fn args(gpu: &Gpu, pipeline: &Pipeline, counter: u32, given: &[(u32, u32)]) -> (
     args_of(gpu, pipeline, params(), counter, given, 3)
 }
 
-fn args_of(gpu: &Gpu, pipeline: &Pipeline, params: Params, counter: u32, given: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
+fn args_of(
+    gpu: &Gpu,
+    pipeline: &Pipeline,
+    params: Params,
+    counter: u32,
+    given: &[(u32, u32)],
+    written: usize,
+) -> (Vec<u32>, Vec<u32>) {
     let mut b = Buffers::default();
     b.upload_uniform(gpu, "params", &params).unwrap();
     b.upload_uniform(gpu, "step", &Step { value: counter }).unwrap();
@@ -117,7 +124,7 @@ fn trace_takes_over_where_what_is_left_of_raster_costs_more() {
     let Some(gpu) = adapter() else { return };
     let kernels = [stage::choose::kernel(), stage::args::kernel()].map(|kernel| Pipeline::new(&gpu, kernel));
     let traced = Counter::Traced.index();
-    let run = |pipeline: &Pipeline, budget: u32, counter: u32, given: &[(u32, u32)]| {
+    let run = |pipeline: &Pipeline, budget: f32, counter: u32, given: &[(u32, u32)]| {
         let own = Params { raster_budget: budget, tiles_x: 7, height: 19, ..params() };
         args_of(&gpu, pipeline, own, counter, given, if counter == traced { 3 } else { 0 })
     };
@@ -126,17 +133,17 @@ fn trace_takes_over_where_what_is_left_of_raster_costs_more() {
     let costs = costs.into_iter().chain([(Counter::Large.index(), LARGE_COST), (Counter::Pairs.index(), PAIR_COST)]);
     for (counter, cost) in costs {
         for (count, left, taken) in [(300, 300, 0), (301, 0, pixels)] {
-            let after = run(&kernels[0], 300 * cost, counter, &[(counter, count), (traced, 0)]).1;
+            let after = run(&kernels[0], (300 * cost) as f32, counter, &[(counter, count), (traced, 0)]).1;
             assert_eq!([after[counter as usize], after[traced as usize]], [left, taken], "{counter}");
         }
     }
     // from then on nothing of raster is left
     for counter in [0, Counter::Work.index(), Counter::Tasks.index(), Counter::Pairs.index(), Counter::Busy.index()] {
-        let after = run(&kernels[0], u32::MAX, counter, &[(counter, 5), (traced, pixels)]).1;
+        let after = run(&kernels[0], f32::MAX, counter, &[(counter, 5), (traced, pixels)]).1;
         assert_eq!([after[counter as usize], after[traced as usize]], [0, pixels], "{counter}");
     }
     // all tiles are traced, more than any list holds
     for count in [0, pixels, 9_999_936] {
-        assert!(suit(&run(&kernels[1], 0, traced, &[(traced, count)]).0, count, 1));
+        assert!(suit(&run(&kernels[1], 0.0, traced, &[(traced, count)]).0, count, 1));
     }
 }

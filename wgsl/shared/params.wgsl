@@ -65,7 +65,7 @@ struct Params {
     task_capacity: u32,
     edge_capacity: u32,     // items
     scene_size: f32,        // by which rays are perturbed (perturb.wgsl); 0 for rays that are not
-    raster_budget: u32,     // what raster may still cost before trace takes over
+    raster_budget: f32,     // what raster may still cost before trace takes over
     pad1: u32,
     pad2: u32,
     t_min: vec4<f32>,       // ends of t_range, each the exact sum of three

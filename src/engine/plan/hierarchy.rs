@@ -1,5 +1,5 @@
-//! A bounding volume hierarchy over triangles, for rays: shadow rays, and those of a rival. Built by a library, or
-//! refitted.
+//! Bounding volume hierarchies over triangles: of two boxes a node for shadow rays and a rival, of eight for trace. Built by a library; the
+//! first kind can be refitted.
 
 use crate::engine::clusters::Chunk;
 use crate::gpu::layout::{BvhNode, LeafTriangle};
@@ -10,7 +10,7 @@ use glam::DVec3;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
-use obvhs::cwbvh::builder::build_cwbvh_from_tris;
+use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
@@ -110,6 +110,9 @@ impl Default for TracedBvh {
     }
 }
 
+/// Triangles of a leaf at most.
+const LEAF_MAX: u32 = 3;
+
 /// Rows of a node.
 const NODE_ROWS: usize = 5;
 
@@ -117,13 +120,10 @@ const NODE_ROWS: usize = 5;
 const WAITING_MAX: usize = 32;
 
 impl TracedBvh {
-    /// Of the triangles of a chunk.
-    ///
-    /// # Errors
-    /// [`Error::Work`] where it is deeper than the kernel can follow.
-    pub fn new(chunk: &Chunk) -> Result<TracedBvh> {
+    /// Of the triangles of a chunk; `None` where it is deeper than the kernel can follow.
+    pub fn new(chunk: &Chunk) -> Option<TracedBvh> {
         if chunk.triangles.is_empty() {
-            return Ok(TracedBvh::default());
+            return Some(TracedBvh::default());
         }
         let largest = chunk.vertices.par_iter().map(|v| v.position().abs().max_element()).reduce(|| 0.0, f64::max);
         let scale = largest.max(f64::from(f32::MIN_POSITIVE)).log2().ceil().exp2().recip();
@@ -136,10 +136,11 @@ impl TracedBvh {
             Triangle { v0, v1, v2 }
         };
         let triangles: Vec<Triangle> = (0..chunk.triangles.len() as u32).into_par_iter().map(boxed).collect();
-        let tree = build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
-        let depth = depth(&tree.nodes);
-        if depth > WAITING_MAX {
-            return Err(Error::work(format!("the hierarchy is {depth} boxes deep; the kernel follows {WAITING_MAX}")));
+        let of_one = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
+        let binary = build_bvh2_from_tris(&triangles, of_one, &mut Duration::default());
+        let tree = bvh2_to_cwbvh(&binary, LEAF_MAX, true, false);
+        if depth(&tree.nodes) > WAITING_MAX {
+            return None;
         }
         let mut nodes = vec![[(scale as f32).to_bits(), 0, 0, 0]];
         nodes.extend(tree.nodes.iter().flat_map(|node| bytemuck::cast::<CwBvhNode, [[u32; 4]; NODE_ROWS]>(*node)));
@@ -152,7 +153,7 @@ impl TracedBvh {
             [row(a, *slot), row(b - a, word), row(a - c, 0)]
         };
         let triangles = tree.primitive_indices.par_iter().flat_map_iter(rows).collect();
-        Ok(TracedBvh { nodes, triangles })
+        Some(TracedBvh { nodes, triangles })
     }
 }
 
