@@ -122,7 +122,8 @@ fn cases() -> Vec<Case> {
 fn each_input(mut check: impl FnMut(&str, &FrameInputs)) {
     for Case { name, camera, has, contents, wanted } in cases() {
         let methods = [Method::Raster, Method::Auto, Method::Trace];
-        for method in methods {
+        // what is shaded makes no difference to how triangles are found
+        for method in methods.into_iter().take(if name.ends_with("plain") { 3 } else { 1 }) {
             let run = RunOptions { method, ..RunOptions::default() };
             let variant = variant(&camera, contents, &wanted, has, &run);
             let extent = SceneExtent::point(DVec3::ZERO);
