@@ -1,5 +1,5 @@
 // Which pixels' curves may meet a triangle over a span of t, by their control nets.
-// Provides: COVERAGE_PROVES, LEAST, UNIT, coverage, net_may_meet, over_span, span_of
+// Provides: COVERAGE_PROVES, LEAST, UNIT, control_net, coverage, net_may_meet, over_span, span_of
 // Needs: Cell, DEGREE, TILE, control_point, curve_place, first_bit, tile_corner, tile_layer, tile_slab, with_bit, without_bit
 // Binds: params
 
@@ -56,6 +56,20 @@ fn largest(b: vec4<f32>) -> f32 {
     return max(max(b.x, b.y), max(b.z, b.w));
 }
 
+// The control points of a curve; those above its degree repeat the last.
+fn control_net(place: u32) -> array<vec3<f32>, 4> {
+    var net = array<vec3<f32>, 4>(control_point(place, 0u), control_point(place, 1u), vec3<f32>(0.0), vec3<f32>(0.0));
+    net[2] = net[1];
+    if DEGREE >= 2u {
+        net[2] = control_point(place, 2u);
+    }
+    net[3] = net[2];
+    if DEGREE >= 3u {
+        net[3] = control_point(place, 3u);
+    }
+    return net;
+}
+
 // Whether a curve with this control net may meet a triangle over a span of t: not if a side of the triangle separates them.
 fn net_may_meet(net: array<vec3<f32>, 4>, span: vec2<f32>, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> bool {
     let e0 = v1 - v0;
@@ -102,15 +116,7 @@ fn coverage(
         let bit = first_bit(left);
         left = without_bit(left, bit);
         let place = curve_place(layer, corner.x + bit % TILE, corner.y + bit / TILE);
-        var net = array<vec3<f32>, 4>(control_point(place, 0u), control_point(place, 1u), vec3<f32>(0.0), vec3<f32>(0.0));
-        net[2] = net[1];
-        if DEGREE >= 2u {
-            net[2] = control_point(place, 2u);
-        }
-        net[3] = net[2];
-        if DEGREE >= 3u {
-            net[3] = control_point(place, 3u);
-        }
+        let net = control_net(place);
         if net_may_meet(net, span, v0, v1, v2) {
             may = with_bit(may, bit);
         }

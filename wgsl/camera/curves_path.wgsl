@@ -1,6 +1,6 @@
 // The curve of a pixel in a layer, as trace follows it: a span of t after the other, each about its chord.
 // Provides: Path, Seen, Stretch, is_seen, key_of, last_of, nothing_seen, path_of, stretch_of, stretches, with_triangle
-// Needs: BvhTriangle, Cell, DEGREE, LEAST, ONE_SIDED, TILE, UNIT, bvh_scale, cell_bundle, cell_depth, control_point, curve_place,
+// Needs: BvhTriangle, Cell, DEGREE, LEAST, ONE_SIDED, TILE, UNIT, bvh_scale, cell_bundle, cell_depth, control_net, curve_place,
 //   is_excluded, net_may_meet, over_span, pixel_depth, real, real3, start_of, tile_layer, triangle_at, triangle_id, triangle_reversed,
 //   vertex_real, visibility_key
 // Binds: params
@@ -29,16 +29,7 @@ fn stretches() -> u32 {
 }
 
 fn path_of(layer: u32, x: u32, y: u32) -> Path {
-    let place = curve_place(layer, x, y);
-    var net = array<vec3<f32>, 4>(control_point(place, 0u), control_point(place, 1u), vec3<f32>(0.0), vec3<f32>(0.0));
-    net[2] = net[1];
-    if DEGREE >= 2u {
-        net[2] = control_point(place, 2u);
-    }
-    net[3] = net[2];
-    if DEGREE >= 3u {
-        net[3] = control_point(place, 3u);
-    }
+    let net = control_net(curve_place(layer, x, y));
     let tile = (layer * params.spans * params.slab_rows + y / TILE) * params.tiles_x + x / TILE;
     return Path(net, (tile << 6u) | ((y % TILE) * TILE + x % TILE), start_of(y * params.width + x));
 }

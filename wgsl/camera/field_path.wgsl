@@ -1,28 +1,15 @@
 // The ray of a pixel of a field, as trace follows it.
-// Provides: Path, path_depth, path_of
-// Needs: TILE, UNIT, cell_bundle_at, field_at, field_direction, field_origin, ray_meeting, real, real3, start_of, tile_corner
+// Provides: path_depth, path_of
+// Needs: Path, TILE, UNIT, cell_bundle_at, field_at, field_direction, field_origin, largest_of, ray_meeting, real, real3, start_of,
+//   tile_corner
 // Binds: params
-
-// P and D in f32, and bounds on the errors of their coordinates.
-struct Path {
-    p: vec3<f32>,
-    error_p: f32,
-    d: vec3<f32>,
-    error_d: f32,
-    item: u32,              // of recheck: the tile, and in the low 6 bits the pixel
-    start: u32,             // the triangle that the ray starts on
-}
-
-fn largest_part(v: vec3<f32>) -> f32 {
-    return max(abs(v.x), max(abs(v.y), abs(v.z)));
-}
 
 fn path_of(layer: u32, x: u32, y: u32) -> Path {
     let at = field_at(x, y);
     let p = field_origin(at);
     let d = field_direction(at);
     let tile = (y / TILE) * params.tiles_x + x / TILE;
-    return Path(p, UNIT * largest_part(p), d, UNIT * largest_part(d), (tile << 6u) | ((y % TILE) * TILE + x % TILE), start_of(y * params.width + x));
+    return Path(p, UNIT * largest_of(p), d, UNIT * largest_of(d), (tile << 6u) | ((y % TILE) * TILE + x % TILE), start_of(y * params.width + x));
 }
 
 // The t of a triangle's plane.

@@ -1,6 +1,6 @@
 // The path of a pixel in a layer: one straight ray, about a scene none of whose coordinates is larger than 1; and what it meets, to f32.
-// Provides: ENDLESS, Seen, Stretch, is_seen, key_of, last_of, nothing_seen, stretch_of, stretches, with_triangle
-// Needs: BvhTriangle, COUNT_RECHECK_ITEMS, LEAST, NONE, ONE_SIDED, PERTURB_BOUND, Path, SLABBED, UNIT, is_excluded, path_depth, real3,
+// Provides: ENDLESS, Path, Seen, Stretch, is_seen, key_of, largest_of, last_of, nothing_seen, stretch_of, stretches, with_triangle
+// Needs: BvhTriangle, COUNT_RECHECK_ITEMS, LEAST, NONE, ONE_SIDED, PERTURB_BOUND, SLABBED, UNIT, is_excluded, path_depth, real3,
 //   tile_layer, triangle_at, triangle_id, triangle_reversed, vertex_real, visibility_key
 // Binds: counters, params, recheck_items
 
@@ -8,6 +8,16 @@
 override ALL_UNCERTAIN: bool = false;
 
 const ENDLESS: f32 = 1.0e30;
+
+// P and D in f32, and bounds on the errors of their coordinates.
+struct Path {
+    p: vec3<f32>,
+    error_p: f32,
+    d: vec3<f32>,
+    error_d: f32,
+    item: u32,              // of recheck: the tile, and in the low 6 bits the pixel
+    start: u32,             // the triangle that the ray starts on
+}
 
 // X = p + s d for s from `first` to `last`: no point of the path that counts is farther off than the slack, a coordinate.
 struct Stretch {

@@ -2,8 +2,9 @@
 //!
 //! `cull -> split -> small -> bin -> sort -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name.
 //! [`small`] and [`sort`] are left out where raster goes pair by pair. [`trace`] takes the place of cull to raster, or of what is left of them
-//! where it costs less.
-//! [`choose`] decides that before each dispatch of raster. Where the camera has a mirror or a lens, [`reach`] comes first, [`meet`] beside raster, and after shade `forget -> bounce -> fit` and all
+//! where it costs less; [`choose`] decides that before each dispatch of raster.
+//!
+//! Where the camera has a mirror or a lens, [`reach`] comes first, [`meet`] beside raster, and after shade `forget -> bounce -> fit` and all
 //! of it again, or [`paste`] from an atlas that was rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow
 //! recheck and [`resolve`] follows shade; [`outline`] draws lines over what they came to. Caustics are added up by [`deposit`] before the
 //! first frame and shown by [`gather`] after shade. [`sift`] is not part of a frame: it finds the parts of an image that may see a point.
