@@ -330,6 +330,7 @@ fn host_constants() -> Constants {
         CLUSTER,
         TRIANGLE_GROUP,
         NONE,
+        PROVEN,
         RAYS_NONE,
         RAYS_LOOSE,
         RAYS_AFFINE,

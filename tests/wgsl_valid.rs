@@ -49,8 +49,9 @@ const WIDE: [&str; 16] = [
 /// and few merge keys.
 fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
     let mut caps = Capabilities::empty();
-    caps.set(Capabilities::FLOAT64, variant.f64 && WIDE.contains(&kernel.name));
-    let merges = ["small", "raster", "trace", "recheck", "meet", "recheck_samples"].contains(&kernel.name);
+    let is_bounded = kernel.name == "raster" && variant.by_tile && !variant.f64_depths;
+    caps.set(Capabilities::FLOAT64, variant.f64 && WIDE.contains(&kernel.name) && !is_bounded);
+    let merges = !is_bounded && ["small", "raster", "trace", "recheck", "meet", "recheck_samples"].contains(&kernel.name);
     caps.set(
         Capabilities::SHADER_INT64_ATOMIC_MIN_MAX,
         variant.atomics64 && (merges || kernel.name == "sample" && !variant.by_tile),
@@ -80,6 +81,9 @@ fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
         stage::all_kernels(variant, &Channel::every().collect::<Vec<_>>()).iter().for_each(|k| check(k, variant));
         for wide in [false, true] {
             each_by_tile(Variant { wide, ..variant.with_tiles() }, &mut check);
+            if variant.f64_depths {
+                each_by_tile(Variant { wide, f64_depths: false, ..variant.with_tiles() }, &mut check);
+            }
         }
         if variant.optics.is_none() {
             rivals::kernels::all(variant).iter().for_each(|k| check(k, variant));

@@ -1,13 +1,14 @@
 // raster, tile by tile: one subgroup of LANES threads per busy tile, one thread per column of it.
-// Reads what raster reads pair by pair, the run of pairs of each tile and the busy tiles; merges one visibility key per pixel, the nearest
+// Reads what raster reads pair by pair, the run of pairs of each tile and the busy tiles; writes one triangle per pixel, the nearest
 // of all pairs of its tile, and leaves what f32 does not prove to recheck. A tile of more than ROUNDS times LANES pairs is listed as
 // busy again, with what is left of its run. The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
-// Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, FARTHEST,
-//   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, complemented_key, conics, extent, farthest, given, group_index, in_line,
-//   is_behind, is_empty, is_excluded, item_node, lanes_any, lanes_max, leave_to_recheck, lines_of, may_cover, merge, pair_slot,
-//   pixels_within, reach_of, real3, real4, row_bits, rows_mask, shared_of, size, start_of, subgroup_lane, take_lane, test_pixels,
-//   tile_column, tile_corner, tile_layer, triangle_at, triangle_id, vertex, vertex_lo
+// Provides: INFINITE
+// Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, Extent,
+//   GROUP, LANES, LOWER, SLABBED, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, in_line, is_empty, is_excluded,
+//   item_node, keep_nearest, lanes_any, lanes_max, leave_to_recheck, lines_of, may_cover, nothing_nearest, pair_slot, pixels_within,
+//   row_bits, rows_mask, start_of, subgroup_lane, take_lane, test_pixels, tile_column, tile_corner, tile_reach, triangle_at, triangle_id,
+//   triangle_shared, vertex
 // Binds: busy, counters, ends, pairs, params, starts
 
 // Rounds of LANES pairs that a subgroup looks at, at most: software adapters end a thread's loops after 65535 rounds in all. Of what a
@@ -32,19 +33,18 @@ fn raster(
     }
     let tile = busy[item];
     let node = item_node(tile, lane);
-    let centre = real3(node.p);
-    let column = tile_column(tile, lane, centre);
+    let column = tile_column(tile, lane, node.p);
     let upper = lines_of(column.upper, column.has_upper);
     let lower = lines_of(column.lower, column.has_lower);
-    let reach_q = lanes_max(max(reach_of(upper), reach_of(lower)), lane);
+    let reach = tile_reach(column, upper, lower, lane);
     let corner = tile_corner(tile);
     let first_pixel = corner.y * params.width + corner.x + lane;
     let rows = vec4<u32>(0u, 1u, 2u, 3u) * params.width + first_pixel;
     let starts_upper = starts_of(rows);
     let starts_lower = starts_of(rows + 4u * params.width);
 
-    var nearest_upper = real4(FARTHEST);
-    var nearest_lower = real4(FARTHEST);
+    var nearest_upper = nothing_nearest();
+    var nearest_lower = nothing_nearest();
     var tested = 0u;
     var tested_upper = 0u;
     var tested_lower = 0u;
@@ -91,9 +91,6 @@ fn raster(
         let slot = pair_slot(vec2<u32>(pairs[pair.index].x, 0u));
         let triangle = triangle_at(slot);
         let hi = array<vec3<f32>, 3>(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
-        let v0 = real3(hi[0]) + real3(vertex_lo(triangle.x));
-        let v1 = real3(hi[1]) + real3(vertex_lo(triangle.y));
-        let v2 = real3(hi[2]) + real3(vertex_lo(triangle.z));
         var left_upper = lanes_any(select(0u, 1u << lane, is_one && (pair.halves & UPPER) != 0u), lane);
         var left_lower = lanes_any(select(0u, 1u << lane, is_one && (pair.halves & LOWER) != 0u), lane);
         tested_upper += countOneBits(left_upper);
@@ -101,8 +98,7 @@ fn raster(
         tested += countOneBits(left_upper | left_lower);
 
         // what the lanes will share of it
-        let reach = max(size(hi[0]), max(size(hi[1]), size(hi[2]))) + size(node.p);
-        let own = shared_of(triangle, v0, v1, v2, centre, reach, reach_q, size(node.d));
+        let own = triangle_shared(slot, triangle, hi, node, reach);
 
         // test each against the pixels of either half
         var uncertain_upper = 0u;
@@ -136,8 +132,8 @@ fn raster(
             }
         }
 
-        far_upper = lanes_max(farthest(nearest_upper, column.has_upper), lane);
-        far_lower = lanes_max(farthest(nearest_lower, column.has_lower), lane);
+        far_upper = lanes_max(farthest(nearest_upper, column.upper, column.has_upper), lane);
+        far_lower = lanes_max(farthest(nearest_lower, column.lower, column.has_lower), lane);
 
         // leave items to recheck, pair by pair
         let all = vec2<u32>(lanes_any(uncertain_upper, lane), lanes_any(uncertain_lower, lane));
@@ -157,12 +153,8 @@ fn raster(
         }
     }
 
-    // merge the nearest of each pixel
-    let layer = tile_layer(tile);
-    for (var k = 0u; k < 4u; k++) {
-        merge_some(rows[k], complemented_key(layer, nearest_upper[k]));
-        merge_some(rows[k] + 4u * params.width, complemented_key(layer, nearest_lower[k]));
-    }
+    // keep the nearest of each pixel; recheck counts those that it settles
+    kept -= keep_nearest(tile, lane, rows, nearest_upper, nearest_lower);
     if COUNTING {
         atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], kept);
         if lane == 0u {
@@ -182,10 +174,12 @@ fn raster(
     }
 }
 
-fn merge_some(pixel: u32, key: vec2<u32>) {
-    if any(key != vec2<u32>(0u)) {
-        merge(pixel, key);
-    }
+// Beyond all t.
+const INFINITE: f32 = 3.0e38;
+
+// All that is seen of a triangle lies beyond t. Not said of segments, at whose ends several t are one.
+fn is_behind(seen: Extent, t: f32) -> bool {
+    return !SLABBED && seen.tight && seen.t_lo > t;
 }
 
 // The triangles that the rays of four pixels start on; a tile may reach beyond the band, where any will do.

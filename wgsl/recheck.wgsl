@@ -1,8 +1,8 @@
 // recheck: one thread per item that was left to it.
 // Reads recheck_items, triangles, vertices, cells and the camera's rays; finds in recheck arithmetic whether the triangle covers the
-// item's pixel, and merges its key.
-// Needs: COUNT_RECHECK_ITEMS, TILE, bit_mask, cell_bundle, is_between, item_index, merge_hits, perturbed, pixel_bundle, real, real3,
-//   triangle_at, vertex_real
+// item's pixel, where that is not proven, and at which t, and merges its key.
+// Needs: COUNT_RECHECK_ITEMS, PROVEN, TILE, bit_mask, cell_bundle, is_between, item_index, merge_hits, perturbed, pixel_bundle, real,
+//   real3, triangle_at, vertex_real
 // Binds: cells, counters, params, recheck_items, tile_start
 
 @compute @workgroup_size(64)
@@ -16,7 +16,8 @@ fn recheck(
     if index >= min(atomicLoad(&counters[COUNT_RECHECK_ITEMS]), params.recheck_capacity) {
         return;
     }
-    let slot = recheck_items[index].x;
+    let slot = recheck_items[index].x & ~PROVEN;
+    let is_proven = (recheck_items[index].x & PROVEN) != 0u;
     let tile = recheck_items[index].y >> 6u;
     let bit = recheck_items[index].y & 63u;
     let triangle = triangle_at(slot);
@@ -36,8 +37,18 @@ fn recheck(
     let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
     let cell = cells[k];
     let whole = cell_bundle(cell);
-    let b = pixel_bundle(whole, cell, bit % TILE, bit / TILE);
-    if is_between(perturbed(b, real(params.scene_size)), v) {
+    // a loop: software adapters take every branch
+    var covers = is_proven;
+    var is_left = !is_proven;
+    loop {
+        if !is_left {
+            break;
+        }
+        is_left = false;
+        let b = pixel_bundle(whole, cell, bit % TILE, bit / TILE);
+        covers = is_between(perturbed(b, real(params.scene_size)), v);
+    }
+    if covers {
         merge_hits(cell, slot, triangle, whole, v, own);
     }
 }

@@ -4,8 +4,8 @@
 // and its rays as bits; the pixel.
 // The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
-// Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, FARTHEST, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, complemented_key,
-//   given, group_index, in_line, item_node, lanes_any, lanes_max, lines_of, reach_of, real3, real4, row_bits, sample_strip, shared_of,
+// Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, complemented_key, given,
+//   group_index, in_line, item_node, lanes_any, lanes_max, lines_of, nothing_nearest, reach_of, real3, row_bits, sample_strip, shared_of,
 //   size, subgroup_lane, take_lane, test_pixels, triangle_at, vertex, vertex_lo
 // Binds: blocks, counters, params, recheck_items, samples, touches
 
@@ -41,7 +41,7 @@ fn sample(
     let lines = lines_of(rays.strip, exists);
     let reach_q = lanes_max(reach_of(lines), lane);
 
-    var nearest = real4(FARTHEST);
+    var nearest = nothing_nearest();
     let end = block.w;
     var at = block.z;
     var next = Waiting(0u, 0u);
@@ -106,7 +106,7 @@ fn sample(
     if is_one {
         for (var k = 0u; k < 4u; k++) {
             if first + k < SAMPLES {
-                samples[record + 1u + first + k] = complemented_key(0u, nearest[k]);
+                samples[record + 1u + first + k] = complemented_key(0u, nearest.keys[k]);
             }
         }
     }

@@ -1,9 +1,9 @@
 // trace: one thread per pixel, one workgroup per tile.
 // Reads the chunk's hierarchy, its triangles and vertices, cells and the camera's rays; follows each pixel's path to the nearest triangle
-// that it meets at a t in range, and merges its visibility key. Triangles of which f32 proves neither a hit nor a miss are left to recheck.
+// that it meets at a t in range, and writes that. Triangles of which f32 proves neither a hit nor a miss are left to recheck.
 // The list recheck_items may overflow: the counter keeps counting. What takes too many steps is counted, too.
 // Needs: COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_UNFINISHED, Path, SLABBED, Seen, Stretch, box_hits, bvh_scale, bvh_triangle,
-//   has_ray, is_seen, key_of, last_of, merge, nothing_seen, path_of, pixel_at, stretch_of, stretches, with_triangle
+//   has_ray, is_seen, keep_seen, last_of, nothing_seen, path_of, pixel_at, stretch_of, stretches, with_triangle
 // Binds: counters, params, step
 
 // The most boxes and triangles that a path is tested against: software adapters end a loop when its 16 threads together have taken 65535
@@ -55,16 +55,17 @@ fn trace(
                     break;
                 }
             }
-            if COUNTING && step.value == 0u {
-                atomicAdd(&counters[COUNT_FRAGMENTS_TESTED], tested);
-                atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], select(0u, 1u, is_seen(seen)));
-            }
             if rounds >= ROUNDS {
                 atomicAdd(&counters[COUNT_UNFINISHED], 1u);
             }
+            var kept = 0u;
             if is_seen(seen) {
-                merge(at.y * params.width + at.x, key_of(path, seen));
+                kept = 1u - keep_seen(path, seen, at.y * params.width + at.x);
                 layer = layers - 1u;
+            }
+            if COUNTING && step.value == 0u {
+                atomicAdd(&counters[COUNT_FRAGMENTS_TESTED], tested);
+                atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], kept);
             }
         }
         layer++;

@@ -235,6 +235,11 @@ impl StepList<'_> {
         }
         for step in 0..raster_steps(variant) {
             for at in self.jobs(at) {
+                if step > 0 && alone && variant.leaves_all_to_recheck() {
+                    // its items are still there
+                    self.pass("recheck", at, [recheck(step)]);
+                    continue;
+                }
                 if step > 0 && alone {
                     // its pairs are still there, and it leaves its items to recheck again
                     self.clear("counters", at, counter_at(Counter::RecheckItems), Some(4));

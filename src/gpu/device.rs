@@ -22,6 +22,8 @@ pub struct GpuOptions {
     pub no_int64: bool,
     /// Do not use the adapter's f64 even if available: emulate it in 32-bit words.
     pub no_f64: bool,
+    /// Do as if the adapter's f64 were slow.
+    pub slow_f64: bool,
     /// A folder into which the source of every compiled kernel is written.
     pub dump_kernels: Option<PathBuf>,
 }
@@ -49,6 +51,8 @@ pub struct Gpu {
 pub struct AdapterFeatures {
     /// f64 and 64-bit integers: rechecks, depths and shading in the adapter's own f64; without them in 32-bit words.
     pub f64: bool,
+    /// And f64 takes at most some times as long as f32: on CPUs. GPUs that are made for pictures do an f64 operation at 1/16 to 1/64 of the rate.
+    pub fast_f64: bool,
     /// Its f64 failed the test at opening: see [`super::exact`].
     #[serde(skip)]
     pub f64_is_wrong: bool,
@@ -72,6 +76,7 @@ impl AdapterFeatures {
             && limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS_BY_TILE;
         AdapterFeatures {
             f64: int64 && features.contains(wgpu::Features::SHADER_F64),
+            fast_f64: info.device_type == wgpu::DeviceType::Cpu,
             f64_is_wrong: false,
             atomics64: int64 && features.contains(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX),
             lanes,
@@ -180,6 +185,7 @@ impl Gpu {
         let mut has = AdapterFeatures::of(adapter.features(), &info, &limits);
         has.atomics64 &= !options.no_int64;
         has.f64 &= !options.no_f64;
+        has.fast_f64 &= !options.slow_f64;
         if let Some(lack) = lacks(&limits) {
             return Err(Error::work(format!("adapter {}: {lack}; use --engine reference", label(&info))));
         }

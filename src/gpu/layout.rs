@@ -17,6 +17,8 @@ pub const CLUSTER: u32 = 64;
 pub const TRIANGLE_GROUP: u32 = 8;
 /// No index.
 pub const NONE: u32 = u32::MAX;
+/// Beside the slot of an item for recheck: its triangle is proven to cover the pixel.
+pub const PROVEN: u32 = 1 << 31;
 
 /// What a node's rays are: none; several pieces, or not affine; one affine bundle; so far from affine that what lies
 /// below it bounds them much better.
@@ -71,6 +73,8 @@ counters! {
     FragmentsKept = "count_fragments_kept",
     /// Pixels of triangles for recheck.
     RecheckItems = "count_recheck_items",
+    /// Those of these items that are proven to be nearest in f32: recheck finds their t.
+    Settled = "count_settled",
     /// Tiles with pairs that raster has not taken yet.
     Busy = "count_busy",
     /// The first of them that raster takes in this round.

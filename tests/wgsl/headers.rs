@@ -11,7 +11,7 @@ use std::path::Path;
 const ALONE: &str = "shared/soft_f64.wgsl";
 
 /// Snippets of which some variant of a kernel uses nothing.
-const IDLE: [(&str, &str); 25] = [
+const IDLE: [(&str, &str); 29] = [
     ("bin", "shared/slabs.wgsl"),
     ("certify", "shared/index.wgsl"),
     ("certify", "shared/ray.wgsl"),
@@ -35,6 +35,10 @@ const IDLE: [(&str, &str); 25] = [
     ("shade", "shared/index.wgsl"),
     ("trace", "shared/bits.wgsl"),
     ("trace", "shared/index.wgsl"),
+    ("trace", "shared/key.wgsl"),
+    ("trace", "shared/merge_u32.wgsl"),
+    ("trace", "shared/merge_u64.wgsl"),
+    ("trace", "shared/vertex_real.wgsl"),
     ("splat_project", "rivals/drawn.wgsl"),
     ("splat_project", "rivals/range.wgsl"),
 ];

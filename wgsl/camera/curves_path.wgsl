@@ -1,8 +1,8 @@
 // The curve of a pixel in a layer, as trace follows it: a span of t after the other, each about its chord.
-// Provides: Path, Seen, Stretch, is_seen, key_of, last_of, nothing_seen, path_of, stretch_of, stretches, with_triangle
+// Provides: Path, Seen, Stretch, is_seen, keep_seen, last_of, nothing_seen, path_of, stretch_of, stretches, with_triangle
 // Needs: BvhTriangle, Cell, DEGREE, LEAST, ONE_SIDED, TILE, UNIT, bvh_scale, cell_bundle, cell_depth, control_net, curve_place,
-//   is_excluded, net_may_meet, over_span, pixel_depth, real, real3, start_of, tile_layer, triangle_at, triangle_id, triangle_reversed,
-//   vertex_real, visibility_key
+//   is_excluded, merge, net_may_meet, over_span, pixel_depth, real, real3, start_of, tile_layer, triangle_at, triangle_id,
+//   triangle_reversed, vertex_real, visibility_key
 // Binds: params
 
 struct Path {
@@ -78,8 +78,10 @@ fn is_seen(seen: Seen) -> bool {
     return any(seen.key != vec2<u32>(0u));
 }
 
-fn key_of(path: Path, seen: Seen) -> vec2<u32> {
-    return seen.key;
+// Says how many hits recheck will count: none.
+fn keep_seen(path: Path, seen: Seen, pixel: u32) -> u32 {
+    merge(pixel, seen.key);
+    return 0u;
 }
 
 fn last_of(stretch: Stretch, seen: Seen) -> f32 {

@@ -31,7 +31,8 @@ fn field_strip(a: FieldRay, b: FieldRay, c: FieldRay, d: FieldRay) -> Strip {
     );
 }
 
-fn tile_column(tile: u32, x: u32, less: real3) -> Column {
+fn tile_column(tile: u32, x: u32, centre: vec3<f32>) -> Column {
+    let less = real3(centre);
     let corner = tile_corner(tile) + vec2<u32>(x, 0u);
     let a = field_ray(corner.x, corner.y, less);
     let b = field_ray(corner.x, corner.y + 1u, less);

@@ -19,7 +19,8 @@ fn piece_strip(b: Bundle, x: real, y: real, less: real3) -> Strip {
     );
 }
 
-fn tile_column(tile: u32, x: u32, less: real3) -> Column {
+fn tile_column(tile: u32, x: u32, centre: vec3<f32>) -> Column {
+    let less = real3(centre);
     let corner = tile_corner(tile);
     let bits = vec4<u32>(x) + vec4<u32>(0u, TILE, 2u * TILE, 3u * TILE);
     var column = Column(NO_STRIP, NO_STRIP, vec4<bool>(false), vec4<bool>(false));

@@ -1,7 +1,6 @@
 // The ray of a pixel that a piece owns, as trace follows it.
-// Provides: path_depth, path_of
-// Needs: ENDLESS, Path, TILE, TILE_REACH, UNIT, cell_bundle, cell_depth, largest_of, piece_at, pixel_cell, pixel_depth, real, real3,
-//   start_of, tile_corner, tile_layer
+// Provides: path_of
+// Needs: ENDLESS, Path, TILE, TILE_REACH, UNIT, largest_of, piece_at, pixel_cell, start_of
 // Binds: cells, params
 
 // Errors: numbers as stored, a product and two sums lose 4 units of the sizes of what is summed up, and this bound 1. A quotient loses what
@@ -26,15 +25,4 @@ fn path_of(layer: u32, x: u32, y: u32) -> Path {
         select(vec3<f32>(1.0), d, is_sure), select(ENDLESS, error_d, is_sure),
         (cell.tile << 6u) | ((y % TILE) * TILE + x % TILE), start_of(y * params.width + x),
     );
-}
-
-// The t of a triangle's plane.
-fn path_depth(path: Path, normal: real3, v: array<real3, 3>, slot: u32) -> real {
-    let tile = path.item >> 6u;
-    let corner = tile_corner(tile);
-    let bit = path.item & 63u;
-    let x = corner.x + bit % TILE;
-    let y = corner.y + bit / TILE;
-    let cell = cells[pixel_cell(tile_layer(tile), x, y)];
-    return pixel_depth(cell_depth(cell_bundle(cell), normal, v, real(0.0), slot), cell, bit % TILE, bit / TILE).t;
 }

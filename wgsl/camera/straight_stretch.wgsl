@@ -1,7 +1,7 @@
 // The path of a pixel in a layer: one straight ray, about a scene none of whose coordinates is larger than 1; and what it meets, to f32.
-// Provides: ENDLESS, Path, Seen, Stretch, is_seen, key_of, largest_of, last_of, nothing_seen, stretch_of, stretches, with_triangle
-// Needs: BvhTriangle, COUNT_RECHECK_ITEMS, LEAST, NONE, ONE_SIDED, PERTURB_BOUND, SLABBED, UNIT, is_excluded, path_depth, real3,
-//   tile_layer, triangle_at, triangle_id, triangle_reversed, vertex_real, visibility_key
+// Provides: ENDLESS, Path, Seen, Stretch, is_seen, keep_seen, largest_of, last_of, nothing_seen, stretch_of, stretches, with_triangle
+// Needs: BvhTriangle, COUNT_RECHECK_ITEMS, COUNT_SETTLED, LEAST, NONE, ONE_SIDED, PERTURB_BOUND, PROVEN, SLABBED, UNIT, is_excluded,
+//   triangle_id, triangle_reversed
 // Binds: counters, params, recheck_items
 
 // No hit is proven: all that may be one is left to recheck.
@@ -155,11 +155,12 @@ fn largest_of(v: vec3<f32>) -> f32 {
     return max(abs(v.x), max(abs(v.y), abs(v.z)));
 }
 
-// The complemented key of the triangle that is seen.
-fn key_of(path: Path, seen: Seen) -> vec2<u32> {
-    let triangle = triangle_at(seen.slot);
-    let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
-    let normal = cross(v[1] - v[0], v[2] - v[0]);
-    let t = path_depth(path, normal, v, seen.slot);
-    return ~visibility_key(tile_layer(path.item >> 6u), t, triangle_id(triangle));
+// Leaves what is seen to recheck, which finds its t, and says how many hits recheck will count.
+fn keep_seen(path: Path, seen: Seen, pixel: u32) -> u32 {
+    atomicAdd(&counters[COUNT_SETTLED], 1u);
+    let at = atomicAdd(&counters[COUNT_RECHECK_ITEMS], 1u);
+    if at < params.recheck_capacity {
+        recheck_items[at] = vec2<u32>(seen.slot | PROVEN, path.item);
+    }
+    return 1u;
 }

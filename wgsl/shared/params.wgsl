@@ -1,9 +1,9 @@
 // Structs that the host writes and kernels read, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
 // Provides: BRANCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_FRAGMENTS_KEPT,
 //   COUNT_FRAGMENTS_TESTED, COUNT_LARGE, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES,
-//   COUNT_SORTED, COUNT_TASKS, COUNT_TRACED, COUNT_UNFINISHED, COUNT_WORK, CULL_COST, Cell, Cluster, GROUP, LANES, LARGE_COST, LEVEL_CELL,
-//   NONE, Node, PAIR_COST, PERTURB_BOUND, Params, Piece, RAYS_AFFINE, RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE, SampleOffsets, Step,
-//   TASK_COST, TEXELS_A_ROW, TILE, TRIANGLE_GROUP
+//   COUNT_SETTLED, COUNT_SORTED, COUNT_TASKS, COUNT_TRACED, COUNT_UNFINISHED, COUNT_WORK, CULL_COST, Cell, Cluster, GROUP, LANES,
+//   LARGE_COST, LEVEL_CELL, NONE, Node, PAIR_COST, PERTURB_BOUND, PROVEN, Params, Piece, RAYS_AFFINE, RAYS_DISCONTINUOUS, RAYS_LOOSE,
+//   RAYS_NONE, SampleOffsets, Step, TASK_COST, TEXELS_A_ROW, TILE, TRIANGLE_GROUP
 
 const GROUP: u32 = 64u;        // threads a workgroup, everywhere
 const TILE: u32 = 8u;          // px a side of a tile
@@ -13,6 +13,7 @@ const CLUSTER: u32 = 64u;      // triangles a cluster at most
 const TRIANGLE_GROUP: u32 = 8u;         // triangles a triangle group, of which a cluster has eight
 const TEXELS_A_ROW: u32 = 4096u;        // of textures that hold tables
 const NONE: u32 = 0xffffffffu;
+const PROVEN: u32 = 0x80000000u;   // an item for recheck whose triangle is proven to cover the pixel: beside its slot
 
 // Indices into `counters`. Queues of the cull steps come first.
 const COUNT_WORK: u32 = 8u;
@@ -21,20 +22,21 @@ const COUNT_PAIRS_KEPT: u32 = 10u;
 const COUNT_FRAGMENTS_TESTED: u32 = 11u;
 const COUNT_FRAGMENTS_KEPT: u32 = 12u;
 const COUNT_RECHECK_ITEMS: u32 = 13u;
-const COUNT_BUSY: u32 = 14u;
-const COUNT_BUSY_FIRST: u32 = 15u;     // of the busy tiles that raster takes in this step
-const COUNT_BUSY_END: u32 = 16u;       // behind the last of them
-const COUNT_PAIRS_TESTED: u32 = 17u;
-const COUNT_TASKS: u32 = 18u;
-const COUNT_LARGE: u32 = 19u;
-const COUNT_SORTED: u32 = 20u;         // pairs in runs of tiles
-const COUNT_TRACED: u32 = 21u;         // 1: trace takes over from raster
-const COUNT_UNFINISHED: u32 = 22u;     // pixels whose paths were longer than trace follows
+const COUNT_SETTLED: u32 = 14u;        // those of these that are proven to be nearest
+const COUNT_BUSY: u32 = 15u;
+const COUNT_BUSY_FIRST: u32 = 16u;     // of the busy tiles that raster takes in this step
+const COUNT_BUSY_END: u32 = 17u;       // behind the last of them
+const COUNT_PAIRS_TESTED: u32 = 18u;
+const COUNT_TASKS: u32 = 19u;
+const COUNT_LARGE: u32 = 20u;
+const COUNT_SORTED: u32 = 21u;         // pairs in runs of tiles
+const COUNT_TRACED: u32 = 22u;         // 1: trace takes over from raster
+const COUNT_UNFINISHED: u32 = 23u;     // pixels whose paths were longer than trace follows
 // These stay while pairs are listed anew, and so are the last.
-const COUNT_EDGES: u32 = 23u;          // edge pixels
-const COUNT_BLOCKS: u32 = 24u;         // of strips of four of their samples
-const COUNT_RECHECK_SAMPLES: u32 = 25u;
-const COUNTERS: u32 = 26u;
+const COUNT_EDGES: u32 = 24u;          // edge pixels
+const COUNT_BLOCKS: u32 = 25u;         // of strips of four of their samples
+const COUNT_RECHECK_SAMPLES: u32 = 26u;
+const COUNTERS: u32 = 27u;
 
 // What things cost, in tenths of a microsecond on a software adapter beside other work; only their ratios count.
 const CULL_COST: u32 = 60u;            // an item of cull's queue

@@ -1,27 +1,11 @@
 // Tests a triangle against four rays at once: coverage, proven by f32, and depth, in recheck arithmetic.
-// Provides: FARTHEST, INFINITE, complemented_key, farthest, given, is_behind, lines_of, reach_of, shared_of, size, test_pixels
-// Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_BOUND, REAL_UNIT, SLABBED, Strip, ordered_bits, real, real3, real4, real_from_bits,
-//   real_to_bits, size3, subgroup_lane, triangle_id, triangle_reversed
+// Provides: Nearest, Shared, complemented_key, given, lines_of, nothing_nearest, reach_of, shared_of, test_pixels
+// Needs: Edge, LEAST, Lines, MOST, ONE_SIDED, PERTURB_BOUND, REAL_UNIT, SLABBED, STORED_UNIT, Strip, UNIT, along, ordered_bits, real,
+//   real3, real4, real_from_bits, real_to_bits, size, size3, subgroup_lane, triangle_id, triangle_reversed
 // Binds: params
-
-// Rounding of one f32 operation, relative.
-const UNIT: f32 = 1.0 / 16777216.0;
-
-// Relative error of a stored position: 8 units of 2^-48.
-const STORED_UNIT: f32 = 1.0 / 35184372088832.0;
 
 // Beyond all t.
 const FARTHEST: real = 1.0e300;
-
-// Directions of four pixels' rays, of size 1, and their cross products with the origins, to f32.
-struct Lines {
-    dx: vec4<f32>,
-    dy: vec4<f32>,
-    dz: vec4<f32>,
-    qx: vec4<f32>,
-    qy: vec4<f32>,
-    qz: vec4<f32>,
-}
 
 fn lines_of(s: Strip, exists: vec4<bool>) -> Lines {
     let share = 1.0 / (abs(s.dx) + abs(s.dy) + abs(s.dz) + select(real4(1.0), real4(0.0), exists));
@@ -40,16 +24,6 @@ fn reach_of(l: Lines) -> f32 {
     return max(max(q.x, q.y), max(q.z, q.w));
 }
 
-fn size(v: vec3<f32>) -> f32 {
-    return abs(v.x) + abs(v.y) + abs(v.z);
-}
-
-// An edge over a tile: E = d . c - e . q of a line (d, q), in units of what rounding may be off.
-struct Edge {
-    c: vec3<f32>,
-    e: vec3<f32>,
-}
-
 // From the corner m along e, of triangles that reach so far. m and e as rounded 1 unit each, a cross product 4 of both sizes, d and q
 // 1 each, six products and five sums 8, and a unit for the scaling: 16 of |m| |e|, as |d| <= 1, and 12 of |e| |q|. The side is that of the
 // perturbed ray: its d changes (d x m)' by |m| times d's change, its origin by the origin's change.
@@ -61,10 +35,6 @@ fn edge_from(m: vec3<f32>, e: vec3<f32>, reach_q: f32, reach: f32) -> Edge {
     let fits = size_e * (size_m + reach_q) < MOST;
     let share = select(0.0, 1.0 / bound, fits);
     return Edge(cross(m, e) * share, e * share);
-}
-
-fn along(edge: Edge, l: Lines) -> vec4<f32> {
-    return (edge.c.x * l.dx + edge.c.y * l.dy + edge.c.z * l.dz) - (edge.e.x * l.qx + edge.e.y * l.qy + edge.e.z * l.qz);
 }
 
 // A triangle's values that all lanes share.
@@ -100,14 +70,23 @@ fn given(own: Shared, k: u32) -> Shared {
     );
 }
 
+// What four pixels see, as keys of depth: see depth_key.
+struct Nearest {
+    keys: real4,
+}
+
+fn nothing_nearest() -> Nearest {
+    return Nearest(real4(FARTHEST));
+}
+
 struct Found {
-    nearest: real4,
+    nearest: Nearest,
     uncertain: vec4<bool>,
     met: vec4<bool>,
 }
 
 // Tests a triangle against four rays.
-fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u32>, before: real4) -> Found {
+fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u32>, before: Nearest) -> Found {
     let a = along(f.a, l);
     let b = along(f.b, l);
     let c = along(f.c, l);
@@ -132,7 +111,7 @@ fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u
         t = min(max(t, real4(t_min)), real4(t_max));
     }
     let keys = real4(depth_key(t.x, f.id), depth_key(t.y, f.id), depth_key(t.z, f.id), depth_key(t.w, f.id));
-    return Found(select(before, keys, met & (keys < before)), exists & !(inside | outside), met);
+    return Found(Nearest(select(before.keys, keys, met & (keys < before.keys))), exists & !(inside | outside), met);
 }
 
 // Low bits of t that the id replaces.
@@ -145,22 +124,6 @@ fn depth_key(t: real, id: u32) -> real {
     let bits = bitcast<u64>(t + 0.0);
     let low = select(u64(id), key_mask() - u64(id), t < 0.0);
     return bitcast<f64>((bits & ~key_mask()) | low);
-}
-
-// No t of four pixels' nearest is larger: of none without a ray. A key is off by the bits that the id takes, 2^-24 of t at most.
-fn farthest(nearest: real4, exists: vec4<bool>) -> f32 {
-    let t = select(vec4<f32>(-INFINITE), vec4<f32>(min(nearest, real4(real(INFINITE)))), exists);
-    let most = max(max(t.x, t.y), max(t.z, t.w));
-    return most + KEY_TOLERANCE * abs(most);
-}
-
-// 2^-24 of a key's t, and rounding it to f32 and once more.
-const KEY_TOLERANCE: f32 = 1.0 / 4194304.0;
-const INFINITE: f32 = 3.0e38;
-
-// All that is seen of a triangle lies beyond t. Not said of segments, at whose ends several t are one.
-fn is_behind(seen: Extent, t: f32) -> bool {
-    return !SLABBED && seen.tight && seen.t_lo > t;
 }
 
 // The complemented visibility key of a depth key, 0 of none.

@@ -1,5 +1,5 @@
-// Triangles, and vertices relative to the anchor, rounded to f32.
-// Provides: triangle_at, vertex
+// Triangles, and vertices relative to the anchor, in two words.
+// Provides: triangle_at, vertex, vertex_lo
 // Needs: table_texel
 // Binds: triangles, vertices
 
@@ -8,6 +8,14 @@ fn triangle_at(slot: u32) -> vec4<u32> {
     return textureLoad(triangles, table_texel(slot), 0);
 }
 
+// Rounded to f32.
 fn vertex(index: u32) -> vec3<f32> {
     return bitcast<vec3<f32>>(textureLoad(vertices, table_texel(2u * index), 0).xyz);
+}
+
+// What that leaves.
+fn vertex_lo(index: u32) -> vec3<f32> {
+    let first = textureLoad(vertices, table_texel(2u * index), 0).w;
+    let more = textureLoad(vertices, table_texel(2u * index + 1u), 0).xy;
+    return bitcast<vec3<f32>>(vec3<u32>(first, more));
 }

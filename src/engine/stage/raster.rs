@@ -17,6 +17,11 @@ pub fn kernel(variant: Variant) -> Kernel {
     kernel
 }
 
+/// The t of a triangle at a pixel in recheck arithmetic, or in f32 with a bound.
+const EXACT: Parts =
+    snippets!("shared/pixel_edges.wgsl", "shared/pixel_test.wgsl", "shared/nearest_exact.wgsl");
+const BOUNDED: Parts = snippets!("shared/pixel_edges.wgsl", "shared/nearest_bounded.wgsl");
+
 fn by_tile(variant: Variant) -> Kernel {
     let mut bindings = vec![
         params(),
@@ -28,38 +33,36 @@ fn by_tile(variant: Variant) -> Kernel {
         triangles(),
         vertices(),
         reads("nodes", variant.list_type("array<Node>")),
-        writes("visibility", "array<atomic<u64>>"),
         counters(),
     ];
-    let [piece, column] = match variant.rays {
-        RaysKind::Field => {
-            bindings.extend([reads("rays_hi", "array<vec2<f32>>"), reads("rays_lo", "array<vec2<f32>>")]);
-            [&[] as Parts, snippets!("camera/field_column.wgsl")]
-        }
-        _ => {
-            bindings.extend([pieces(), reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
-            [variant.lanes_piece(), snippets!("camera/pieces_column.wgsl")]
-        }
+    let mut snippets = vec![PARAMS, ITEMS, INDEX, SLABS, VERTEX, PACKED_TRIANGLE];
+    if variant.f64_depths {
+        bindings.push(writes("visibility", "array<atomic<u64>>"));
+        snippets.extend([variant.real(), BUNDLE, KEY, variant.merge(), COLUMN]);
+    } else {
+        snippets.push(snippets!("shared/column_bounded.wgsl"));
+    }
+    let is_field = variant.rays == RaysKind::Field;
+    if is_field {
+        bindings.extend([reads("rays_hi", "array<vec2<f32>>"), reads("rays_lo", "array<vec2<f32>>")]);
+    } else {
+        bindings.extend([pieces(), reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
+    }
+    let (column, nearest) = match (is_field, variant.f64_depths) {
+        (true, true) => (snippets!("camera/field_column.wgsl"), EXACT),
+        (true, false) => (snippets!("camera/field_column_bounded.wgsl"), BOUNDED),
+        (false, true) => (snippets!("camera/piece.wgsl", "camera/pieces_column.wgsl"), EXACT),
+        (false, false) => (snippets!("camera/pieces_column_bounded.wgsl"), BOUNDED),
     };
     if variant.bounced {
         bindings.extend([optic(), paths()]);
     }
-    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
-    let own = [
-        WITHIN,
-        variant.merge(),
-        UNCERTAIN,
-        variant.lane_places(),
-        LANES,
-        variant.item_node(),
-        COLUMN,
-        piece,
-        column,
-        snippets!("shared/waiting.wgsl"),
-        snippets!("shared/pixel_test.wgsl"),
-        snippets!("raster_by_tile.wgsl"),
-    ];
-    let mut kernel = Kernel::new("raster", bindings, &[&snippets[..], &own, variant.start()].concat());
+    if !is_field {
+        snippets.push(variant.lanes_piece());
+    }
+    snippets.extend([PAIR, BITS, WITHIN, UNCERTAIN, variant.lane_places(), LANES, variant.item_node(), column, nearest]);
+    let own: Parts = snippets!("shared/waiting.wgsl", "raster_by_tile.wgsl");
+    let mut kernel = Kernel::new("raster", bindings, &[&snippets[..], &[own], variant.start()].concat());
     kernel.constants = variant.constants();
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel

@@ -58,10 +58,10 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
             &[PIECES, SAMPLE_OFFSETS, snippets!("camera/pieces_strip.wgsl")]
         }
     };
-    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), PACKED_TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
     let own = [variant.lane_places(), LANES, variant.item_node(), COLUMN, CELL_SAMPLES];
     let stage =
-        [snippets!("shared/waiting.wgsl"), snippets!("shared/pixel_test.wgsl"), snippets!("sample_by_tile.wgsl")];
+        [snippets!("shared/waiting.wgsl"), snippets!("shared/pixel_edges.wgsl", "shared/pixel_test.wgsl"), snippets!("sample_by_tile.wgsl")];
     let mut kernel = Kernel::new("sample", bindings, &[&snippets[..], &own, rays, &stage].concat());
     kernel.constants = variant.constants();
     kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);

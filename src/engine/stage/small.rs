@@ -31,7 +31,7 @@ pub fn kernel(variant: Variant) -> Kernel {
         variant.lane_places(),
         variant.item_node(),
         variant.real(),
-        TRIANGLE,
+        PACKED_TRIANGLE,
         snippets!("shared/bundle.wgsl"),
         KEY,
     ];
@@ -41,7 +41,7 @@ pub fn kernel(variant: Variant) -> Kernel {
         MEETING_OF_RAYS,
         UNCERTAIN,
         variant.lanes_piece(),
-        snippets!("shared/long_bits.wgsl", "camera/pieces_small.wgsl", "small.wgsl"),
+        snippets!("shared/long_bits.wgsl", "camera/piece.wgsl", "camera/pieces_small.wgsl", "small.wgsl"),
     ];
     let mut kernel = Kernel::new("small", bindings, &[&shared[..], &own].concat());
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));

@@ -11,7 +11,7 @@ impl Variant {
 
     /// The edges of pixels are found tile by tile where there is one tile to each.
     pub fn samples_by_tile(self) -> bool {
-        self.by_tile && self.samples_edges() && !self.slabbed
+        self.by_tile && self.f64_depths && self.samples_edges() && !self.slabbed
     }
 
     /// Strips of four that the samples of a pixel take.

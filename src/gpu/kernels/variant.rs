@@ -44,6 +44,8 @@ pub struct Variant {
     pub f64: bool,
     /// One 64-bit atomic a fragment; without it two dispatches of 32-bit ones.
     pub atomics64: bool,
+    /// Raster by tile finds each t in f64; else it bounds t in f32, as trace does, and recheck finds it once a pixel.
+    pub f64_depths: bool,
     /// `raster` goes tile by tile, not pair by pair.
     pub by_tile: bool,
     /// Subgroups have more threads than a tile has columns: those of a tile are a part of one.
@@ -93,6 +95,7 @@ impl Variant {
     pub const PLAIN: Variant = Variant {
         f64: false,
         atomics64: false,
+        f64_depths: false,
         by_tile: false,
         wide: false,
         method: Method::Raster,
@@ -127,6 +130,7 @@ impl Variant {
             let of_camera = Variant {
                 f64,
                 atomics64,
+                f64_depths: f64 && atomics64,
                 counting,
                 normals,
                 textured,
@@ -176,20 +180,25 @@ impl Variant {
         !matches!(self.rays, RaysKind::Curves { .. })
     }
 
+    /// Raster bounds t in f32, and merges no key itself.
+    pub fn bounds_t_in_raster(self) -> bool {
+        self.by_tile && !self.f64_depths
+    }
+
+    /// Neither raster nor trace merges a key.
+    pub fn leaves_all_to_recheck(self) -> bool {
+        self.rechecks() && (self.method == Method::Trace || self.bounds_t_in_raster())
+    }
+
     /// The same, with `raster` tile by tile where there is that.
     pub fn with_tiles(self) -> Variant {
-        let by_tile = self.method != Method::Trace
-            && self.f64
-            && self.atomics64
-            && !self.all_uncertain
-            && self.rechecks()
-            && !self.masked;
+        let by_tile = self.method != Method::Trace && !self.all_uncertain && self.rechecks() && !self.masked;
         Variant { by_tile, ..self }
     }
 
     /// The same, with small triangles drawn by themselves where there is that: what is found of samples and of proofs takes all pairs.
     pub fn with_small(self) -> Variant {
-        let small = self.by_tile && self.culling && self.rays == RaysKind::Pieces && !self.slabbed && self.samples == 1;
+        let small = self.by_tile && self.f64_depths && self.culling && self.rays == RaysKind::Pieces && !self.slabbed && self.samples == 1;
         Variant { small, ..self }
     }
 
@@ -332,15 +341,8 @@ impl Variant {
     /// How a kernel loads the piece that all lanes need.
     pub(crate) fn lanes_piece(self) -> Parts {
         match self.loads_by_lanes() {
-            true => snippets!(
-                "shared/table.wgsl",
-                "camera/piece_at.wgsl",
-                "camera/piece.wgsl",
-                "camera/piece_by_lanes.wgsl"
-            ),
-            false => {
-                snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece.wgsl", "camera/piece_load.wgsl")
-            }
+            true => snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece_by_lanes.wgsl"),
+            false => snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece_load.wgsl"),
         }
     }
 
