@@ -1,7 +1,7 @@
 //! Operations of a kernel, counted in its IR: what one invocation loads, stores and computes, outside of loops and within.
 //!
-//! The IR is that of the kernel's variant, its overrides replaced and called functions inlined. What a condition that is
-//! constant leaves out is not counted. A driver's compiler leaves out more: what nothing uses, and what is computed twice.
+//! The IR is that of the kernel's variant, its overrides replaced and called functions inlined. Branches that a constant
+//! condition rules out are not counted. A driver's compiler leaves out more: what nothing uses, and what is computed twice.
 
 use super::Kernel;
 use crate::gpu::soft_f64::doubles;
@@ -69,7 +69,7 @@ pub fn operations(source: &str, constants: &[(&str, f64)]) -> Result<ByLoopDepth
     let (module, info) =
         process_overrides(&module, &info, Some(entry), &constants).map_err(|e| format!("its overrides: {e}"))?;
     let (function, own_info) = (&module.entry_points[0].function, info.get_entry_point(0));
-    Ok(Counting::new(&module, &info, function, own_info, Vec::new()).all())
+    Ok(Counting::new(&module, &info, function, own_info, Vec::new()).all().counts)
 }
 
 /// A call of a function while its operations are counted.
@@ -82,6 +82,10 @@ struct Counting<'a> {
     arguments: Vec<Option<Literal>>,
     /// Results of `&&` and `||` that are constant, as naga holds them: in variables without a name.
     results: HashMap<Handle<LocalVariable>, Literal>,
+    /// Results of calls that are constant.
+    called: HashMap<Handle<Expression>, Literal>,
+    /// What it returns, in each place where it does.
+    returned: Vec<Option<Literal>>,
     counts: ByLoopDepth,
 }
 
@@ -93,13 +97,14 @@ impl<'a> Counting<'a> {
         own_info: &'a FunctionInfo,
         arguments: Vec<Option<Literal>>,
     ) -> Self {
-        let (results, counts) = (HashMap::new(), ByLoopDepth::default());
-        Counting { module, info, function, own_info, arguments, results, counts }
+        let (results, called) = (HashMap::new(), HashMap::new());
+        let (returned, counts) = (Vec::new(), ByLoopDepth::default());
+        Counting { module, info, function, own_info, arguments, results, called, returned, counts }
     }
 
-    fn all(mut self) -> ByLoopDepth {
+    fn all(mut self) -> Self {
         self.block(&self.function.body, 0);
-        self.counts
+        self
     }
 
     /// At a depth of loops.
@@ -135,18 +140,23 @@ impl<'a> Counting<'a> {
                 self.block(body, depth + 1);
                 self.block(continuing, depth + 1);
             }
-            Statement::Break | Statement::Continue | Statement::Return { .. } | Statement::Kill => return true,
+            Statement::Return { value } => {
+                self.returned.push(value.and_then(|value| self.constant(value)));
+                return true;
+            }
+            Statement::Break | Statement::Continue | Statement::Kill => return true,
             Statement::Store { pointer, value } if self.is_in_storage(pointer) => {
                 self.at(depth).stores += self.words(self.inner(value));
             }
             Statement::ImageStore { value, .. } => self.at(depth).stores += self.words(self.inner(value)),
             Statement::Atomic { pointer, .. } if self.is_in_storage(pointer) => self.at(depth).atomics += 1,
             Statement::ImageAtomic { .. } => self.at(depth).atomics += 1,
-            Statement::Call { function, ref arguments, .. } => {
+            Statement::Call { function, ref arguments, result } => {
                 let arguments = arguments.iter().map(|argument| self.constant(*argument)).collect();
                 let (called, own_info) = (&self.module.functions[function], &self.info[function]);
-                let counts = Counting::new(self.module, self.info, called, own_info, arguments).all();
-                counts.into_iter().enumerate().for_each(|(inner, counted)| *self.at(depth + inner) += counted);
+                let call = Counting::new(self.module, self.info, called, own_info, arguments).all();
+                call.counts.into_iter().enumerate().for_each(|(inner, counted)| *self.at(depth + inner) += counted);
+                self.called.extend(result.zip(call.result()));
             }
             _ => (),
         }
@@ -185,6 +195,12 @@ impl<'a> Counting<'a> {
         }
     }
 
+    /// What it returns, if that is constant.
+    fn result(&self) -> Option<Literal> {
+        let first = self.returned.first().copied().flatten();
+        first.filter(|_| self.returned.iter().all(|value| *value == first))
+    }
+
     /// A value that is constant in this call.
     fn constant(&self, value: Handle<Expression>) -> Option<Literal> {
         let literal = |expression: &Expression| match *expression {
@@ -194,6 +210,7 @@ impl<'a> Counting<'a> {
         match self.function.expressions[value] {
             Expression::Constant(named) => literal(&self.module.global_expressions[self.module.constants[named].init]),
             Expression::FunctionArgument(index) => self.arguments.get(index as usize).copied().flatten(),
+            Expression::CallResult(_) => self.called.get(&value).copied(),
             Expression::Load { pointer } => self.results.get(&self.variable(pointer)?).copied(),
             Expression::Unary { op: UnaryOperator::LogicalNot, expr } => match self.constant(expr)? {
                 Literal::Bool(value) => Some(Literal::Bool(!value)),
