@@ -15,6 +15,7 @@ use std::collections::HashSet;
 mod wgsl {
     mod backends;
     mod headers;
+    mod operations;
     mod scan;
     pub use backends::assert_translated;
     pub use headers::assert_scanned_right;

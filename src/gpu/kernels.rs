@@ -6,6 +6,7 @@
 //! functions, or set an `override` constant.
 
 mod kernel;
+pub mod operations;
 mod optics;
 pub(crate) mod parts;
 mod samples;

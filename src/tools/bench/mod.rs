@@ -5,6 +5,7 @@
 
 pub mod case;
 mod closeups;
+pub mod operations;
 pub mod page;
 mod plot;
 mod provenance;
@@ -15,9 +16,11 @@ pub mod suites;
 mod table;
 mod yardstick;
 
+use crate::gpu::device::AdapterFeatures;
 use crate::image::write_text;
 use crate::input::{Error, Result};
 use case::Case;
+use operations::KernelOperations;
 pub use provenance::Provenance;
 use race::{Engines, Rules, race};
 use row::Row;
@@ -34,6 +37,9 @@ pub struct Run {
     /// Pictures beside each other.
     #[serde(default)]
     pub closeups: Vec<closeups::Drawn>,
+    /// Of the kernels that the first case's frames take, where the suite shows stages.
+    #[serde(default)]
+    pub operations: Vec<KernelOperations>,
 }
 
 /// Selects the cases of a suite.
@@ -45,7 +51,7 @@ pub struct Selection {
     pub only: Option<String>,
 }
 
-/// Runs a suite and reports each row when it is complete; each case is written after it has run, to the run's own folder in `folder`.
+/// Runs a suite and reports lines: its kernels' operations, and each row when it is complete; each case is written after it has run, to the run's own folder in `folder`.
 ///
 /// # Errors
 /// [`Error::Work`] if a file cannot be written, [`Error::Input`] if no case is selected; a case that a technique cannot render
@@ -56,7 +62,7 @@ pub fn run(
     selection: &Selection,
     rules: &Rules,
     folder: &Path,
-    mut tell: impl FnMut(&Row),
+    mut tell: impl FnMut(&str),
 ) -> Result<PathBuf> {
     let Selection { quick, only } = selection;
     let cases = suite.cases(*quick);
@@ -68,12 +74,16 @@ pub fn run(
         let names: Vec<&str> = names.collect();
         return Err(Error::input(format!("{} has no such case; there is: {}", suite.name, names.join("; "))));
     }
-    let mut ongoing = Ongoing::start(suite, Provenance::now(&engines.computing, *quick), folder);
+    let (has, provenance) = (engines.computing.gpu.has, Provenance::now(&engines.computing, *quick));
+    let mut ongoing = Ongoing::start(suite, provenance, has, folder)?;
+    if !ongoing.run.operations.is_empty() {
+        tell(&operations::lines(&ongoing.run.operations));
+    }
     if only.is_some() && ongoing.folder.join(RESULTS).is_file() {
         ongoing.keep(read(&ongoing.folder.join(RESULTS))?);
     }
     for case in cases.iter().filter(|case| is_asked(case)) {
-        ongoing.race(engines, case, rules)?.iter().for_each(&mut tell);
+        ongoing.race(engines, case, rules)?.iter().for_each(|row| tell(&row.line()));
     }
     let Ongoing { mut run, folder, .. } = ongoing;
     for closeup in closeups.iter().filter(is_shown) {
@@ -95,21 +105,31 @@ pub struct Ongoing<'a> {
 }
 
 impl<'a> Ongoing<'a> {
-    /// In a folder of its own in `folder`; without rows.
-    fn start(suite: &'a Suite, provenance: Provenance, folder: &Path) -> Ongoing<'a> {
-        let run = Run { suite: suite.name.into(), provenance, rows: Vec::new(), closeups: Vec::new() };
+    /// In a folder of its own in `folder`, on an adapter with these abilities; without rows.
+    fn start(suite: &'a Suite, provenance: Provenance, has: AdapterFeatures, folder: &Path) -> Result<Ongoing<'a>> {
+        let first = suite.cases(provenance.quick).into_iter().next().filter(|_| suite.plot == Plot::Stages);
+        let operations = first.map(|case| operations::of_case(&case, has)).transpose()?.unwrap_or_default();
+        let run = Run { suite: suite.name.into(), provenance, rows: Vec::new(), closeups: Vec::new(), operations };
         let folder = folder.join(run.folder_name());
-        Ongoing { suite, run, folder }
+        Ok(Ongoing { suite, run, folder })
     }
 
     /// The same with the rows that are there, if they are by the same program and adapter.
-    pub fn resume(suite: &'a Suite, provenance: Provenance, folder: &Path) -> Ongoing<'a> {
-        let mut ongoing = Ongoing::start(suite, provenance, folder);
+    ///
+    /// # Errors
+    /// [`Error`] if the kernels of the suite's first case cannot be made.
+    pub fn resume(
+        suite: &'a Suite,
+        provenance: Provenance,
+        has: AdapterFeatures,
+        folder: &Path,
+    ) -> Result<Ongoing<'a>> {
+        let mut ongoing = Ongoing::start(suite, provenance, has, folder)?;
         let there = read(&ongoing.folder.join(RESULTS)).ok();
         if let Some(run) = there.filter(|run| run.provenance.is_by_the_same(&ongoing.run.provenance)) {
             ongoing.keep(run);
         }
-        ongoing
+        Ok(ongoing)
     }
 
     fn keep(&mut self, Run { rows, closeups, .. }: Run) {

@@ -1,8 +1,8 @@
 //! Pages over runs; they need nothing but the pictures beside them.
 
-use super::Run;
 use super::plot::Drawn;
 use super::table::{HEADS, REACH_HEADS, STIFF_HEADS, WORK_HEADS, about, cells, families, reach, stiff, work};
+use super::{Run, operations};
 
 const STYLE: &str = "
 :root { color-scheme: light dark; }
@@ -76,6 +76,10 @@ pub fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
     }
     if families(&run.rows).next().is_some() {
         return text;
+    }
+    if !run.operations.is_empty() {
+        text += &format!("<h3>Operations</h3>\n<p class=\"note\">{}</p>\n", escaped(operations::ABOUT));
+        text += &table(&operations::HEADS, run.operations.iter().map(operations::cells));
     }
     let cases: Vec<_> = run.rows.chunk_by(|a, b| a.case == b.case).collect();
     // plots over several cases come first

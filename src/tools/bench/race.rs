@@ -338,7 +338,7 @@ fn wanted(case: &Case, arm: &Arm) -> Wanted {
 }
 
 /// `depth`: how far along the rays things are is asked for too; `bare`: no colour.
-fn seen(depth: bool, bare: bool) -> Wanted {
+pub(super) fn seen(depth: bool, bare: bool) -> Wanted {
     let mut channels = vec![Channel::T, Channel::TriangleId];
     channels.extend([Channel::R, Channel::G, Channel::B].into_iter().filter(|_| !bare));
     channels.extend(depth.then_some(Channel::Z));

@@ -1,8 +1,8 @@
 //! Rows as raw.csv and as summary.md.
 
-use super::Run;
 use super::plot::{Drawn, Growth, growths};
 use super::row::{Moving, Row, Stiffness};
+use super::{Run, operations};
 use crate::input::{Error, Result};
 
 const COLUMNS: [&str; 52] = [
@@ -310,6 +310,12 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
             text += &format!("\n| {} |\n|{}\n", WORK_HEADS.join(" | "), "---|".repeat(WORK_HEADS.len()));
             work.iter().for_each(|cells| text += &format!("| {} |\n", cells.join(" | ")));
         }
+    }
+    if !run.operations.is_empty() {
+        let heads = operations::HEADS;
+        text += &format!("\n## Operations\n\n{}\n", operations::ABOUT);
+        text += &format!("\n| {} |\n|{}\n", heads.join(" | "), "---|".repeat(heads.len()));
+        run.operations.iter().for_each(|of| text += &format!("| {} |\n", operations::cells(of).join(" | ")));
     }
     for (name, title, _) in plots {
         text += &format!("\n![{title}]({name})\n");

@@ -33,8 +33,8 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     for suite in asked {
         print(&format!("{}: {}\n", suite.name, suite.asks))?;
         let mut printed = Ok(());
-        let folder = bench::run(&mut engines, suite, &selection, &rules, &args.out, |row| {
-            printed = std::mem::replace(&mut printed, Ok(())).and_then(|()| print(&row.line()));
+        let folder = bench::run(&mut engines, suite, &selection, &rules, &args.out, |lines| {
+            printed = std::mem::replace(&mut printed, Ok(())).and_then(|()| print(lines));
         })?;
         printed?;
         print(&format!("  -> {}\n", folder.display()))?;

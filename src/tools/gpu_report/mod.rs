@@ -72,7 +72,8 @@ pub fn run(
     report.measure(options, &mut tell)?;
     report.test(options, &folder, until, &mut tell)?;
     let named = ORDER.iter().filter_map(|name| SUITES.iter().find(|suite| suite.name == *name));
-    let mut suites: Vec<Ongoing> = named.map(|s| Ongoing::resume(s, report.provenance.clone(), out)).collect();
+    let resumed = named.map(|suite| Ongoing::resume(suite, report.provenance.clone(), gpu.has, out));
+    let mut suites = resumed.collect::<Result<Vec<Ongoing>>>()?;
     let mut path = page::write(&folder, &report, &suites)?;
     let rules = Rules::new(is_quick, is_quick);
     for at in 0..suites.len() {
