@@ -52,7 +52,8 @@ fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
     let mut caps = Capabilities::empty();
     let is_bounded = kernel.name == "raster" && variant.by_tile && !variant.f64_depths;
     caps.set(Capabilities::FLOAT64, variant.f64 && WIDE.contains(&kernel.name) && !is_bounded);
-    let merges = !is_bounded && ["small", "raster", "trace", "recheck", "meet", "recheck_samples"].contains(&kernel.name);
+    let merges =
+        !is_bounded && ["small", "raster", "trace", "recheck", "meet", "recheck_samples"].contains(&kernel.name);
     caps.set(
         Capabilities::SHADER_INT64_ATOMIC_MIN_MAX,
         variant.atomics64 && (merges || kernel.name == "sample" && !variant.by_tile),

@@ -175,7 +175,7 @@ impl Planner {
         wanted: &Wanted,
     ) -> Plan {
         let variant = variant(camera, contents, wanted, self.has, run);
-        let method_why = method(camera, contents, wanted, run).1;
+        let method_why = method(camera, contents, wanted, self.has, run).1;
         Plan { method_why, ..Plan::new(variant, camera, contents, extent, wanted, self.has, self.limit) }
     }
 }

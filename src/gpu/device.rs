@@ -22,8 +22,6 @@ pub struct GpuOptions {
     pub no_int64: bool,
     /// Do not use the adapter's f64 even if available: emulate it in 32-bit words.
     pub no_f64: bool,
-    /// Do as if the adapter's f64 were slow.
-    pub slow_f64: bool,
     /// A folder into which the source of every compiled kernel is written.
     pub dump_kernels: Option<PathBuf>,
 }
@@ -185,7 +183,6 @@ impl Gpu {
         let mut has = AdapterFeatures::of(adapter.features(), &info, &limits);
         has.atomics64 &= !options.no_int64;
         has.f64 &= !options.no_f64;
-        has.fast_f64 &= !options.slow_f64;
         if let Some(lack) = lacks(&limits) {
             return Err(Error::work(format!("adapter {}: {lack}; use --engine reference", label(&info))));
         }

@@ -15,16 +15,19 @@ use std::sync::{Mutex, MutexGuard, OnceLock};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Without {
     Nothing,
+    /// And without subgroups of eight threads: raster goes pair by pair, in two dispatches.
     Int64Atomics,
     F64,
-    /// Subgroups as wide as a tile: raster goes pair by pair.
+    /// Subgroups of eight threads: raster goes pair by pair.
     Lanes,
+    /// Raster bounds t in f32, and recheck finds it.
+    FastF64,
 }
 
 type Slot = OnceLock<Option<Mutex<Engine>>>;
 
 /// An engine for each kind of kernels, so that none is compiled twice.
-static ENGINES: [Slot; 8] = [const { OnceLock::new() }; 8];
+static ENGINES: [Slot; 10] = [const { OnceLock::new() }; 10];
 
 /// An engine whose kernels suit the camera; `None`, as [`needs::no_adapter`] says, where the machine has no adapter.
 pub fn engine(camera: &Camera, without: Without) -> Option<MutexGuard<'static, Engine>> {
@@ -32,7 +35,8 @@ pub fn engine(camera: &Camera, without: Without) -> Option<MutexGuard<'static, E
     let less = |gpu: &mut Gpu| {
         gpu.has.f64 &= without != Without::F64;
         gpu.has.atomics64 &= without != Without::Int64Atomics;
-        gpu.has.lanes &= without != Without::Lanes;
+        gpu.has.lanes &= !matches!(without, Without::Lanes | Without::Int64Atomics);
+        gpu.has.fast_f64 &= without != Without::FastF64;
     };
     let slot = ENGINES[2 * without as usize + usize::from(field)].get_or_init(|| engine_on(less).map(Mutex::new));
     if slot.is_none() {

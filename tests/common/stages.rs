@@ -90,6 +90,7 @@ impl Case {
         Variant {
             f64: real == Real::F64,
             atomics64,
+            f64_depths: real == Real::F64 && atomics64,
             rays,
             slabbed,
             counting: true,

@@ -88,7 +88,10 @@ fn trace_gives_the_bytes_of_raster() {
         for (what, scene) in &scenes {
             // in two dispatches, and by what costs less: of a crowd alone
             let (all, methods) = match *what {
-                "crowd" => (&[Without::Nothing, Without::Int64Atomics][..], &[Method::Trace, Method::Auto][..]),
+                "crowd" => (
+                    &[Without::Nothing, Without::Int64Atomics, Without::FastF64][..],
+                    &[Method::Trace, Method::Auto][..],
+                ),
                 _ => (&[Without::Nothing][..], &[Method::Trace][..]),
             };
             for &without in all {
@@ -104,15 +107,17 @@ fn trace_gives_the_bytes_of_raster() {
 }
 
 #[test]
-fn trace_gives_the_bytes_of_raster_at_any_size_and_far_away() {
+fn every_method_gives_the_same_bytes_at_any_size_and_far_away() {
     let eye =
         |at: f64, by: f64| camera(pinhole(DVec3::new(at, 0.1 * by, 3.0 * by), DVec3::X * at, 40.0), SIZE, FORWARD);
     for (scale, to) in [(1e-9, 0.0), (1e9, 0.0), (1e25, 0.0), (1.0, 1e6), (1e-3, 1e3)] {
         let scene = scene(scaled(&crowd(), scale, DVec3::X * to));
         let camera = eye(to, scale);
         let Some(raster) = render_with(&scene, &camera, Without::Nothing, &by(Method::Raster)) else { return };
-        let traced = render_with(&scene, &camera, Without::Nothing, &by(Method::Trace)).unwrap();
-        assert_same(&format!("{scale} at {to}"), &raster, &traced);
+        for (without, method) in [(Without::Nothing, Method::Trace), (Without::FastF64, Method::Raster)] {
+            let other = render_with(&scene, &camera, without, &by(method)).unwrap();
+            assert_same(&format!("{scale} at {to}, {without:?}, {method:?}"), &raster, &other);
+        }
         let seen = raster.frame.u32(Channel::TriangleId).unwrap();
         assert!(seen.iter().any(|id| *id != seen[0]), "{scale} at {to}: nothing is seen");
     }
@@ -123,8 +128,10 @@ fn what_is_behind_the_ends_of_t_is_left_out() {
     let camera = camera(pinhole(DVec3::new(0.1, 0.2, 3.0), DVec3::ZERO, 40.0), SIZE, [2.3, 3.1]);
     let scene = scene(crowd());
     let Some(raster) = render_with(&scene, &camera, Without::Nothing, &by(Method::Raster)) else { return };
-    let traced = render_with(&scene, &camera, Without::Nothing, &by(Method::Trace)).unwrap();
-    assert_same("a thin slice", &raster, &traced);
+    for (without, method) in [(Without::Nothing, Method::Trace), (Without::FastF64, Method::Raster)] {
+        let other = render_with(&scene, &camera, without, &by(method)).unwrap();
+        assert_same("a thin slice", &raster, &other);
+    }
 }
 
 #[test]

@@ -305,12 +305,30 @@ fn pasted(engine: &mut Engine) -> Result<(), String> {
 enum Dispatching {
     ByPair,
     ByTile,
+    /// Tile by tile, with bounds on t in f32.
+    Bounded,
 }
 
 /// A snippet, its text, what is planted, and what notices it.
 type Planted = (&'static str, &'static str, &'static str, Dispatching, Check);
 
-const PLANTED: [Planted; 41] = [
+const PLANTED: [Planted; 45] = [
+    ("shared/nearest_bounded.wgsl", "share = 1.0 / across;", "share = 1.0 / abs(across);", Dispatching::Bounded, seen),
+    (
+        "shared/nearest_bounded.wgsl",
+        "Found(nearest, may & !is_nearest,",
+        "Found(nearest, may & inside & !is_nearest,",
+        Dispatching::Bounded,
+        no_holes_at_centres,
+    ),
+    ("shared/nearest_bounded.wgsl", "slots[k] | PROVEN", "slots[0] | PROVEN", Dispatching::Bounded, seen),
+    (
+        "camera/pieces_column_bounded.wgsl",
+        "cell.d + x * q.dx_hi",
+        "cell.d + 1.3 * x * q.dx_hi",
+        Dispatching::Bounded,
+        seen,
+    ),
     ("args.wgsl", "items = GROUP / TRIANGLE_GROUP;", "items = GROUP;", Dispatching::ByPair, seen),
     ("args.wgsl", "count = min(count, params.pair_capacity);", "count = count / 2u;", Dispatching::ByPair, seen),
     ("args.wgsl", "count -= first;", "count = first;", Dispatching::ByTile, seen),
@@ -387,8 +405,8 @@ const PLANTED: [Planted; 41] = [
     ("sample_by_tile.wgsl", "touches[index].xy & pixels", "touches[index].yx & pixels", Dispatching::ByTile, sampled),
     (
         "sample_by_tile.wgsl",
-        "complemented_key(0u, nearest[k])",
-        "complemented_key(0u, nearest[0])",
+        "complemented_key(0u, nearest.keys[k])",
+        "complemented_key(0u, nearest.keys[0])",
         Dispatching::ByTile,
         sampled,
     ),
@@ -423,10 +441,11 @@ const PLANTED: [Planted; 41] = [
 /// An engine whose kernels have this in place of a snippet; `None` where the adapter has not what it takes.
 fn engine(by: Dispatching, replaced: Option<&'static Snippet>) -> Option<Engine> {
     let engine = engine_on(|gpu| {
-        gpu.has.lanes &= by == Dispatching::ByTile;
+        gpu.has.lanes &= by != Dispatching::ByPair;
+        gpu.has.fast_f64 &= by != Dispatching::Bounded;
         gpu.replaced.extend(replaced);
     })?;
-    if by == Dispatching::ByTile && !engine.gpu.has.lanes {
+    if by != Dispatching::ByPair && !engine.gpu.has.lanes {
         skip("subgroups are not as wide as a tile");
         return None;
     }
@@ -467,4 +486,9 @@ fn frames_by_pair_are_right_and_planted_errors_are_noticed() {
 #[test]
 fn frames_by_tile_are_right_and_planted_errors_are_noticed() {
     check_planted(Dispatching::ByTile);
+}
+
+#[test]
+fn frames_with_bounded_t_are_right_and_planted_errors_are_noticed() {
+    check_planted(Dispatching::Bounded);
 }

@@ -56,32 +56,50 @@ fn sorted(gpu: &Gpu, buffers: &mut Buffers, input: &KernelInputs, pairs: &[[u32;
     busy.len() as u32
 }
 
-/// Arithmetic, 64-bit atomics, and tile by tile.
-type Mode = (Real, bool, bool);
+/// How raster goes over pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum By {
+    Pair,
+    /// With t in f64.
+    Tile,
+    /// With bounds on t, which recheck finds.
+    BoundedTile,
+}
+
+/// Arithmetic, 64-bit atomics, and how raster goes.
+type Mode = (Real, bool, By);
 
 /// All that the adapter can run.
 fn modes(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Mode> {
-    let pairs = bench.variants().into_iter().map(|(real, atomics64)| (real, atomics64, false));
-    let has_tiles = bench.gpu.has.lanes && variant(Real::F64, true).with_tiles().by_tile;
-    pairs.chain(has_tiles.then_some((Real::F64, true, true))).collect()
+    let mut all: Vec<Mode> =
+        bench.variants().into_iter().map(|(real, atomics64)| (real, atomics64, By::Pair)).collect();
+    if bench.gpu.has.lanes && variant(Real::F64, true).with_tiles().by_tile {
+        let has = |atomics64: bool| bench.variants().contains(&(Real::F64, atomics64));
+        all.extend(has(true).then_some((Real::F64, true, By::Tile)));
+        all.extend([false, true].into_iter().filter(|&a| has(a)).map(|a| (Real::F64, a, By::BoundedTile)));
+    }
+    all
 }
 
 /// Draws the jobs of one band into one buffer, as the engine does: every job in each step.
-fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Mode, jobs: &[Job]) -> Drawn {
+fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by): Mode, jobs: &[Job]) -> Drawn {
+    let by_tile = by != By::Pair;
     let by_pair = crate::bounced::variant(case, &jobs[0].0, real, atomics64);
-    let (gpu, stages) = bench.stages(if by_tile { by_pair.with_tiles() } else { by_pair }, &[]);
+    let tiles = Variant { f64_depths: by == By::Tile, ..by_pair.with_tiles() };
+    let (gpu, stages) = bench.stages(if by_tile { tiles } else { by_pair }, &[]);
     let owned = [
         Counter::FragmentsTested.index(),
         Counter::FragmentsKept.index(),
         Counter::RecheckItems.index(),
         Counter::PairsKept.index(),
+        Counter::Settled.index(),
     ];
     let pixels = (jobs[0].0.params.width * jobs[0].0.params.height) as usize;
     let mut visibility = vec![[0u32; 2]; pixels];
     visibility.resize(pixels + SPARE, [POISON; 2]);
     let mut shared = Buffers::default();
     shared.upload(gpu, "visibility", &visibility).unwrap();
-    let mut sums = [0; 4];
+    let mut sums = [0; 5];
     for step in 0..raster_steps(stages.variant) {
         for (input, pairs) in jobs {
             let mut buffers = upload(gpu, input);
@@ -115,14 +133,17 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Mode, 
                 let is_given = given.iter().any(|g| g.0 == k as u32);
                 assert!(is_given || value == POISON, "{}: counter {k} is {value}", case.name);
             }
-            // the second step counts nothing again
+            // the second step counts nothing again, or all
+            if step > 0 && by == By::BoundedTile {
+                continue;
+            }
             sums.iter_mut().zip(owned).for_each(|(sum, k)| *sum += counters[k as usize]);
         }
     }
     let words = read(gpu, &shared, "visibility");
     assert_poisoned(&words, 2 * pixels, &format!("{}, visibility", case.name));
     let words = words.chunks_exact(2).take(pixels).map(|w| [w[0], w[1]]).collect();
-    Drawn { words, tested: sums[0], kept: sums[1], rechecked: sums[2] }
+    Drawn { words, tested: sums[0], kept: sums[1], rechecked: sums[2] - sums[4] }
 }
 
 /// How a visibility buffer stands against the twin's.
@@ -285,13 +306,10 @@ fn assert_alike(name: &str, jobs: &[Job], real: Real, words: &[[u32; 2]], twin: 
     seen
 }
 
-fn check(case: &Case, jobs: &[Job], (real, atomics64, by_tile): Mode, kernel: &Drawn, twin: &Visibility) {
+fn check(case: &Case, jobs: &[Job], (real, atomics64, by): Mode, kernel: &Drawn, twin: &Visibility) {
     let row = jobs[0].0.params.band_row;
-    let name = format!(
-        "{}, row {row}, {} chunks, {real:?}, 64-bit atomics {atomics64}, by tile {by_tile}",
-        case.name,
-        jobs.len()
-    );
+    let name =
+        format!("{}, row {row}, {} chunks, {real:?}, 64-bit atomics {atomics64}, by {by:?}", case.name, jobs.len());
     let uncertain = twin.uncertain.iter().filter(|d| **d).count();
     println!("{name}: {} hits, {uncertain} uncertain, rechecked {}", twin.kept, kernel.rechecked);
     let seen = assert_alike(&name, jobs, real, &kernel.words, twin);
@@ -309,14 +327,14 @@ fn check(case: &Case, jobs: &[Job], (real, atomics64, by_tile): Mode, kernel: &D
         "{name}: t off by {}",
         seen.t_relative
     );
-    if by_tile {
+    if by != By::Pair {
         // all pixels of a tile, where its bounds leave the pair
         let most = 64 * jobs.iter().map(|j| j.1.len() as u64).sum::<u64>();
         assert!((u64::from(kernel.kept)..=most).contains(&u64::from(kernel.tested)), "{name}: fragments tested");
     } else {
         assert_eq!(u64::from(kernel.tested), twin.tested, "{name}: fragments tested");
     }
-    if by_tile {
+    if by != By::Pair {
         // what lies behind all that is there is left out, and of a discontinuous tile's cells each may have listed a triangle
         let is_once = |(_, pairs): &Job| {
             let places = pairs.iter().map(|p| Pair::unpack(*p)).map(|p| (p.slot, p.tile));

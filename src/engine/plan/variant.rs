@@ -21,10 +21,10 @@ pub fn variant(
     let variant = Variant {
         f64: run.arithmetic != Arithmetic::Single,
         atomics64: has.atomics64,
-        f64_depths: has.fast_f64 && has.f64 && has.atomics64 && run.arithmetic != Arithmetic::Single,
+        f64_depths: has.fast_f64 && has.f64 && has.atomics64,
         by_tile: false,
         wide: false,
-        method: method(camera, contents, wanted, run).0,
+        method: method(camera, contents, wanted, has, run).0,
         small: false,
         rays: slabs::kind(camera),
         incoherent: is_reordered(camera),
@@ -56,7 +56,13 @@ pub fn variant(
 
 /// How the triangle of each pixel is found, and why, where the costs do not decide. What samples see and what is proven is found from pairs.
 /// Without asking for it nothing is traced that moves, since its hierarchy would be built anew for each frame.
-pub fn method(camera: &Camera, contents: SceneContents, wanted: &Wanted, run: &RunOptions) -> (Method, &'static str) {
+pub fn method(
+    camera: &Camera,
+    contents: SceneContents,
+    wanted: &Wanted,
+    has: AdapterFeatures,
+    run: &RunOptions,
+) -> (Method, &'static str) {
     const RASTER: Method = Method::Raster;
     let is_auto = run.method == Method::Auto;
     match () {
@@ -70,6 +76,8 @@ pub fn method(camera: &Camera, contents: SceneContents, wanted: &Wanted, run: &R
         _ if run.no_cull => (RASTER, "nothing is to be culled"),
         _ if run.arithmetic != Arithmetic::Rechecked => (RASTER, "other arithmetic is asked for"),
         _ if matches!(slabs::kind(camera), RaysKind::Curves { .. }) => (Method::Trace, "rays are curved"),
+        // pair by pair each t takes hundreds of operations in words
+        _ if !has.lanes && !has.f64 => (Method::Trace, "raster has no f64 and no subgroups of eight threads here"),
         _ => (Method::Auto, ""),
     }
 }

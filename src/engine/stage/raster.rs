@@ -18,8 +18,7 @@ pub fn kernel(variant: Variant) -> Kernel {
 }
 
 /// The t of a triangle at a pixel in recheck arithmetic, or in f32 with a bound.
-const EXACT: Parts =
-    snippets!("shared/pixel_edges.wgsl", "shared/pixel_test.wgsl", "shared/nearest_exact.wgsl");
+const EXACT: Parts = snippets!("shared/pixel_edges.wgsl", "shared/pixel_test.wgsl", "shared/nearest_exact.wgsl");
 const BOUNDED: Parts = snippets!("shared/pixel_edges.wgsl", "shared/nearest_bounded.wgsl");
 
 fn by_tile(variant: Variant) -> Kernel {
@@ -60,7 +59,17 @@ fn by_tile(variant: Variant) -> Kernel {
     if !is_field {
         snippets.push(variant.lanes_piece());
     }
-    snippets.extend([PAIR, BITS, WITHIN, UNCERTAIN, variant.lane_places(), LANES, variant.item_node(), column, nearest]);
+    snippets.extend([
+        PAIR,
+        BITS,
+        WITHIN,
+        UNCERTAIN,
+        variant.lane_places(),
+        LANES,
+        variant.item_node(),
+        column,
+        nearest,
+    ]);
     let own: Parts = snippets!("shared/waiting.wgsl", "raster_by_tile.wgsl");
     let mut kernel = Kernel::new("raster", bindings, &[&snippets[..], &[own], variant.start()].concat());
     kernel.constants = variant.constants();

@@ -60,8 +60,11 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
     };
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), PACKED_TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
     let own = [variant.lane_places(), LANES, variant.item_node(), COLUMN, CELL_SAMPLES];
-    let stage =
-        [snippets!("shared/waiting.wgsl"), snippets!("shared/pixel_edges.wgsl", "shared/pixel_test.wgsl"), snippets!("sample_by_tile.wgsl")];
+    let stage = [
+        snippets!("shared/waiting.wgsl"),
+        snippets!("shared/pixel_edges.wgsl", "shared/pixel_test.wgsl"),
+        snippets!("sample_by_tile.wgsl"),
+    ];
     let mut kernel = Kernel::new("sample", bindings, &[&snippets[..], &own, rays, &stage].concat());
     kernel.constants = variant.constants();
     kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);

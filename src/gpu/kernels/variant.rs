@@ -192,13 +192,19 @@ impl Variant {
 
     /// The same, with `raster` tile by tile where there is that.
     pub fn with_tiles(self) -> Variant {
-        let by_tile = self.method != Method::Trace && !self.all_uncertain && self.rechecks() && !self.masked;
+        let by_tile =
+            self.method != Method::Trace && self.f64 && !self.all_uncertain && self.rechecks() && !self.masked;
         Variant { by_tile, ..self }
     }
 
     /// The same, with small triangles drawn by themselves where there is that: what is found of samples and of proofs takes all pairs.
     pub fn with_small(self) -> Variant {
-        let small = self.by_tile && self.f64_depths && self.culling && self.rays == RaysKind::Pieces && !self.slabbed && self.samples == 1;
+        let small = self.by_tile
+            && self.f64_depths
+            && self.culling
+            && self.rays == RaysKind::Pieces
+            && !self.slabbed
+            && self.samples == 1;
         Variant { small, ..self }
     }
 

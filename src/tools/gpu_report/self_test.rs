@@ -145,10 +145,11 @@ fn kernels(variant: Variant, has: AdapterFeatures) -> String {
         (true, false) => "tile by tile, a tile a subgroup",
         (false, _) => "pair by pair",
     };
+    let depths = if variant.by_tile && !variant.f64_depths { ", its depths bounded in f32" } else { "" };
     let small = if variant.small { "small triangles by small" } else { "all triangles by bin" };
     let f64 = if has.f64 { "f64" } else { "f64 in 32-bit words" };
     let atomics = if variant.atomics64 { "64-bit atomics" } else { "32-bit atomics" };
-    format!("{rays}; {raster}; {small}; {f64}; {atomics}")
+    format!("{rays}; {raster}{depths}; {small}; {f64}; {atomics}")
 }
 
 impl Tested {
