@@ -183,6 +183,7 @@ impl Case {
             wide: false,
             timestamps: false,
             clip_distances: false,
+            fast_f64: true,
             f64_is_wrong: false,
         };
         let planner = Planner { name: "test".into(), has, limit: self.limit, table_limit: self.limit };

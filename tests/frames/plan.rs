@@ -24,6 +24,7 @@ const SIZE: (u32, u32) = (101, 77);
 const LAVAPIPE_BINDING: u64 = 128 << 20;
 const HAS_ALL: AdapterFeatures = AdapterFeatures {
     f64: true,
+    fast_f64: true,
     f64_is_wrong: false,
     atomics64: true,
     lanes: true,
@@ -38,6 +39,7 @@ const HAS_NONE: AdapterFeatures = AdapterFeatures {
     wide: false,
     timestamps: false,
     clip_distances: false,
+    fast_f64: true,
     f64_is_wrong: false,
 };
 

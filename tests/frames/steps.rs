@@ -45,6 +45,7 @@ depth = 2"#;
 
 const HAS: AdapterFeatures = AdapterFeatures {
     f64: true,
+    fast_f64: true,
     f64_is_wrong: false,
     atomics64: true,
     lanes: true,
