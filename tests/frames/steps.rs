@@ -184,12 +184,15 @@ fn uses(kernel: &Kernel) -> Uses {
     uses
 }
 
+/// The uses of kernels of one variant.
+type OfKernels = HashMap<KernelId, Rc<Uses>>;
+
 /// The uses of kernels that were asked for.
 #[derive(Default)]
 struct Known {
     by_source: HashMap<String, Rc<Uses>>,
     /// Of frames so far: to put a kernel's source together takes longer than to find it here.
-    by_variant: Vec<(Variant, Vec<Channel>, HashMap<KernelId, Rc<Uses>>)>,
+    by_variant: Vec<(Variant, Vec<Channel>, OfKernels)>,
 }
 
 impl Known {
