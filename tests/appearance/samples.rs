@@ -79,8 +79,8 @@ fn one_by_one(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32)
 fn every_sample_sees_what_a_frame_of_its_own_sees() {
     let scene = crowd();
     for lanes in [true, false] {
+        let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
         for (name, camera) in cameras() {
-            let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
             for samples in if lanes { vec![4, 5, 16] } else { vec![4, 5] } {
                 let seen = sampled(&mut engine, &scene, &camera, samples, &RunOptions::default());
                 let separate = one_by_one(&mut engine, &scene, &camera, samples);

@@ -166,14 +166,14 @@ fn a_planted_error_is_wrong() {
 #[test]
 fn the_map_is_the_same_however_the_frame_is_split() {
     let scene = scene(soup(&mut Rng(9), 3000, 0.1));
+    let Some(mut in_bands) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 16) else { return };
     for (name, camera) in cameras() {
         let Some(whole) = certified(&scene, &camera, Without::Nothing) else { return };
-        let in_bands = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 16);
         let small = RunOptions {
             capacities: Some(Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, recheck_items: 1, edges: 1 }),
             ..Default::default()
         };
-        let frame = in_bands.unwrap().render(&scene, &camera, &wanted(), &small).unwrap().frame;
+        let frame = in_bands.render(&scene, &camera, &wanted(), &small).unwrap().frame;
         let differ = words(&frame).iter().zip(words(&whole)).filter(|(a, b)| **a != *b).count();
         assert_eq!(differ, 0, "{name}: {differ} words differ");
     }

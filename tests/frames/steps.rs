@@ -21,6 +21,7 @@ use common::{FORWARD, camera, layered};
 use glam::DVec3;
 use naga::valid::{Capabilities, GlobalUse, ValidationFlags, Validator};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::rc::Rc;
 
 const SIZE: (u32, u32) = (61, 45);
 
@@ -183,32 +184,48 @@ fn uses(kernel: &Kernel) -> Uses {
     uses
 }
 
+/// The uses of kernels of one variant.
+type OfKernels = HashMap<KernelId, Rc<Uses>>;
+
 /// The uses of kernels that were asked for.
 #[derive(Default)]
-struct Known(HashMap<String, Uses>);
+struct Known {
+    by_source: HashMap<String, Rc<Uses>>,
+    /// Of frames so far: to put a kernel's source together takes longer than to find it here.
+    by_variant: Vec<(Variant, Vec<Channel>, OfKernels)>,
+}
 
 impl Known {
-    fn uses(&mut self, id: KernelId, variant: Variant, planes: &[Channel]) -> &Uses {
-        let kernel = id.kernel(variant, planes).unwrap_or_else(|| panic!("{id:?} is none of {variant:?}"));
-        self.0.entry(kernel.source()).or_insert_with(|| uses(&kernel))
+    fn uses(&mut self, id: KernelId, variant: Variant, planes: &[Channel]) -> Rc<Uses> {
+        // frames of one variant come one after the other
+        let at = self.by_variant.iter().rposition(|v| (v.0, &v.1[..]) == (variant, planes)).unwrap_or_else(|| {
+            self.by_variant.push((variant, planes.to_vec(), HashMap::new()));
+            self.by_variant.len() - 1
+        });
+        let of_variant = self.by_variant[at].2.entry(id);
+        let found = of_variant.or_insert_with(|| {
+            let kernel = id.kernel(variant, planes).unwrap_or_else(|| panic!("{id:?} is none of {variant:?}"));
+            self.by_source.entry(kernel.source()).or_insert_with(|| uses(&kernel).into()).clone()
+        });
+        found.clone()
     }
 
     /// What a dispatch does to each buffer, with what lays it out before.
     fn of_dispatch(&mut self, d: &Dispatch, variant: Variant, planes: &[Channel]) -> Vec<(KernelId, String, Use)> {
         let mut all = Vec::new();
         if let Threads::Counted(number) = d.threads {
-            let own = self.uses(KernelId::Args, variant, planes).clone();
-            let bound = |name: String| if name == "counters" { number.counted_in().into() } else { name };
-            all.extend(own.into_iter().map(|(name, does)| (KernelId::Args, bound(name), does)));
+            let own = self.uses(KernelId::Args, variant, planes);
+            let bound = |name: &str| if name == "counters" { number.counted_in().into() } else { name.into() };
+            all.extend(own.iter().map(|(name, does)| (KernelId::Args, bound(name), *does)));
             if variant.method == Method::Auto && number.is_of_raster() {
-                let own = self.uses(KernelId::Choose, variant, planes).clone();
-                all.extend(own.into_iter().map(|(name, does)| (KernelId::Choose, name, does)));
+                let own = self.uses(KernelId::Choose, variant, planes);
+                all.extend(own.iter().map(|(name, does)| (KernelId::Choose, name.clone(), *does)));
             }
             all.push((d.kernel, "indirect".into(), Use { reads: true, writes: false }));
         }
-        for (name, does) in self.uses(d.kernel, variant, planes).clone() {
-            let buffer = d.renamed.iter().find(|r| r.0 == name).map_or(name, |r| r.1.into());
-            all.push((d.kernel, buffer, does));
+        for (name, does) in self.uses(d.kernel, variant, planes).iter() {
+            let buffer = d.renamed.iter().find(|r| r.0 == name).map_or_else(|| name.clone(), |r| r.1.into());
+            all.push((d.kernel, buffer, *does));
         }
         // the buffers of step are the kernels' own
         all.retain(|(_, name, _)| name != "step");
