@@ -14,7 +14,7 @@ pub enum RaysKind {
     Curves { degree: u32 },
 }
 
-/// How the triangle of each pixel is found. All give the same bits.
+/// How the triangle of each pixel is found. All see the same ones, but where two are level to within the rounding of f64.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Method {
     /// The one that costs less.

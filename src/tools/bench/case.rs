@@ -1,7 +1,7 @@
 //! A case: one scene rendered by several techniques, each an arm.
 
 use super::row::{Moving, Paper, Stiffness};
-use crate::engine::Arithmetic;
+use crate::engine::{Arithmetic, Method};
 use crate::engine::rival::Choice;
 use crate::image::write_text;
 use crate::input::Result;
@@ -55,6 +55,8 @@ pub struct Arm {
     /// As [`crate::engine::RunOptions::no_cull`].
     pub no_cull: bool,
     pub arithmetic: Arithmetic,
+    /// How this engine finds triangles; `None`: by what costs less, and by raster where a case is counted.
+    pub method: Option<Method>,
     /// Render t and ids only, like yardsticks, without colour.
     pub bare: bool,
     /// Of a pixel.
@@ -154,6 +156,7 @@ impl Arm {
             parameter: None,
             no_cull: false,
             arithmetic: Arithmetic::default(),
+            method: None,
             bare: false,
             samples: Samples::AtOnce(1),
         }
@@ -203,6 +206,16 @@ impl Arm {
     /// All coverage tests in this arithmetic.
     pub fn arithmetic(self, arithmetic: Arithmetic, label: &'static str) -> Arm {
         Arm { arithmetic, ..self.label(label) }
+    }
+
+    /// Finds triangles by this method.
+    pub fn by(self, method: Method) -> Arm {
+        let label = match method {
+            Method::Auto => "auto",
+            Method::Raster => "raster",
+            Method::Trace => "trace",
+        };
+        Arm { method: Some(method), ..self.label(label) }
     }
 
     /// Sets the swept parameter.

@@ -154,7 +154,7 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
             };
             if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, entry.row.is_ours()) {
                 let options = options(case, arm, rules)?;
-                if case.counted && !arm.bare {
+                if case.counted && !arm.bare && arm.method.is_none() {
                     entry.row.counted = Some(counted(&mut engines.computing, scene, camera, &options, &frame)?);
                 }
                 let is_provable = camera.optics.is_none() && arm.arithmetic == Arithmetic::Rechecked;
@@ -349,7 +349,7 @@ fn options(case: &Case, arm: &Arm, rules: &Rules) -> Result<RunOptions> {
     let (moving, draws_max) = (case.moving == Moving::Triangles, rules.draws_max);
     let (no_cull, arithmetic) = (arm.no_cull, arm.arithmetic);
     // what raster's stages do is counted
-    let method = if case.counted { Method::Raster } else { Method::Auto };
+    let method = arm.method.unwrap_or(if case.counted { Method::Raster } else { Method::Auto });
     Ok(RunOptions { rival: arm.choice()?, moving, no_cull, method, arithmetic, draws_max, ..Default::default() })
 }
 

@@ -1,6 +1,7 @@
 //! Where a frame's time goes, in scenes that ask for different kernels.
 
-use crate::tools::bench::case::{Case, arms};
+use crate::engine::Method;
+use crate::tools::bench::case::{Arm, Case};
 
 const EXAMPLES: [&str; 8] = [
     "city-cross-slit",
@@ -14,9 +15,14 @@ const EXAMPLES: [&str; 8] = [
 ];
 
 pub fn cases() -> Vec<Case> {
-    EXAMPLES.map(|name| Case::of(name, name, arms(&[])).counted()).into()
+    EXAMPLES.map(case).into()
 }
 
 pub fn quick() -> Vec<Case> {
-    EXAMPLES[..4].iter().map(|name| Case::of(*name, name, arms(&[])).counted()).collect()
+    EXAMPLES[..4].iter().map(|name| case(name)).collect()
+}
+
+/// By raster, whose stages are counted; by tracing; and by the one of both that costs less.
+fn case(name: &'static str) -> Case {
+    Case::of(name, name, vec![Arm::ours(), Arm::ours().by(Method::Trace), Arm::ours().by(Method::Auto)]).counted()
 }
