@@ -5,9 +5,9 @@
 // Binds: counters, params, step
 
 // By the places of counters: the queues of cull, then COUNT_WORK and so on.
-const COSTS: array<u32, 21> = array<u32, 21>(
+const COSTS: array<u32, 22> = array<u32, 22>(
     CULL_COST, CULL_COST, CULL_COST, CULL_COST, CULL_COST, CULL_COST, CULL_COST, CULL_COST,
-    0u, PAIR_COST, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, TASK_COST, LARGE_COST, 0u,
+    0u, PAIR_COST, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, TASK_COST, LARGE_COST, 0u,
 );
 
 @compute @workgroup_size(1)

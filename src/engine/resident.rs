@@ -237,12 +237,7 @@ impl Resident {
     fn first_guess(&self, scene: &Scene, camera: &Camera, plan: &Plan) -> Capacities {
         let clusters: u64 = self.chunks.iter().map(|c| c.clusters as u64).sum();
         let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
-        // what trace sees is left to recheck, and what raster sees where it bounds t: one triangle a pixel and layer
-        let settled = match plan.variant {
-            v if v.bounds_t_in_raster() => camera.layers.len() as u64 * pixels,
-            v if v.rechecks() && v.traces() => pixels,
-            _ => 0,
-        };
+        let settled = pixels * plan.variant.settled_a_pixel(camera.layers.len());
         let cells = plan.bands.iter().map(|b| b.tiles.cells.len()).max().unwrap_or(0) as u64;
         Capacities {
             queue: 4 * clusters + (1 << 15),

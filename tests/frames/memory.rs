@@ -31,10 +31,10 @@ fn triangle(lists: Lists) -> f64 {
 const VERTEX: f64 = 32.0;
 const NORMAL: f64 = 12.0;
 
-/// Visibility, and what tiles of 64 pixels have: a node and its share of those above, a cell, a first cell, and capacity for 4 pairs and
-/// an item to recheck.
+/// Visibility, what trace leaves to recheck, and what tiles of 64 pixels have: a node and its share of those above, a cell, a first cell, and
+/// capacity for 4 pairs and an item to recheck.
 fn pixel(lists: Lists) -> f64 {
-    8.0 + (96.0 * 16.0 / 15.0 + 48.0 + 4.0 + lists.tile + 4.0 * lists.pair + 8.0) / 64.0
+    8.0 + 8.0 + (96.0 * 16.0 / 15.0 + 48.0 + 4.0 + lists.tile + 4.0 * lists.pair + 8.0) / 64.0
 }
 
 /// Engines with their lists: one whose raster goes tile by tile if the adapter can, and one that goes pair by pair.

@@ -268,7 +268,9 @@ impl Plan {
             RaysKind::Pieces => 8 * u64::from(variant.samples + 1),
             RaysKind::Field | RaysKind::Curves { .. } => 24 * u64::from(variant.samples),
         };
-        let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes);
+        // of 8 bytes each, and a quarter more for what is uncertain
+        let item_bytes = 10 * variant.settled_a_pixel(camera.layers.len());
+        let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes).max(item_bytes);
         let sample_offsets =
             if variant.samples_edges() { samples::sample_offsets(variant.samples) } else { Vec::new() };
         let view = View { camera, slabs, extent, sample_offsets: &sample_offsets };

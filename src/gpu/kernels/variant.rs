@@ -185,6 +185,14 @@ impl Variant {
         self.by_tile && !self.f64_depths
     }
 
+    /// Triangles of a pixel that are left to recheck, proven to be nearest: by trace one, and by raster where it bounds t one a layer.
+    pub fn settled_a_pixel(self, layers: usize) -> u64 {
+        match self {
+            _ if self.bounds_t_in_raster() => layers as u64,
+            _ => u64::from(self.rechecks() && self.traces()),
+        }
+    }
+
     /// Neither raster nor trace merges a key.
     pub fn leaves_all_to_recheck(self) -> bool {
         self.rechecks() && (self.method == Method::Trace || self.bounds_t_in_raster())

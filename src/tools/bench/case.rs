@@ -1,8 +1,8 @@
 //! A case: one scene rendered by several techniques, each an arm.
 
 use super::row::{Moving, Paper, Stiffness};
-use crate::engine::{Arithmetic, Method};
 use crate::engine::rival::Choice;
+use crate::engine::{Arithmetic, Method};
 use crate::image::write_text;
 use crate::input::Result;
 use crate::tools::example::EXAMPLES;
