@@ -4,17 +4,17 @@
 // busy again, with what is left of its run. The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Provides: INFINITE
-// Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, Extent,
-//   GROUP, LANES, LOWER, SLABBED, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, in_line, is_empty, is_excluded,
-//   item_node, keep_nearest, lanes_any, lanes_max, leave_to_recheck, lines_of, may_cover, nothing_nearest, pair_slot, pixels_within,
-//   row_bits, rows_mask, start_of, subgroup_lane, take_lane, test_pixels, tile_column, tile_corner, tile_reach, triangle_at, triangle_id,
+// Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT,
+//   COUNT_RECHECK_ITEMS, Extent, GROUP, LANES, LOWER, SLABBED, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, in_line,
+//   is_empty, is_excluded, item_node, keep_nearest, lanes_any, lanes_max, lines_of, may_cover, nothing_nearest, pair_slot, pixels_within,
+//   row_bits, start_of, subgroup_lane, take_lane, test_pixels, tile_column, tile_corner, tile_reach, triangle_at, triangle_id,
 //   triangle_shared, vertex
-// Binds: busy, counters, ends, pairs, params, starts
+// Binds: busy, counters, ends, pairs, params, recheck_items, starts
 
 // Rounds of LANES pairs that a subgroup looks at, at most: software adapters end a thread's loops after 65535 rounds in all. Of what a
-// round leaves, LANES pairs at most, each is tested against either half and may be left to recheck: 28 rounds, with those of the loop
-// around them and of the last test of each.
-const ROUNDS: u32 = 2200u;
+// round leaves, LANES pairs at most, each is tested against either half and may be left to recheck: 16 rounds for the tests, 9 for the loop
+// over what is left, 16 for the loops in leave_column, and 2 for the loops around: 43.
+const ROUNDS: u32 = 1500u;
 
 override COUNTING: bool = false;
 
@@ -145,8 +145,9 @@ fn raster(
             let k = firstTrailingBit(uncertain) / 4u;
             uncertain &= ~(15u << (4u * k));
             let uncertain_slot = subgroupShuffle(slot, subgroup_lane(k));
-            leave_to_recheck(uncertain_slot, tile, 0u, rows_mask(1u << lane, (uncertain_upper >> (4u * k)) & 15u));
-            leave_to_recheck(uncertain_slot, tile, 32u, rows_mask(1u << lane, (uncertain_lower >> (4u * k)) & 15u));
+            let rows_upper = (uncertain_upper >> (4u * k)) & 15u;
+            let rows_lower = (uncertain_lower >> (4u * k)) & 15u;
+            leave_column(uncertain_slot, (tile << 6u) | lane, rows_upper | (rows_lower << 4u));
         }
         if waiting == 0u && (at >= end || rounds >= ROUNDS) {
             break;
@@ -180,6 +181,34 @@ const INFINITE: f32 = 3.0e38;
 // All that is seen of a triangle lies beyond t. Not said of segments, at whose ends several t are one.
 fn is_behind(seen: Extent, t: f32) -> bool {
     return !SLABBED && seen.tight && seen.t_lo > t;
+}
+
+// Leaves the rows of a column of a tile to recheck whose bits are set: `item` is that of the first.
+fn leave_column(slot: u32, item: u32, bits: u32) {
+    var left = bits;
+    // a loop: software adapters take every branch
+    loop {
+        if left == 0u {
+            break;
+        }
+        left = 0u;
+        let at = atomicAdd(&counters[COUNT_RECHECK_ITEMS], countOneBits(bits));
+        leave_row(slot, item, bits, at, 0u);
+        leave_row(slot, item, bits, at, 1u);
+        leave_row(slot, item, bits, at, 2u);
+        leave_row(slot, item, bits, at, 3u);
+        leave_row(slot, item, bits, at, 4u);
+        leave_row(slot, item, bits, at, 5u);
+        leave_row(slot, item, bits, at, 6u);
+        leave_row(slot, item, bits, at, 7u);
+    }
+}
+
+fn leave_row(slot: u32, item: u32, bits: u32, first: u32, row: u32) {
+    let at = first + countOneBits(bits & ((1u << row) - 1u));
+    if (bits & (1u << row)) != 0u && at < params.recheck_capacity {
+        recheck_items[at] = vec2<u32>(slot, item + TILE * row);
+    }
 }
 
 // The triangles that the rays of four pixels start on; a tile may reach beyond the band, where any will do.

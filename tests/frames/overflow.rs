@@ -100,7 +100,7 @@ fn lists_of_one_item_grow_to_the_identical_image() {
     }
 }
 
-/// Raster takes some 14,000 pairs of a tile at once, and the rest in as many rounds as it needs.
+/// Raster takes some 12,000 pairs of a tile at once, and the rest in as many rounds as it needs.
 #[test]
 fn more_pairs_of_one_tile_than_raster_takes_at_once_give_the_same_image() {
     let (_, kind) = glc_of_each_class().swap_remove(0);

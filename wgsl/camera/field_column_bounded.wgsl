@@ -20,7 +20,7 @@ fn field_ray(x: u32, y: u32, less: vec3<f32>) -> FieldRay {
     return FieldRay(p, d, inside && any(d != vec3<f32>(0.0)));
 }
 
-// Of an origin two sums are off by a unit each, and of a direction its second word, half a unit, is left out.
+// Of an origin two sums are off by a unit each, and of a direction its second word, a unit at most, is left out.
 fn field_strip(a: FieldRay, b: FieldRay, c: FieldRay, d: FieldRay) -> Strip {
     let p = array<vec4<f32>, 3>(
         vec4<f32>(a.p.x, b.p.x, c.p.x, d.p.x), vec4<f32>(a.p.y, b.p.y, c.p.y, d.p.y), vec4<f32>(a.p.z, b.p.z, c.p.z, d.p.z),

@@ -9,7 +9,7 @@ const TILE_REACH: f32 = 0.5 * f32(TILE - 1u);
 // The rays of four pixels of a cell below each other, origins less a point; (x, y) of the first from the tile's centre.
 //
 // Errors, of sums of components: h, p and d as stored 1 unit each, products and sums 5 of the sizes of what is summed up; what is taken off
-// p, a product of h, 6. A quotient loses what its dividend and its divisor lost, over 1 - loss_h, and 3 units.
+// p, a product of h, 6. A quotient loses what its dividend and its divisor lost, over 1 - loss_h, and 5 units.
 fn cell_strip(cell: Cell, q: Piece, x: f32, y: f32, less: vec3<f32>) -> Strip {
     let rows = vec4<f32>(y) + vec4<f32>(0.0, 1.0, 2.0, 3.0);
     let h = cell.h + x * q.hx_hi + rows * q.hy_hi;
@@ -26,8 +26,8 @@ fn cell_strip(cell: Cell, q: Piece, x: f32, y: f32, less: vec3<f32>) -> Strip {
     let more = 1.0 / max(1.0 - loss_h, vec4<f32>(0.5));
     let size_p = size4(origins[0], origins[1], origins[2]);
     let size_d = size4(directions[0], directions[1], directions[2]);
-    let error_p = more * (loss_h * size_p + 6.0 * UNIT * reach_p / abs(h)) + 3.0 * UNIT * size_p;
-    let error_d = more * (loss_h * size_d + 6.0 * UNIT * reach_d / abs(h)) + 3.0 * UNIT * size_d;
+    let error_p = more * (loss_h * size_p + 6.0 * UNIT * reach_p / abs(h)) + 5.0 * UNIT * size_p;
+    let error_d = more * (loss_h * size_d + 6.0 * UNIT * reach_d / abs(h)) + 5.0 * UNIT * size_d;
     return strip_of(origins, error_p, directions, error_d, loss_h < vec4<f32>(0.25));
 }
 

@@ -64,7 +64,11 @@ fn box_edge(e: vec3<f32>, q: CornerMoment, r: BoxRays, stored: f32) -> BoxEdge {
     let size_e = size1(e);
     let product = size_e * q.size * r.size;
     let bound = 20.0 * UNIT * product + stored * r.size * (size_e + q.size) + LEAST * (1.0 + product);
-    let share = select(0.0, 1.0 / bound, product < MOST);
+    // an edge of 0 proves nothing, and infinities times 0 would be NaN
+    if product >= MOST {
+        return BoxEdge(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    }
+    let share = 1.0 / bound;
     return BoxEdge(
         share * dot(e, q.c), share * dot(e, q.x), share * dot(e, q.y),
         share * dot(e, q.xx), share * dot(e, q.xy), share * dot(e, q.yy),

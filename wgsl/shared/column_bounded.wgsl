@@ -38,7 +38,7 @@ fn size4(x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec4<f32> {
 }
 
 // Sizes of a ray that f32 does not take for 0 or infinite.
-const SIZE_LEAST: f32 = 1.0e-30;
+const SIZE_LEAST: f32 = 1.0e-25;
 const SIZE_MOST: f32 = 1.0e30;
 
 // A strip from origins and directions of any size.

@@ -61,8 +61,9 @@ fn edge_from(m: vec3<f32>, e: vec3<f32>, reach: Reach, far: f32) -> Edge {
     let error = STORED_UNIT * far * (size_e + size_m + reach.p) + PERTURB_BOUND * size_e * (size_m + params.scene_size);
     let bound = UNIT * size_e * (18.0 * size_m + 14.0 * reach.p) + lost + error + LEAST * (2.0 + size_m + reach.p);
     let fits = size_e * (size_m + reach.p) < MOST;
-    let share = select(0.0, 1.0 / bound, fits);
-    return Edge(cross(m, e) * share, e * share);
+    // an edge of 0 proves nothing, and infinities times 0 would be NaN
+    let share = 1.0 / bound;
+    return Edge(select(vec3<f32>(0.0), cross(m, e) * share, fits), select(vec3<f32>(0.0), e * share, fits));
 }
 
 // A triangle's values that all lanes share.
@@ -183,7 +184,7 @@ fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u
 // No t of four pixels' nearest is larger: of none without a ray.
 fn farthest(nearest: Nearest, s: Strip, exists: vec4<bool>) -> f32 {
     let most = largest4(select(vec4<f32>(-INFINITE), nearest.last / s.back, exists));
-    return most + 4.0 * UNIT * abs(most);
+    return most + 8.0 * UNIT * abs(most);
 }
 
 // Leaves what a column of a tile sees to recheck, and says of how many pixels.

@@ -33,8 +33,9 @@ fn edge_from(m: vec3<f32>, e: vec3<f32>, reach_q: f32, reach: f32) -> Edge {
     let error = STORED_UNIT * reach * (size_e + size_m + reach_q) + PERTURB_BOUND * size_e * (size_m + params.scene_size);
     let bound = UNIT * size_e * (16.0 * size_m + 12.0 * reach_q) + error + LEAST * (2.0 + size_m + reach_q);
     let fits = size_e * (size_m + reach_q) < MOST;
-    let share = select(0.0, 1.0 / bound, fits);
-    return Edge(cross(m, e) * share, e * share);
+    // an edge of 0 proves nothing, and infinities times 0 would be NaN
+    let share = 1.0 / bound;
+    return Edge(select(vec3<f32>(0.0), cross(m, e) * share, fits), select(vec3<f32>(0.0), e * share, fits));
 }
 
 // A triangle's values that all lanes share.
