@@ -12,7 +12,7 @@ use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::geometry::heights::HeightSpec;
 use anamorph::internals::geometry::texture::Images;
-use anamorph::internals::geometry::{gltf, heights, obj};
+use anamorph::internals::geometry::{gltf, heights, obj, ply, stl};
 use anamorph::internals::image;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::input::Error;
@@ -56,6 +56,14 @@ pub fn scene(data: &[u8]) {
 
 pub fn obj(data: &[u8]) {
     read("mesh.obj", data, |path| obj::load(path, &mut Images::default()));
+}
+
+pub fn ply(data: &[u8]) {
+    read("mesh.ply", data, |path| ply::load(path, &mut Images::default()));
+}
+
+pub fn stl(data: &[u8]) {
+    read("mesh.stl", data, stl::load);
 }
 
 /// Text, or binary where it begins as that does.

@@ -45,6 +45,16 @@ fn obj_files() {
 }
 
 #[test]
+fn ply_files() {
+    run("ply", targets::ply, rounds());
+}
+
+#[test]
+fn stl_files() {
+    run("stl", targets::stl, rounds());
+}
+
+#[test]
 fn mtl_files() {
     run("mtl", targets::mtl, rounds());
 }

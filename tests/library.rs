@@ -211,6 +211,8 @@ fn what_is_wrong_is_said_in_one_line() {
     fails(mesh().with_normals(vec![[0.0; 3]; 4]).map(drop), "no direction");
     fails(mesh().with_normals(vec![[0.0, 0.0, 1.0]; 3]).map(drop), "3 normals for 4 vertices");
     fails(mesh().with_uvs(vec![[f32::INFINITY; 2]; 4]).map(drop), "finite");
+    fails(mesh().with_colors(vec![[0.5; 3]; 5]).map(drop), "5 colours for 4 vertices");
+    fails(mesh().with_colors(vec![[0.5, 0.5, 1.5]; 4]).map(drop), "from 0 to 1");
     fails(Scene::parse("image = { width = 8, height = 8 }", ".").map(drop), "no camera");
     fails(Scene::parse("camera = { kind = \"pinhol\" }", ".").map(drop), "pinhole");
     fails(Scene::load("none.toml", &[], 0.0).map(drop), "none.toml");

@@ -39,10 +39,12 @@ const RENDER: &[&str] = &["render", "scene.toml", "-o", "out.png", "--exr", "out
 const CAMERA: &[&str] = &["camera", "scene.toml", "--rays", "out.npy"];
 const PINHOLE: &str = "[camera]\nkind = \"pinhole\"\neye = [0.2, 0.4, 5]\ntarget = [0, 0, 0]\nvfov = 40\n";
 
-const TARGETS: [Target; 9] = [
+const TARGETS: [Target; 11] = [
     Target { corpus: "scene", file: "scene.toml", scene: "", args: RENDER },
     Target { corpus: "camera", file: "camera", scene: "", args: RENDER },
     Target { corpus: "obj", file: "mesh.obj", scene: "[[mesh]]\nfile = \"mesh.obj\"\n", args: RENDER },
+    Target { corpus: "ply", file: "mesh.ply", scene: "[[mesh]]\nfile = \"mesh.ply\"\n", args: RENDER },
+    Target { corpus: "stl", file: "mesh.stl", scene: "[[mesh]]\nfile = \"mesh.stl\"\n", args: RENDER },
     Target { corpus: "mtl", file: "m.mtl", scene: "[[mesh]]\nfile = \"of_m.obj\"\n", args: RENDER },
     Target { corpus: "gltf", file: "mesh.gltf", scene: "[[mesh]]\nfile = \"mesh.gltf\"\n", args: RENDER },
     Target {

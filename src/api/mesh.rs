@@ -38,7 +38,7 @@ impl Mesh {
         Ok(Mesh { mesh, name: "mesh".into() })
     }
 
-    /// Reads a mesh file, .obj, .gltf or .glb, with its materials and images.
+    /// Reads a mesh file, .obj, .gltf, .glb, .ply or .stl, with its materials and images.
     ///
     /// # Errors
     /// [`Error::Input`], one line with the file and what is wrong with it.
@@ -52,12 +52,31 @@ impl Mesh {
         Mesh { name: name.into(), ..self }
     }
 
-    /// The mesh with one colour, linear RGB in [0, 1], which replaces its materials' colours and textures.
+    /// The mesh with one colour, linear RGB in [0, 1], which replaces its materials' colours and textures, and those of its vertices.
     pub fn with_color(mut self, color: [f32; 3]) -> Mesh {
         for material in &mut self.mesh.materials {
             (material.diffuse, material.texture) = (color, None);
         }
+        self.mesh.clear_colors();
         self
+    }
+
+    /// The mesh with one colour per vertex, linear RGB in [0, 1], interpolated over each triangle and multiplied by the material's colour,
+    /// which becomes white where it is the default.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the count differs from that of the vertices, or one is not in [0, 1].
+    pub fn with_colors(mut self, colors: Vec<[f32; 3]>) -> Result<Mesh> {
+        self.check_count(colors.len(), "colours")?;
+        if let Some(k) = colors.iter().position(|c| !c.iter().all(|x| (0.0..=1.0).contains(x))) {
+            return Err(Error::input(format!("colour {k} is {:?}; use linear RGB from 0 to 1", colors[k])));
+        }
+        for material in self.mesh.materials.iter_mut().filter(|m| **m == Material::default()) {
+            material.diffuse = [1.0; 3];
+        }
+        self.mesh.colors = colors;
+        self.mesh.corner_colors = self.mesh.triangles.clone();
+        Ok(self)
     }
 
     /// The mesh with one normal per vertex, of any length, which replaces its own.

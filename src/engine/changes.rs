@@ -100,7 +100,7 @@ impl PlannedBy<'_> {
 /// The clusters of `last` are those of this scene for this plan.
 pub(super) fn same_clusters(last: &Planned, scene: &Scene, plan: &Plan) -> bool {
     same_mesh(&last.scene, scene)
-        && (last.plan.anchor, last.plan.variant.textured) == (plan.anchor, plan.variant.textured)
+        && (last.plan.anchor, last.plan.variant.surfaces()) == (plan.anchor, plan.variant.surfaces())
 }
 
 /// Both are made of the same triangles, not of equal ones.

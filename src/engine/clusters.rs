@@ -4,6 +4,7 @@
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
+use crate::gpu::kernels::SurfaceKind;
 use crate::gpu::layout::{CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, TRIANGLE_GROUP, Vertex};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -21,6 +22,8 @@ pub struct Chunk {
     /// Where images lie on triangles, six numbers a slot: the texture coordinates of the corners in file order, v downwards; NaN
     /// of one that has none.
     pub uvs: Vec<[f32; 6]>,
+    /// Where vertices have colours, nine numbers a slot: those of the corners in file order.
+    pub colors: Vec<[f32; 9]>,
     /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit.
     pub slot_of_id: Vec<u32>,
     pub clusters: Vec<Cluster>,
@@ -41,23 +44,25 @@ pub struct Clustered {
     pub without_area: usize,
 }
 
-/// Bytes of a triangle and of a vertex in the largest table that holds them: where images lie, or what trace tests.
+/// Bytes of a triangle and of a vertex in the largest table that holds them: where images lie, or what trace tests; with colours that of
+/// surfaces.
 const TRIANGLE_BYTES: u64 = 48;
+const COLORED_TRIANGLE_BYTES: u64 = 80;
 const VERTEX_BYTES: u64 = size_of::<Vertex>() as u64;
 
-/// Splits a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with texture coordinates where they are to be
-/// `textured`.
-pub fn cluster(mesh: &Mesh, anchor: DVec3, textured: bool, binding_limit: u64) -> Clustered {
-    let whole = mesh.triangles.len() as u64 * TRIANGLE_BYTES <= binding_limit
+/// Splits a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with what is wanted of surfaces.
+pub fn cluster(mesh: &Mesh, anchor: DVec3, surfaces: SurfaceKind, binding_limit: u64) -> Clustered {
+    let triangle_bytes = if surfaces == SurfaceKind::Colored { COLORED_TRIANGLE_BYTES } else { TRIANGLE_BYTES };
+    let whole = mesh.triangles.len() as u64 * triangle_bytes <= binding_limit
         && mesh.positions.len() as u64 * VERTEX_BYTES <= binding_limit;
     let per_chunk =
-        if whole { mesh.triangles.len() as u64 } else { binding_limit / TRIANGLE_BYTES.max(3 * VERTEX_BYTES) };
+        if whole { mesh.triangles.len() as u64 } else { binding_limit / triangle_bytes.max(3 * VERTEX_BYTES) };
     let count = mesh.triangles.len() as u64;
     let mut chunks: Vec<Chunk> = (0..count)
         .step_by(per_chunk.max(1) as usize)
         .map(|first| {
             let ids = first as u32..(first + per_chunk).min(count) as u32;
-            chunk(mesh, anchor, ids, (whole, textured))
+            chunk(mesh, anchor, ids, (whole, surfaces))
         })
         .collect();
     if chunks.is_empty() {
@@ -68,7 +73,7 @@ pub fn cluster(mesh: &Mesh, anchor: DVec3, textured: bool, binding_limit: u64) -
     Clustered { chunks, anchor, without_area: mesh.triangles.len() - slots }
 }
 
-fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, textured): (bool, bool)) -> Chunk {
+fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, surfaces): (bool, SurfaceKind)) -> Chunk {
     let order = morton_order(mesh, ids.clone());
     let mut chunk = Chunk { id_first: ids.start, id_count: ids.len() as u32, ..Default::default() };
     if !whole {
@@ -78,8 +83,11 @@ fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, textured
         chunk.used = Some(used);
     }
     chunk.surfaces = order.par_iter().map(|&id| triangle_surface(mesh, id)).collect();
-    if textured {
+    if surfaces != SurfaceKind::Plain {
         chunk.uvs = order.par_iter().map(|&id| triangle_uvs(mesh, id)).collect();
+    }
+    if surfaces == SurfaceKind::Colored {
+        chunk.colors = order.par_iter().map(|&id| triangle_colors(mesh, id)).collect();
     }
     chunk.slot_of_id = vec![NONE; ids.len()];
     for (slot, &id) in order.iter().enumerate() {
@@ -250,6 +258,11 @@ fn triangle_uvs(mesh: &Mesh, id: u32) -> [f32; 6] {
     [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y]
 }
 
+fn triangle_colors(mesh: &Mesh, id: u32) -> [f32; 9] {
+    let colors = mesh.colors_of(id as usize);
+    std::array::from_fn(|k| colors[k / 3][k % 3])
+}
+
 /// The table that kernels read for surfaces with texture coordinates: per slot that of `surfaces`, then two vec4s with the texture
 /// coordinates of the three corners and a flag, 1 if the triangle has any.
 pub fn mapped_surfaces(surfaces: &[[u32; 4]], uvs: &[[f32; 6]]) -> Vec<[[u32; 4]; 3]> {
@@ -259,6 +272,16 @@ pub fn mapped_surfaces(surfaces: &[[u32; 4]], uvs: &[[f32; 6]]) -> Vec<[[u32; 4]
         [*own, [a, b, c, d], [e, f, is_mapped, 0]]
     };
     surfaces.iter().zip(uvs).map(mapped).collect()
+}
+
+/// The table that kernels read for surfaces with colours at their corners: per slot that of [`mapped_surfaces`], whose last number is the
+/// first of nine, and two more vec4s.
+pub fn colored_surfaces(mapped: &[[[u32; 4]; 3]], colors: &[[f32; 9]]) -> Vec<[[u32; 4]; 5]> {
+    let colored = |([own, ab, [u, v, is_mapped, _]], colors): (&[[u32; 4]; 3], &[f32; 9])| {
+        let [a, b, c, d, e, f, g, h, i] = colors.map(f32::to_bits);
+        [*own, *ab, [*u, *v, *is_mapped, a], [b, c, d, e], [f, g, h, i]]
+    };
+    mapped.iter().zip(colors).map(colored).collect()
 }
 
 /// A box of positions.
@@ -324,10 +347,10 @@ mod tests {
         let mesh = mesh();
         let rotated = moved(&mesh, |p| DMat3::from_rotation_z(0.4) * p + DVec3::new(0.5, -1.0, 0.0));
         for limit in LIMITS {
-            let mut refitted = cluster(&mesh, DVec3::ZERO, false, limit);
+            let mut refitted = cluster(&mesh, DVec3::ZERO, SurfaceKind::Plain, limit);
             let slots: Vec<_> = refitted.chunks.iter().map(|c| c.slot_of_id.clone()).collect();
             assert!(refitted.refit(&rotated));
-            let anew = cluster(&rotated, DVec3::ZERO, false, limit);
+            let anew = cluster(&rotated, DVec3::ZERO, SurfaceKind::Plain, limit);
             assert_eq!(refitted.chunks.len(), anew.chunks.len());
             assert_eq!(anew.chunks.len() > 1, limit == LIMITS[1]);
             for ((a, b), slots) in refitted.chunks.iter().zip(&anew.chunks).zip(slots) {
@@ -350,11 +373,11 @@ mod tests {
         let flat = moved(&mesh, |p| DVec3::new(p.x, 0.0, 0.0));
         let scattered = moved(&mesh, |p| DVec3::new((40.0 * p.x).sin(), (40.0 * p.y).cos(), (40.0 * p.z).sin()) * 9.0);
         for limit in LIMITS {
-            assert!(cluster(&mesh, DVec3::ZERO, false, limit).refit(&mesh));
+            assert!(cluster(&mesh, DVec3::ZERO, SurfaceKind::Plain, limit).refit(&mesh));
             for to in [&flat, &scattered] {
-                assert!(!cluster(&mesh, DVec3::ZERO, false, limit).refit(to));
+                assert!(!cluster(&mesh, DVec3::ZERO, SurfaceKind::Plain, limit).refit(to));
             }
-            assert!(!cluster(&flat, DVec3::ZERO, false, limit).refit(&mesh));
+            assert!(!cluster(&flat, DVec3::ZERO, SurfaceKind::Plain, limit).refit(&mesh));
         }
     }
 }

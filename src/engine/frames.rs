@@ -155,7 +155,7 @@ impl Frames {
     /// Builds the hierarchies that trace follows.
     pub(super) fn build_bvh(&mut self) -> Result<()> {
         let Plan { anchor, variant, .. } = *self.plan;
-        let anew = || Arc::new(cluster(&self.scene.mesh, anchor, variant.textured, self.gpu.table_limit()));
+        let anew = || Arc::new(cluster(&self.scene.mesh, anchor, variant.surfaces(), self.gpu.table_limit()));
         let clustered = self.shown.upgrade().unwrap_or_else(anew);
         self.resident.build_bvh(&self.gpu, &clustered)
     }
@@ -249,6 +249,9 @@ impl Frames {
         if self.plan.variant.textured && (&lit.uvs, &lit.corner_uvs) != (&own.uvs, &own.corner_uvs) {
             return Err(Error::input("other texture coordinates than those that are lit; call Engine::prepare again"));
         }
+        if self.plan.variant.colored && (&lit.colors, &lit.corner_colors) != (&own.colors, &own.corner_colors) {
+            return Err(Error::input("other vertex colours than those that are lit; call Engine::prepare again"));
+        }
         let keeps_masks = if self.moving.is_some() {
             // where things have moved to, and in this light from then on
             let mut lit = scene.into_owned();
@@ -324,7 +327,7 @@ impl Frames {
         if clustered.refit(&moved.mesh) {
             return self.resident.place_scene(&self.gpu, clustered);
         }
-        *clustered = cluster(&moved.mesh, self.plan.anchor, self.plan.variant.textured, self.gpu.table_limit());
+        *clustered = cluster(&moved.mesh, self.plan.anchor, self.plan.variant.surfaces(), self.gpu.table_limit());
         self.resident.upload_scene(&self.gpu, clustered)?;
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }

@@ -126,7 +126,7 @@ impl Planner {
         let plan = self.plan_of(&scene, &camera, extent, wanted, run, last);
         let clustered = match last.filter(|l| same_clusters(l, &scene, &plan)) {
             Some(last) => last.clustered.clone(),
-            None => Arc::new(cluster(&scene.mesh, plan.anchor, plan.variant.textured, self.table_limit)),
+            None => Arc::new(cluster(&scene.mesh, plan.anchor, plan.variant.surfaces(), self.table_limit)),
         };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
         let (asked, ray_order, wanted) = (camera.clone(), None, wanted.clone());
@@ -185,7 +185,7 @@ pub(super) fn written(scene: &Scene, camera: &Camera, wanted: &Wanted) -> Wanted
     let mut channels = wanted.channels.clone();
     if scene.caustics.is_some() && wanted.has_colour() {
         channels.extend([Channel::BaryU, Channel::BaryV]);
-        if scene.mesh.is_textured() || scene.mesh.has_patterns() {
+        if scene.mesh.has_changing_colors() {
             channels.extend([Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
         }
     }

@@ -7,7 +7,7 @@ use super::buffer_table::{BufferSpec, Bytes, ITEM_BYTES, Sizes, VEC4_BYTES, tabl
 use super::pages::PageStore;
 use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
-use crate::engine::clusters::{Chunk, Clustered, mapped_surfaces};
+use crate::engine::clusters::{Chunk, Clustered, colored_surfaces, mapped_surfaces};
 use crate::engine::plan::hierarchy::{Hierarchy, TracedBvh};
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::{Band, Plan};
@@ -408,10 +408,11 @@ pub enum BvhState {
 /// In these buffers, where they are as large.
 fn chunk_on_device(gpu: &Gpu, chunk: &Chunk, mut buffers: Buffers) -> Result<ChunkOnDevice> {
     place(gpu, &mut buffers, chunk)?;
-    if chunk.uvs.is_empty() {
-        buffers.upload_texels(gpu, "surfaces", &chunk.surfaces)?;
-    } else {
-        buffers.upload_texels(gpu, "surfaces", &mapped_surfaces(&chunk.surfaces, &chunk.uvs))?;
+    let mapped = || mapped_surfaces(&chunk.surfaces, &chunk.uvs);
+    match (chunk.uvs.is_empty(), chunk.colors.is_empty()) {
+        (true, _) => buffers.upload_texels(gpu, "surfaces", &chunk.surfaces)?,
+        (false, true) => buffers.upload_texels(gpu, "surfaces", &mapped())?,
+        (false, false) => buffers.upload_texels(gpu, "surfaces", &colored_surfaces(&mapped(), &chunk.colors))?,
     }
     buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
     let clusters = chunk.clusters.len() as u32;

@@ -16,7 +16,7 @@ use gltf::scene::Transform;
 use gltf::texture::{Info, WrappingMode};
 use gltf::{Document, Node, Primitive, Semantic};
 
-use crate::geometry::mesh::{DIELECTRIC, Material, Mesh, Missing, NO_NORMAL, NO_UV};
+use crate::geometry::mesh::{DIELECTRIC, Material, Mesh, Missing, NO_COLOR, NO_NORMAL, NO_UV};
 use crate::geometry::place::{transformed_normal, world_normal_from_object};
 use crate::geometry::texture::{Images, ImagesRead, Texels, Texture, Wrap, decode};
 use crate::input::{Error, Result};
@@ -40,7 +40,7 @@ pub enum Files {
 /// fans become triangles as the glTF specification lists them; lines and points are skipped. The base colour
 /// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`; where a material
 /// is masked there is a surface from its cutoff on, and where it is blended from an opacity of one half on; without an image everywhere.
-/// It is as rough, metallic and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the
+/// `COLOR_0` is the vertices' colour, by which the diffuse colour is multiplied. It is as rough, metallic and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the
 /// inverse transpose. Vertices keep the file's order also where a node mirrors them. Skins, morph targets and animations are not
 /// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that do not exist are left out, and listed in
 /// [`Mesh::missing`].
@@ -165,11 +165,16 @@ impl<'a> Builder<'a> {
             return Err(Error::input("has no triangles in its scene; export one with triangle meshes"));
         }
         if self.default_is_used {
-            self.mesh.materials.push(Material::default());
+            // colours of vertices are shown as they are
+            let diffuse = if self.mesh.colors.is_empty() { Material::default().diffuse } else { [1.0; 3] };
+            self.mesh.materials.push(Material { diffuse, ..Material::default() });
         }
         if self.mesh.corner_normals.iter().flatten().all(|&n| n == NO_NORMAL) {
             self.mesh.normals = Vec::new();
             self.mesh.corner_normals = Vec::new();
+        }
+        if !self.mesh.colors.is_empty() {
+            self.mesh.corner_colors.resize(self.mesh.triangles.len(), [NO_COLOR; 3]);
         }
         if self.mesh.uvs.is_empty() {
             self.mesh.corner_uvs = Vec::new();
@@ -236,6 +241,10 @@ impl<'a> Builder<'a> {
             _ => NO_UV,
         };
         self.mesh.corner_uvs.extend(triangles.iter().map(|t| t.map(uv_of)));
+        if let Some(first) = self.place_colors(primitive, count)? {
+            self.mesh.corner_colors.resize(self.mesh.triangles.len() - triangles.len(), [NO_COLOR; 3]);
+            self.mesh.corner_colors.extend(triangles.iter().map(|t| t.map(|corner| first + corner)));
+        }
         let material = primitive.material().index().unwrap_or_else(|| {
             self.default_is_used = true;
             self.source.document.materials().len()
@@ -291,6 +300,22 @@ impl<'a> Builder<'a> {
             Vec2::new(uv.x as f32, (1.0 - uv.y) as f32)
         };
         self.mesh.uvs.extend(self.source.read_pairs(&accessor)?.into_iter().map(placed));
+        Ok(Some(first as u32))
+    }
+
+    /// Appends the colours of a primitive's vertices; the index of the first one. Their opacity is left out.
+    fn place_colors(&mut self, primitive: &Primitive, count: u32) -> Result<Option<u32>> {
+        let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(None) };
+        if accessor.count() != count as usize {
+            let colors = accessor.count();
+            return Err(Error::input(format!("{colors} colours for {count} positions; give one each")));
+        }
+        let first = self.mesh.colors.len();
+        if first.saturating_add(count as usize) >= u32::MAX as usize {
+            return Err(Error::input("more than 2^32 - 2 colours; split the file"));
+        }
+        let in_range = |c: f32| if c.is_finite() { c.clamp(0.0, 1.0) } else { 1.0 };
+        self.mesh.colors.extend(self.source.read_colors(&accessor)?.into_iter().map(|rgb| rgb.map(in_range)));
         Ok(Some(first as u32))
     }
 

@@ -148,7 +148,7 @@ pub fn mesh(grid: &Grid, spec: &HeightSpec) -> Result<Mesh> {
         material_of: vec![0; triangles.len()],
         materials: vec![Material::default()],
         triangles,
-        missing: Vec::new(),
+        ..Mesh::default()
     })
 }
 

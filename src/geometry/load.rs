@@ -3,7 +3,7 @@
 use super::mesh::Mesh;
 use super::spec::{MeshSource, MeshSpec, TextureSpec};
 use super::texture::{Images, Texture};
-use super::{generate, gltf, heights, obj, place, smooth};
+use super::{generate, gltf, heights, obj, place, ply, smooth, stl};
 use crate::input::{Error, Result};
 use std::collections::{HashMap, HashSet};
 
@@ -45,10 +45,12 @@ pub(crate) fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh
             match extension.as_str() {
                 "obj" => obj::load(path, of_file)?,
                 "gltf" | "glb" => gltf::load(path, files, of_file)?,
+                "ply" => ply::load(path, of_file)?,
+                "stl" => stl::load(path)?,
                 _ => {
                     let name = path.display();
                     return Err(Error::input(format!(
-                        "{name}: unknown kind of mesh file; use .obj, .gltf or .glb, or .asc, .png or .tif with heights"
+                        "{name}: unknown kind of mesh file; use .obj, .gltf, .glb, .ply or .stl, or .asc, .png or .tif with heights"
                     )));
                 }
             }
@@ -56,6 +58,11 @@ pub(crate) fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh
     };
     if spec.smooth {
         smooth::smooth(&mut mesh);
+    }
+    let has_own_color =
+        spec.color.is_some() || spec.pattern.is_some() || matches!(spec.texture, TextureSpec::Image { .. });
+    if has_own_color {
+        mesh.clear_colors();
     }
     for material in &mut mesh.materials {
         material.two_sided = spec.two_sided;

@@ -14,6 +14,9 @@ pub const NO_NORMAL: u32 = u32::MAX;
 /// Marks a corner without a texture coordinate in [`Mesh::corner_uvs`].
 pub const NO_UV: u32 = u32::MAX;
 
+/// Marks a corner without a colour in [`Mesh::corner_colors`].
+pub const NO_COLOR: u32 = u32::MAX;
+
 /// Triangles over shared positions. Triangle `k` of the mesh is triangle `k` in file order, so ids
 /// follow from the position in `triangles` alone.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -30,6 +33,10 @@ pub struct Mesh {
     pub uvs: Vec<Vec2>,
     /// Three indices into `uvs` per triangle ([`NO_UV`]: none); empty when `uvs` is.
     pub corner_uvs: Vec<[u32; 3]>,
+    /// Linear RGB in [0, 1], interpolated over each triangle and multiplied by its material's colour; empty when the source has none.
+    pub colors: Vec<[f32; 3]>,
+    /// Three indices into `colors` per triangle ([`NO_COLOR`]: white); empty when `colors` is.
+    pub corner_colors: Vec<[u32; 3]>,
     /// At least one once there is a triangle.
     pub materials: Vec<Material>,
     /// One index into `materials` per triangle.
@@ -91,6 +98,17 @@ impl Mesh {
         Some((1.0 - u - v) * a + u * b + v * c)
     }
 
+    /// The colours of a triangle's corners, white where there are none.
+    pub fn colors_of(&self, triangle: usize) -> [[f32; 3]; 3] {
+        let corners = self.corner_colors.get(triangle).copied().unwrap_or([NO_COLOR; 3]);
+        corners.map(|k| self.colors.get(k as usize).copied().unwrap_or([1.0; 3]))
+    }
+
+    /// Leaves out the colours of vertices.
+    pub fn clear_colors(&mut self) {
+        (self.colors, self.corner_colors) = (Vec::new(), Vec::new());
+    }
+
     /// Multiplies all texture coordinates: an image repeats as often where one is.
     pub fn repeat_uvs(&mut self, times: Vec2) {
         self.uvs.iter_mut().for_each(|uv| *uv *= times);
@@ -99,6 +117,11 @@ impl Mesh {
     /// Whether some material has a texture, and some triangle coordinates.
     pub fn is_textured(&self) -> bool {
         !self.corner_uvs.is_empty() && self.materials.iter().any(|m| m.texture.is_some())
+    }
+
+    /// Whether the colour of a triangle changes over it.
+    pub fn has_changing_colors(&self) -> bool {
+        self.is_textured() || self.has_patterns() || !self.corner_colors.is_empty()
     }
 
     /// Whether some material has a pattern.

@@ -5,7 +5,6 @@
 //! relative index's base, so the result does not depend on where it is split.
 
 mod chunk;
-mod lex;
 mod mtl;
 #[cfg(test)]
 mod tests;
@@ -16,6 +15,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
+use crate::geometry::lex;
 use crate::geometry::mesh::{Material, Mesh, Missing, NO_NORMAL, NO_UV};
 use crate::geometry::texture::{Images, ImagesRead};
 use crate::input::{Error, Result};
@@ -32,7 +32,7 @@ const CHUNK_BYTES: usize = 1 << 20;
 /// Reads an OBJ file and the MTL files it names.
 ///
 /// Faces are fan-triangulated from their first vertex; zero-area triangles stay, so that ids are file order.
-/// `Kd` is linear RGB. Faces whose material is unknown, or whose `.mtl` file is missing, get
+/// `Kd` is linear RGB; a vertex of six numbers has an sRGB colour from 0 to 1, by which it is multiplied. Faces whose material is unknown, or whose `.mtl` file is missing, get
 /// [`Material::default`]. Lines, points, curves, groups and smoothing are skipped. Images of the materials that faces have come from
 /// `images`, and texture coordinates lie as the MTL files' options place them. Images, normals and texture coordinates that do not exist
 /// are left out, and listed in [`Mesh::missing`].
@@ -193,6 +193,7 @@ fn assemble(
     let mapped = load_mtl(&libraries)?;
     mesh.materials.extend(mapped.iter().map(|m| m.material.clone()));
     assign_materials(&chunks, &mut mesh.materials, &mut mesh.material_of);
+    let with_colors = chunks.iter().any(|c| !c.colors.is_empty());
     let with_normals = chunks.iter().any(|c| !c.corner_normals.is_empty());
     let with_uvs = chunks.iter().any(|c| !c.corner_texcoords.is_empty());
     for chunk in chunks {
@@ -209,7 +210,15 @@ fn assemble(
             mesh.corner_uvs.extend_from_slice(&chunk.corner_texcoords);
             mesh.corner_uvs.resize(first, [NO_UV; 3]);
         }
+        if with_colors {
+            mesh.colors.extend_from_slice(&chunk.colors);
+            mesh.colors.resize(mesh.positions.len(), [1.0; 3]);
+        }
         mesh.triangles.extend_from_slice(&chunk.triangles);
+    }
+    if with_colors {
+        mesh.corner_colors.clone_from(&mesh.triangles);
+        whiten_default(&mut mesh, mapped.len());
     }
     drop_unusable_normals(&mut mesh);
     place_uvs(&mut mesh, &mapped);
@@ -258,6 +267,13 @@ fn assign_materials(chunks: &[Chunk], materials: &mut Vec<Material>, material_of
     }
     if material_of.contains(&fallback) {
         materials.push(Material::default());
+    }
+}
+
+/// Where vertices have colours, triangles without a material show these as they are.
+fn whiten_default(mesh: &mut Mesh, fallback: usize) {
+    if let Some(material) = mesh.materials.get_mut(fallback) {
+        material.diffuse = [1.0; 3];
     }
 }
 

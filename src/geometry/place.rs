@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::geometry::mesh::{Mesh, NO_NORMAL, NO_UV, check_memory};
+use crate::geometry::mesh::{Mesh, NO_COLOR, NO_NORMAL, NO_UV, check_memory};
 use crate::input::{Error, Result};
 
 /// Most triangles a scene may have.
@@ -27,7 +27,7 @@ pub fn place(mut mesh: Mesh, scale: DVec3, rotate_deg: DVec3, translate: DVec3) 
     mesh
 }
 
-/// A copy of `mesh` at each of `places`, in order. Texture coordinates and materials are shared. Where a matrix has no inverse, normals are
+/// A copy of `mesh` at each of `places`, in order. Texture coordinates, colours and materials are shared. Where a matrix has no inverse, normals are
 /// not transformed.
 ///
 /// # Errors
@@ -66,8 +66,10 @@ pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
         normals: (0..total(mesh.normals.len())).into_par_iter().map(normal).collect(),
         corner_normals: shifted(&mesh.corner_normals, Some(NO_NORMAL), mesh.normals.len()),
         corner_uvs: shifted(&mesh.corner_uvs, Some(NO_UV), 0),
+        corner_colors: shifted(&mesh.corner_colors, Some(NO_COLOR), 0),
         material_of: mesh.material_of.repeat(n),
         uvs: mesh.uvs,
+        colors: mesh.colors,
         materials: mesh.materials,
         missing: mesh.missing,
     })
@@ -121,7 +123,7 @@ pub(crate) fn transformed_normal(matrix: DMat3, normal: Vec3) -> Vec3 {
 /// Refuses meshes that together have more than ids and indices can number.
 ///
 /// # Errors
-/// [`Error::Input`] if there are more than 2^28 triangles, or 2^32 - 1 or more vertices, normals, texture coordinates or materials.
+/// [`Error::Input`] if there are more than 2^28 triangles, or 2^32 - 1 or more vertices, normals, texture coordinates, colours or materials.
 pub fn check_counts<'a>(meshes: impl IntoIterator<Item = &'a Mesh> + Clone) -> Result<()> {
     let total = |count: fn(&Mesh) -> usize| meshes.clone().into_iter().map(count).sum::<usize>();
     let triangles = total(|m| m.triangles.len());
@@ -132,6 +134,7 @@ pub fn check_counts<'a>(meshes: impl IntoIterator<Item = &'a Mesh> + Clone) -> R
         (total(|m| m.positions.len()), "vertices"),
         (total(|m| m.normals.len()), "normals"),
         (total(|m| m.uvs.len()), "texture coordinates"),
+        (total(|m| m.colors.len()), "colours"),
         (total(|m| m.materials.len()), "materials"),
     ] {
         if count >= u32::MAX as usize {
@@ -141,60 +144,93 @@ pub fn check_counts<'a>(meshes: impl IntoIterator<Item = &'a Mesh> + Clone) -> R
     Ok(())
 }
 
-/// Joins meshes in order: triangle ids run on from mesh to mesh. Each keeps its own materials. Meshes without
-/// normals get [`NO_NORMAL`] corners where another has some.
+/// Joins meshes in order: triangle ids run on from mesh to mesh. Each keeps its own materials. Where one has normals, texture coordinates
+/// or colours, the corners of the others say that they have none.
 ///
 /// # Errors
 /// Those of [`check_counts`].
 pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
     check_counts(&meshes)?;
-    let with_normals = meshes.iter().any(|m| !m.corner_normals.is_empty());
-    let with_uvs = meshes.iter().any(|m| !m.corner_uvs.is_empty());
+    let has = meshes.iter().map(Attributes::of).fold(Attributes::default(), Attributes::or);
     let mut meshes = meshes.into_iter();
     let mut all = meshes.next().unwrap_or_default();
-    give_corners(&mut all, with_normals, with_uvs);
+    has.give(&mut all);
     meshes.for_each(|mesh| append(&mut all, mesh));
     Ok(all)
 }
 
 /// Appends `mesh` to `all` with all that it has, as [`merge`] does. The caller has called [`check_counts`].
 pub fn append_with_all(all: &mut Mesh, mesh: Mesh) {
-    give_corners(all, !mesh.corner_normals.is_empty(), !mesh.corner_uvs.is_empty());
+    Attributes::of(&mesh).give(all);
     append(all, mesh);
 }
 
-/// Corners without normals or texture coordinates say so where others have some.
-fn give_corners(mesh: &mut Mesh, normals: bool, uvs: bool) {
-    if normals {
-        mesh.corner_normals.resize(mesh.triangles.len(), [NO_NORMAL; 3]);
+/// What the corners of a mesh may have.
+#[derive(Debug, Clone, Copy, Default)]
+struct Attributes {
+    normals: bool,
+    uvs: bool,
+    colors: bool,
+}
+
+impl Attributes {
+    fn of(mesh: &Mesh) -> Attributes {
+        Attributes {
+            normals: !mesh.corner_normals.is_empty(),
+            uvs: !mesh.corner_uvs.is_empty(),
+            colors: !mesh.corner_colors.is_empty(),
+        }
     }
-    if uvs {
-        mesh.corner_uvs.resize(mesh.triangles.len(), [NO_UV; 3]);
+
+    fn or(self, other: Attributes) -> Attributes {
+        Attributes {
+            normals: self.normals || other.normals,
+            uvs: self.uvs || other.uvs,
+            colors: self.colors || other.colors,
+        }
+    }
+
+    /// Corners that have none of these say so.
+    fn give(self, mesh: &mut Mesh) {
+        let count = mesh.triangles.len();
+        if self.normals {
+            mesh.corner_normals.resize(count, [NO_NORMAL; 3]);
+        }
+        if self.uvs {
+            mesh.corner_uvs.resize(count, [NO_UV; 3]);
+        }
+        if self.colors {
+            mesh.corner_colors.resize(count, [NO_COLOR; 3]);
+        }
     }
 }
 
-/// Appends `mesh` to `all`: with normals and texture coordinates only where `all` has some. The caller made sure that all counts fit a u32.
+/// Appends `mesh` to `all`: with normals, texture coordinates and colours only where `all` has some. The caller made sure that all counts
+/// fit a u32.
 pub fn append(all: &mut Mesh, mesh: Mesh) {
-    let with_normals = !all.corner_normals.is_empty() || (all.triangles.is_empty() && !mesh.corner_normals.is_empty());
-    let with_uvs = !all.corner_uvs.is_empty() || (all.triangles.is_empty() && !mesh.corner_uvs.is_empty());
-    let [position, normal, uv, material] =
-        [all.positions.len(), all.normals.len(), all.uvs.len(), all.materials.len()].map(|count| count as u32);
+    let has = if all.triangles.is_empty() { Attributes::of(&mesh) } else { Attributes::of(all) };
+    let [position, normal, uv, color, material] =
+        [all.positions.len(), all.normals.len(), all.uvs.len(), all.colors.len(), all.materials.len()]
+            .map(|count| count as u32);
     all.positions.extend_from_slice(&mesh.positions);
     all.normals.extend_from_slice(&mesh.normals);
     all.uvs.extend_from_slice(&mesh.uvs);
+    all.colors.extend_from_slice(&mesh.colors);
     all.materials.extend(mesh.materials);
     all.missing.extend(mesh.missing);
     all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + position)));
     all.material_of.extend(mesh.material_of.iter().map(|m| m + material));
     let shifted = |none: u32, by: u32| move |k: u32| if k == none { none } else { k + by };
-    all.corner_normals.extend(mesh.corner_normals.iter().map(|t| t.map(shifted(NO_NORMAL, normal))));
-    if with_normals {
-        all.corner_normals.resize(all.triangles.len(), [NO_NORMAL; 3]);
+    if has.normals {
+        all.corner_normals.extend(mesh.corner_normals.iter().map(|t| t.map(shifted(NO_NORMAL, normal))));
     }
-    all.corner_uvs.extend(mesh.corner_uvs.iter().map(|t| t.map(shifted(NO_UV, uv))));
-    if with_uvs {
-        all.corner_uvs.resize(all.triangles.len(), [NO_UV; 3]);
+    if has.uvs {
+        all.corner_uvs.extend(mesh.corner_uvs.iter().map(|t| t.map(shifted(NO_UV, uv))));
     }
+    if has.colors {
+        all.corner_colors.extend(mesh.corner_colors.iter().map(|t| t.map(shifted(NO_COLOR, color))));
+    }
+    has.give(all);
 }
 
 #[cfg(test)]
@@ -213,6 +249,8 @@ mod tests {
             corner_normals: vec![[0, 0, NO_NORMAL]; normal],
             uvs: vec![glam::Vec2::Y; normal],
             corner_uvs: vec![[0, NO_UV, 0]; normal],
+            colors: vec![[0.5; 3]; normal],
+            corner_colors: vec![[NO_COLOR, 0, 0]; normal],
             materials: vec![Material::default()],
             material_of: vec![0],
             missing: Vec::new(),
@@ -243,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_are_in_order_and_share_texture_coordinates_and_materials() {
+    fn copies_are_in_order_and_share_texture_coordinates_colours_and_materials() {
         let rotated = DMat3::from_cols(DVec3::Y, -DVec3::X, 2.0 * DVec3::Z);
         let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
         let shear = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(1.0, 0.0, 1.0));
@@ -267,6 +305,7 @@ mod tests {
         assert_eq!(mesh.corner_normals, [0, 1, 2].map(|k| [k, k, NO_NORMAL]));
         assert_eq!((&mesh.uvs, &mesh.materials), (&slanted.uvs, &slanted.materials));
         assert_eq!((mesh.corner_uvs, mesh.material_of), (vec![[0, NO_UV, 0]; 3], vec![0; 3]));
+        assert_eq!((mesh.colors, mesh.corner_colors), (slanted.colors, vec![[NO_COLOR, 0, 0]; 3]));
         assert!(copies(triangle(true), &[]).unwrap().triangles.is_empty());
         assert_eq!(copies(Mesh::default(), &places).unwrap(), Mesh::default());
     }
@@ -278,6 +317,8 @@ mod tests {
         let none = [NO_NORMAL; 3];
         assert_eq!(all.corner_normals, [none, [0, 0, NO_NORMAL], none]);
         assert_eq!(all.corner_uvs, [[NO_UV; 3], [0, NO_UV, 0], [NO_UV; 3]]);
+        assert_eq!(all.corner_colors, [[NO_COLOR; 3], [NO_COLOR, 0, 0], [NO_COLOR; 3]]);
+        assert_eq!(all.colors_of(1), [[1.0; 3], [0.5; 3], [0.5; 3]]);
         assert_eq!(all.material_of, [0, 1, 2]);
         assert!(merge(vec![triangle(false); 2]).unwrap().corner_normals.is_empty());
         assert_eq!(merge(Vec::new()).unwrap(), Mesh::default());

@@ -30,7 +30,7 @@ pub struct MeshSpec {
     pub two_sided: bool,
     /// Corners without a normal get vertex normals.
     pub smooth: bool,
-    /// Linear RGB in [0, 1] for the whole mesh, without the images of its file; `None` keeps the source's materials.
+    /// Linear RGB in [0, 1] for the whole mesh, without the images and colours of its file; `None` keeps the source's materials.
     pub color: Option<[f32; 3]>,
     pub texture: TextureSpec,
     /// Pattern that multiplies its colour, by default white.
@@ -81,7 +81,7 @@ pub enum TextureSpec {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeshSource {
-    /// An .obj, .gltf or .glb file, already relative to the working directory.
+    /// An .obj, .gltf, .glb, .ply or .stl file, already relative to the working directory.
     File(PathBuf),
     /// An .asc, .png or .tif file of heights.
     Heights(HeightSpec),

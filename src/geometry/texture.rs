@@ -274,7 +274,7 @@ fn tables() -> &'static [[f16; 256]; 2] {
     })
 }
 
-fn linear_of_srgb(v: f64) -> f64 {
+pub(super) fn linear_of_srgb(v: f64) -> f64 {
     if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }
 

@@ -7,6 +7,7 @@ use crate::scene::light::{AmbientOcclusion, Arriving, Light};
 use crate::scene::sky::Sky;
 use glam::{DVec3, DVec4, Vec3};
 use std::f64::consts::PI;
+use std::iter::zip;
 
 /// Share of ambient light.
 const AMBIENT: f64 = crate::scene::light::AMBIENT as f64;
@@ -28,7 +29,7 @@ pub fn normal(scene: &Scene, hit: &Hit, view: DVec3) -> DVec3 {
     if n.dot(seen) < 0.0 { -n } else { n }
 }
 
-/// The diffuse colour of a hit, from the texture without filtering.
+/// The diffuse colour of a hit: its material's, times the texture's without filtering, the pattern's and the vertices'.
 pub fn albedo(scene: &Scene, hit: &Hit) -> [f32; 3] {
     let mesh = &scene.mesh;
     let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
@@ -38,7 +39,14 @@ pub fn albedo(scene: &Scene, hit: &Hit) -> [f32; 3] {
         let [v0, v1, v2] = mesh.triangles[hit.triangle as usize].map(|k| mesh.positions[k as usize]);
         pattern.at(v0 + hit.bary[0] * (v1 - v0) + hit.bary[1] * (v2 - v0))
     });
-    let [dr, dg, db] = material.diffuse.map(f64::from);
+    let weights = [1.0 - hit.bary[0] - hit.bary[1], hit.bary[0], hit.bary[1]];
+    let of_vertices = match mesh.corner_colors.is_empty() {
+        true => DVec3::ONE,
+        false => {
+            zip(weights, mesh.colors_of(hit.triangle as usize)).map(|(w, c)| w * DVec3::from(c.map(f64::from))).sum()
+        }
+    };
+    let [dr, dg, db] = (DVec3::from(material.diffuse.map(f64::from)) * of_vertices).to_array();
     [(dr * r * pr) as f32, (dg * g * pg) as f32, (db * b * pb) as f32]
 }
 

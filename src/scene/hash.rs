@@ -28,7 +28,7 @@ impl Fnv {
     }
 }
 
-/// A hash of triangles, normals, materials, alpha masks, lights, background, image size and rays, however the scene file spells them. It is
+/// A hash of triangles, normals, colours of vertices, materials, alpha masks, lights, background, image size and rays, however the scene file spells them. It is
 /// the same on all machines. Images that only colour triangles are left out, because they are not read if no colour is asked for.
 pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     let mut h = Fnv(0xcbf2_9ce4_8422_2325);
@@ -60,6 +60,10 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     if mesh.has_alpha_masks() {
         mesh.uvs.iter().flat_map(|uv| uv.to_array()).for_each(|v| h.number(f64::from(v)));
         mesh.corner_uvs.iter().flatten().for_each(|k| h.word(u64::from(*k)));
+    }
+    if !mesh.corner_colors.is_empty() {
+        mesh.colors.iter().flatten().for_each(|c| h.number(f64::from(*c)));
+        mesh.corner_colors.iter().flatten().for_each(|k| h.word(u64::from(*k)));
     }
     h.word(scene.lights.len() as u64);
     for light in &scene.lights {

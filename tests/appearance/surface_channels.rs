@@ -1,16 +1,22 @@
 //! What surfaces are like at the hits, N, P and albedo: the engine against the reference, through every kind of rays.
 
 use crate::common;
+use crate::pictures;
 
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::combinations::at_once;
 use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::geometry::mesh::NO_COLOR;
+use anamorph::internals::geometry::texture::{Texels, Texture};
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use common::file::load;
 use common::gpu::{Without, engine, ids};
+use common::rng::Rng;
 use glam::DVec3;
+use pictures::COLOUR;
+use std::sync::Arc;
 
 /// Off the origin, so that the anchor is no round number.
 const THINGS: &str = r#"
@@ -160,4 +166,89 @@ fn labels_are_those_of_the_triangles_in_every_engine() {
 
 fn kinds(labels: &[u32]) -> usize {
     labels.iter().filter(|k| **k != NO_ID).collect::<std::collections::BTreeSet<_>>().len()
+}
+
+/// Random colours of the scene's vertices; one corner in ten has none.
+fn give_colors(scene: &mut Scene) {
+    let mut rng = Rng(3);
+    let mesh = Arc::make_mut(&mut scene.mesh);
+    mesh.colors = mesh.positions.iter().map(|_| [(); 3].map(|()| rng.unit() as f32)).collect();
+    let corner = |k: u32| if k.is_multiple_of(10) { NO_COLOR } else { k };
+    mesh.corner_colors = mesh.triangles.iter().map(|t| t.map(corner)).collect();
+}
+
+#[test]
+fn colours_of_vertices_are_interpolated() {
+    for text in cameras() {
+        let text = format!("image = {{ width = 64, height = 48 }}\n{THINGS}\n[camera]\n{text}");
+        let mut scene: Scene = load(&text).unwrap();
+        give_colors(&mut scene);
+        let camera = scene.camera().unwrap();
+        let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+        let asked = [vec![Channel::TriangleId, Channel::Z], ALBEDO.to_vec()].concat();
+        let seen = engine.render(&scene, &camera, &Wanted::of(asked.clone()), &RunOptions::default()).unwrap().frame;
+        let truth = image(&scene, &camera, &asked);
+        let mesh = &scene.mesh;
+        let is_own = |k: &usize| ids(&seen)[*k] == ids(&truth)[*k] && (ids(&seen)[*k] as usize) < mesh.triangles.len();
+        let hits: Vec<usize> = (0..ids(&seen).len()).filter(is_own).collect();
+        assert!(hits.len() > 500, "{} hits: {text}", hits.len());
+        let [of_seen, of_truth] = [&seen, &truth].map(|frame| vectors(frame, ALBEDO));
+        let is_far = |k: &&usize| {
+            let corners = mesh.triangles[ids(&seen)[**k] as usize].map(|v| mesh.positions[v as usize]);
+            let [a, b, c] = corners;
+            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+            let height = (b - a).cross(c - a).length() / longest;
+            // the place is off by POINT_ERROR along the view, ten times that along a surface that is seen at a cosine of 0.1: of a
+            // ball that is a hundredth of its picture; a colour changes by its range, 1, over the triangle's height
+            (of_seen[**k] - of_truth[**k]).length() > 3f64.sqrt() * 10.0 * POINT_ERROR / height
+        };
+        let far = hits.iter().filter(is_far).count();
+        assert!(far <= hits.len() / 50, "{far} of {}: {text}", hits.len());
+        // and they are no plain colours
+        let plain = hits
+            .iter()
+            .filter(|k| scene.mesh.materials.iter().any(|m| DVec3::from(m.diffuse.map(f64::from)) == of_seen[**k]));
+        assert!(plain.count() < hits.len() / 50);
+    }
+}
+
+/// Rounding of three weights, which are clamped, and of their sum with a colour.
+const WEIGHTS_ERROR: f64 = 8.0 / 16_777_216.0;
+
+/// A triangle whose corners have one colour looks as if its material had it: with samples, in the light, and with an alpha mask.
+#[test]
+fn three_corners_of_one_colour_are_a_plain_triangle() {
+    for text in cameras() {
+        let text = format!("image = {{ width = 64, height = 48 }}\n{THINGS}\n[camera]\n{text}");
+        let plain: Scene = load(&text).unwrap();
+        let camera = plain.camera().unwrap();
+        let mut colored = plain.clone();
+        let mesh = Arc::make_mut(&mut colored.mesh);
+        mesh.colors = mesh.materials.iter().map(|m| m.diffuse).collect();
+        mesh.corner_colors = mesh.material_of.iter().map(|m| [*m; 3]).collect();
+        mesh.materials.iter_mut().for_each(|m| m.diffuse = [1.0; 3]);
+        let mut masked = colored.clone();
+        let mesh = Arc::make_mut(&mut masked.mesh);
+        let white = Arc::new(Texels { width: 1, height: 1, rgba: vec![[half::f16::ONE; 4]] });
+        let texture = Texture { cutoff: Some(0.5), ..Texture::new(white) };
+        mesh.materials.iter_mut().for_each(|m| m.texture = Some(texture.clone()));
+        let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+        for samples in [1, 4] {
+            if samples > 1 && !at_once(&plain, &camera, samples) {
+                continue;
+            }
+            let wanted = Wanted { samples, ..Wanted::of(COLOUR.to_vec()) };
+            let mut seen = |scene: &Scene| {
+                vectors(&engine.render(scene, &camera, &wanted, &RunOptions::default()).unwrap().frame, COLOUR)
+            };
+            let truth = seen(&plain);
+            // with alpha masks each sample is a frame
+            let scenes = if samples > 1 { &[&colored][..] } else { &[&colored, &masked] };
+            for scene in scenes {
+                let own = seen(scene);
+                let off = own.iter().zip(&truth).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f64::max);
+                assert!(off <= WEIGHTS_ERROR, "{off} with {samples} samples: {text}");
+            }
+        }
+    }
 }

@@ -8,6 +8,7 @@ use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
 use anamorph::internals::engine::{Method, RunOptions};
 use anamorph::internals::geometry::{generate, place};
+use anamorph::internals::gpu::kernels::SurfaceKind;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
@@ -165,9 +166,14 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
         let (contents, has) = (SceneContents::of(&scene), small.gpu.has);
         let variant = variant(&camera, contents, &wanted(), has, &RunOptions::default());
         let plan = Plan::new(variant, &camera, contents, extent, &wanted(), has, SMALL_BINDING);
-        let chunks = anamorph::internals::engine::clusters::cluster(&scene.mesh, extent.anchor, false, SMALL_BINDING)
-            .chunks
-            .len();
+        let chunks = anamorph::internals::engine::clusters::cluster(
+            &scene.mesh,
+            extent.anchor,
+            SurfaceKind::Plain,
+            SMALL_BINDING,
+        )
+        .chunks
+        .len();
         assert!(plan.bands.len() > 5 && chunks > 1, "{name}");
         let parts = small.render(&scene, &camera, &wanted(), &RunOptions::default()).unwrap();
         assert!(words(&parts.frame) == words(&whole.frame) && parts.srgb8 == whole.srgb8, "{name}");

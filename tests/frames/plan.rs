@@ -355,6 +355,7 @@ fn what_is_left_out_is_said() {
         let all = SceneContents {
             has_normals: true,
             has_uvs: true,
+            has_colors: true,
             has_images: true,
             has_alpha_masks: true,
             has_gloss: true,

@@ -89,6 +89,7 @@ fn cases() -> Vec<Case> {
     let rich = SceneContents {
         has_normals: true,
         has_uvs: true,
+        has_colors: true,
         has_images: true,
         has_gloss: true,
         has_sky: true,

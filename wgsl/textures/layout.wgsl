@@ -1,9 +1,7 @@
-// Surfaces with images on them: three vec4s a slot, the last two with the texture coordinates of its corners in file order.
+// Surfaces with images on them: the second and third vec4 of a slot hold the texture coordinates of its corners in file order.
 // An image hangs downwards from its first texel, so v runs downwards here.
 // Provides: WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, corner_uv, has_uv, image_place, on_triangle, triangle_surface, wrap_u, wrap_v
-// Needs: corner_order, real, real3, surface_row, triangle_order
-
-const SURFACE_VEC4S: u32 = 3u;
+// Needs: SURFACE_VEC4S, corner_order, real, real3, surface_row, triangle_order
 
 fn triangle_surface(slot: u32) -> vec4<u32> {
     return surface_row(SURFACE_VEC4S * slot);

@@ -1,17 +1,23 @@
-// Colours of surfaces with images on them.
+// Colours of surfaces with images on them, or with colours at their corners.
 // Provides: Footprint, TEXTURED, surface_albedo, surface_uv
-// Needs: NONE, NORMALS, Ray, RayDifferential, corner_order, corner_uv, flat_normal, has_uv, image_mean, image_place, material_at,
-//   on_triangle, real, real3, stored_normal, triangle_order, triangle_surface, vertex, weights_at
+// Needs: COLORED, NONE, NORMALS, Ray, RayDifferential, corner_colors, corner_order, corner_uv, flat_normal, has_uv, image_mean,
+//   image_place, in_file_order, material_at, on_triangle, real, real3, stored_normal, triangle_order, triangle_surface, vertex, weights_at
 // Binds: shading
 
 const TEXTURED: bool = true;
 
 fn surface_albedo(slot: u32, triangle: vec4<u32>, ray: Ray, differential: RayDifferential) -> vec3<f32> {
     let material = material_at(triangle_surface(slot).w);
-    if material.texture == NONE || !has_uv(slot) {
-        return material.diffuse;
+    var albedo = material.diffuse;
+    if COLORED {
+        let colors = corner_colors(slot);
+        let w = in_file_order(vec3<f32>(hit_weights(triangle, ray)), triangle);
+        albedo *= w.x * colors[0] + w.y * colors[1] + w.z * colors[2];
     }
-    return material.diffuse * image_mean(material, footprint(slot, triangle, ray, differential, material.texture));
+    if material.texture == NONE || !has_uv(slot) {
+        return albedo;
+    }
+    return albedo * image_mean(material, footprint(slot, triangle, ray, differential, material.texture));
 }
 
 // The texture coordinates of a hit, 0 without any.

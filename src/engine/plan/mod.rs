@@ -53,6 +53,8 @@ pub struct SceneContents {
     pub triangles: usize,
     pub has_normals: bool,
     pub has_uvs: bool,
+    /// Vertices have colours.
+    pub has_colors: bool,
     /// Images lie on triangles.
     pub has_images: bool,
     /// Some of them are alpha masks.
@@ -83,6 +85,7 @@ impl SceneContents {
             triangles: mesh.triangles.len(),
             has_normals: !mesh.normals.is_empty(),
             has_uvs: !mesh.corner_uvs.is_empty(),
+            has_colors: !mesh.corner_colors.is_empty(),
             has_images: mesh.is_textured(),
             has_alpha_masks: mesh.has_alpha_masks(),
             has_gloss: mesh.materials.iter().any(Material::is_glossy),
@@ -145,13 +148,19 @@ impl Wanted {
         self.has_colour() || self.channels.iter().any(|c| albedo.contains(c))
     }
 
-    /// Images on triangles, or where they lie, are part of it.
+    /// Images on triangles, where they lie, or colours of vertices are part of it.
     fn is_textured(&self, of: SceneContents) -> bool {
         let any = |which: &[Channel]| self.channels.iter().any(|c| which.contains(c));
         of.has_alpha_masks
             || of.has_images && self.needs_appearance()
+            || self.is_colored(of)
             || of.has_sky && self.has_colour()
             || of.has_uvs && any(&[Channel::TextureU, Channel::TextureV])
+    }
+
+    /// Colours of vertices are part of it.
+    fn is_colored(&self, of: SceneContents) -> bool {
+        of.has_colors && self.needs_appearance()
     }
 
     /// Object or material ids are wanted.
@@ -444,6 +453,9 @@ fn left_out(
         (false, false) => say("textures", "no image lies on the scene's triangles".into()),
         (true, false) => say("textures", "no colour asked for".into()),
         _ => {}
+    }
+    if contents.has_colors && !wanted.is_colored(contents) {
+        say("vertex colours", "no colour asked for".into());
     }
     if !contents.has_alpha_masks {
         say("alpha masks", "no material has one".into());

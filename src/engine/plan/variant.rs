@@ -34,6 +34,7 @@ pub fn variant(
         all_uncertain: run.arithmetic == Arithmetic::Double,
         normals: contents.has_normals,
         textured: wanted.is_textured(contents),
+        colored: wanted.is_colored(contents),
         masked: contents.has_alpha_masks,
         glossy: (contents.has_gloss || contents.has_sky) && has_colour,
         sky: contents.has_sky && has_colour,

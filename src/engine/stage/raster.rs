@@ -89,7 +89,8 @@ pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts
     }
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.alpha_masks()];
     let shared = [BITS, variant.merge(), MEETING, variant.camera()];
-    let all = [&snippets[..], &shared[..], own, variant.coverage(), variant.start()].concat();
+    let mut all = [&snippets[..], &shared[..], own, variant.coverage(), variant.start()].concat();
+    all.extend(variant.corner_colors().filter(|_| variant.masked));
     let mut kernel = Kernel::new(name, bindings, &all);
     kernel.constants = variant.constants();
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));

@@ -31,6 +31,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), PACKED_TRIANGLE, BUNDLE, KEY, SHADING, SURFACE];
     let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_OFFSETS];
     own.push(variant.style());
+    own.extend(variant.corner_colors());
     own.extend(variant.weights());
     own.push(if variant.analytic { snippets!("samples/areas.wgsl") } else { snippets!("samples/counted.wgsl") });
     own.extend(variant.light());

@@ -38,6 +38,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         snippets!("shade.wgsl"),
     ];
     let mut all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
+    all.extend(variant.corner_colors());
     all.extend(variant.weights());
     let mut kernel = Kernel::new("shade", bindings, &all).with_planes(planes);
     kernel.constants.extend(variant.constants());

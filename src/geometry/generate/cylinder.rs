@@ -46,7 +46,7 @@ pub fn cylinder(sides: u32) -> Mesh {
         triangles,
         corner_normals,
         corner_uvs,
-        missing: Vec::new(),
+        ..Mesh::default()
     }
 }
 

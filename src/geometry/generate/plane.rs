@@ -21,7 +21,7 @@ pub fn plane(size: f64, divisions: u32) -> Mesh {
         uvs: grid_uvs(divisions),
         corner_uvs: triangles.clone(),
         triangles,
-        missing: Vec::new(),
+        ..Mesh::default()
     }
 }
 

@@ -51,7 +51,7 @@ pub fn terrain(seed: u64, size: u32) -> Mesh {
         positions,
         triangles,
         normals,
-        missing: Vec::new(),
+        ..Mesh::default()
     }
 }
 

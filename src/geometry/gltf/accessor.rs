@@ -35,6 +35,19 @@ impl Source {
         Ok(values.chunks_exact(2).map(|v| DVec2::new(v[0], v[1])).collect())
     }
 
+    /// The accessor's colours, without their opacity.
+    ///
+    /// # Errors
+    /// As [`Source::read_vectors`].
+    pub(super) fn read_colors(&self, accessor: &Accessor) -> Result<Vec<[f32; 3]>> {
+        if !matches!(accessor.dimensions(), Dimensions::Vec3 | Dimensions::Vec4) {
+            return Err(at(accessor, "must hold vectors of 3 or 4 as colours; export it again".into()));
+        }
+        let values = self.read(accessor).map_err(|message| at(accessor, message))?;
+        let components = accessor.dimensions().multiplicity();
+        Ok(values.chunks_exact(components).map(|v| [v[0], v[1], v[2]].map(|c| c as f32)).collect())
+    }
+
     /// The accessor's indices, each below `limit`.
     ///
     /// # Errors

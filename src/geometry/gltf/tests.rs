@@ -466,3 +466,38 @@ proptest! {
         let _ = parse(&glb(changed.replace("\"uri\":\"quad.bin\",", "").as_bytes(), &quad_bytes()), here(), &Images::default());
     }
 }
+
+/// Colours of the quad's corners as bytes with opacity and as floats, on the second of three primitives.
+#[test]
+fn colours_of_vertices_are_linear() {
+    let bytes = [255u8, 0, 0, 9, 0, 51, 0, 9, 0, 0, 0, 9, 255, 255, 255, 9].to_vec();
+    let floats = [1.0f32, 0.0, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 1.5, 1.0, f32::NAN];
+    let floats = floats.iter().flat_map(|v| v.to_le_bytes()).collect();
+    for (own, kind, shape, normalized) in [(bytes, 5121, "VEC4", true), (floats, 5126, "VEC3", false)] {
+        let mut json = quad_json();
+        let add = |json: &mut serde_json::Value, list: &str, value| json[list].as_array_mut().unwrap().push(value);
+        let plain = json["meshes"][0]["primitives"][0].clone();
+        let mut colored = plain.clone();
+        colored["attributes"]["COLOR_0"] = 3.into();
+        json["meshes"][0]["primitives"] = serde_json::json!([plain, colored, plain]);
+        add(&mut json, "buffers", serde_json::json!({"uri": "colors.bin", "byteLength": own.len()}));
+        add(&mut json, "bufferViews", serde_json::json!({"buffer": 1, "byteLength": own.len()}));
+        let accessor = serde_json::json!({"bufferView": 3, "componentType": kind, "count": 4, "type": shape, "normalized": normalized});
+        add(&mut json, "accessors", accessor);
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("quad.bin"), quad_bytes()).unwrap();
+        std::fs::write(folder.path().join("colors.bin"), &own).unwrap();
+        let load = |json: &serde_json::Value| {
+            let path = folder.path().join("quad.gltf");
+            std::fs::write(&path, serde_json::to_vec(json).unwrap()).unwrap();
+            load(&path, Files::Below, &Images::default())
+        };
+        let mesh = load(&json).unwrap();
+        assert_eq!(mesh.colors, [[1.0, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0; 3], [1.0; 3]]);
+        let none = [NO_COLOR; 3];
+        assert_eq!(mesh.corner_colors, [none, none, [0, 1, 2], [2, 1, 3], none, none]);
+        assert_eq!(mesh.materials.last().unwrap().diffuse, [1.0; 3]);
+        json["accessors"][3]["count"] = 3.into();
+        assert!(load(&json).unwrap_err().to_string().contains("3 colours for 4 positions"));
+    }
+}

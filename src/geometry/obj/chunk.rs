@@ -2,8 +2,9 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::lex::{Lines, Tokens, parse_f64, parse_i64, quoted};
+use crate::geometry::lex::{Lines, Tokens, parse_f64, parse_i64, quoted};
 use crate::geometry::mesh::{NO_NORMAL, NO_UV};
+use crate::geometry::texture::linear_of_srgb;
 use crate::input::{Error, Result};
 
 /// How many lines and vertex statements a stretch of text has.
@@ -53,6 +54,8 @@ pub(super) struct Chunk {
     pub normals: Vec<Vec3>,
     pub triangles: Vec<[u32; 3]>,
     pub texcoords: Vec<DVec2>,
+    /// Linear RGB of its first positions, as far as the last that has one; white where one has none.
+    pub colors: Vec<[f32; 3]>,
     /// As far as the last triangle that has texture coordinates; the rest have none.
     pub corner_texcoords: Vec<[u32; 3]>,
     /// As far as the last triangle that has a normal; the rest have none.
@@ -127,9 +130,13 @@ impl<'a> Reader<'a> {
         let mut tokens = Tokens::new(line);
         match tokens.next().unwrap_or_default() {
             b"v" => {
-                let position = read_vector(tokens)?;
+                let position = read_vector(tokens.clone())?;
                 if !position.is_finite() {
                     return Err("vertex coordinate is not finite; use finite numbers".into());
+                }
+                if let Some(color) = read_color(tokens)? {
+                    self.chunk.colors.resize(self.chunk.positions.len(), [1.0; 3]);
+                    self.chunk.colors.push(color);
                 }
                 self.chunk.positions.push(position);
             }
@@ -239,6 +246,19 @@ fn resolve(
         }));
     }
     Ok(u32::try_from(from_zero).map_err(|_| format!("face's {what} index {index} is too large")))
+}
+
+/// Of a vertex of six numbers or more the last three of six: an sRGB colour from 0 to 1. Four numbers are a place and a weight.
+fn read_color(tokens: Tokens) -> std::result::Result<Option<[f32; 3]>, String> {
+    let mut own = tokens.skip(3);
+    let (Some(r), Some(g), Some(b)) = (own.next(), own.next(), own.next()) else { return Ok(None) };
+    let mut color = [0.0; 3];
+    for (linear, token) in color.iter_mut().zip([r, g, b]) {
+        let number = parse_f64(token).filter(|c| c.is_finite());
+        let srgb = number.ok_or_else(|| format!("colour {} is not a finite number", quoted(token)))?;
+        *linear = linear_of_srgb(srgb.clamp(0.0, 1.0)) as f32;
+    }
+    Ok(Some(color))
 }
 
 /// The first three tokens as numbers; more of them (a weight, a colour) are skipped.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::Vec2;
 
-use super::lex::{Lines, Tokens, parse_f64, quoted};
+use crate::geometry::lex::{Lines, Tokens, parse_f64, quoted};
 use crate::geometry::mesh::{Material, Missing};
 use crate::geometry::texture::{Texels, Texture, Wrap, with_opacity};
 use crate::input::{Error, Result};

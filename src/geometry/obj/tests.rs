@@ -396,3 +396,21 @@ proptest! {
         prop_assert_eq!(chunked, one);
     }
 }
+
+#[test]
+fn vertices_of_six_numbers_have_colours() {
+    let mesh = parse_text("v 0 0 0 1 0 0\nv 1 0 0 0.5 0 2\nv 1 1 0\nv 0 1 0 2\nf 1 2 3\nf 1 3 4").unwrap();
+    assert_eq!(mesh.corner_colors, mesh.triangles);
+    assert_eq!((mesh.colors[0], mesh.colors[2], mesh.colors[3]), ([1.0, 0.0, 0.0], [1.0; 3], [1.0; 3]));
+    // half of what a display shows is a fifth of its light
+    assert!((mesh.colors[1][0] - 0.214).abs() < 0.001 && mesh.colors[1][2] == 1.0, "{:?}", mesh.colors);
+    assert_eq!(mesh.materials[0].diffuse, [1.0; 3]);
+    assert!(parse_text(&format!("{QUAD}f 1 2 3")).unwrap().colors.is_empty());
+    assert!(message_of("v 0 0 0 1 x 0").contains("cow.obj:1: colour \"x\" is not a finite number"));
+    // chunk by chunk
+    let lines: String = (0..40).map(|k| format!("v {k} 0 0{}\n", if k % 3 == 0 { " 0 1 0" } else { "" })).collect();
+    let text = format!("{lines}f 1 2 3\nf 4 5 40");
+    let read = |bytes| parse_in_chunks(text.as_bytes(), "cow.obj", bytes, |_| Ok(Vec::new())).unwrap().0;
+    assert_eq!(read(10).colors, read(CHUNK_BYTES).colors);
+    assert_eq!(read(10).colors[39], [0.0, 1.0, 0.0]);
+}

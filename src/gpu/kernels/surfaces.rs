@@ -9,6 +9,13 @@ impl Variant {
         (self.textured || self.styled || self.analytic).then_some(snippets!("shared/weights.wgsl"))
     }
 
+    /// The colours of a triangle's corners, for kernels that look up images.
+    pub(crate) fn corner_colors(self) -> Option<Parts> {
+        let parts =
+            if self.colored { snippets!("textures/colored.wgsl") } else { snippets!("textures/uncolored.wgsl") };
+        self.textured.then_some(parts)
+    }
+
     /// The images that lie on triangles.
     pub(crate) fn pages(self) -> Option<Binding> {
         self.textured.then(|| texture("pages", "texture_2d_array<f32>"))

@@ -37,6 +37,17 @@ pub enum LightsKind {
     Shadowed,
 }
 
+/// What the table of surfaces holds of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SurfaceKind {
+    /// Normals and material.
+    Plain,
+    /// And texture coordinates.
+    Mapped,
+    /// And the colours of its corners.
+    Colored,
+}
+
 /// Which variants of the kernels a scene and an adapter need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
@@ -67,8 +78,10 @@ pub struct Variant {
     pub all_uncertain: bool,
     /// The scene has normals of its own.
     pub normals: bool,
-    /// Images lie on triangles, or their texture coordinates are asked for.
+    /// Images lie on triangles, their texture coordinates are asked for, or vertices have colours.
     pub textured: bool,
+    /// Vertices have colours.
+    pub colored: bool,
     /// Some of these images are alpha masks.
     pub masked: bool,
     /// Some material is not matte.
@@ -108,6 +121,7 @@ impl Variant {
         all_uncertain: false,
         normals: false,
         textured: false,
+        colored: false,
         masked: false,
         glossy: false,
         sky: false,
@@ -120,11 +134,19 @@ impl Variant {
         analytic: false,
     };
 
+    pub fn surfaces(self) -> SurfaceKind {
+        match (self.textured, self.colored) {
+            (_, true) => SurfaceKind::Colored,
+            (true, false) => SurfaceKind::Mapped,
+            (false, false) => SurfaceKind::Plain,
+        }
+    }
+
     /// Every variant that some camera needs on an adapter with these abilities.
     pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
         let mut list = Vec::new();
         for more in [false, true] {
-            let [counting, normals, textured, glossy, sky] = [more; 5];
+            let [counting, normals, textured, colored, glossy, sky] = [more; 6];
             let [styled, outlined] = [more; 2];
             let lights = if more { LightsKind::Shadowed } else { LightsKind::Plain };
             let of_camera = Variant {
@@ -134,6 +156,7 @@ impl Variant {
                 counting,
                 normals,
                 textured,
+                colored,
                 glossy,
                 sky,
                 lights,
@@ -154,7 +177,7 @@ impl Variant {
             }
             if textured {
                 let kinds = [RaysKind::Pieces, RaysKind::Field, RaysKind::Curves { degree: 3 }];
-                list.extend(kinds.map(|rays| Variant { masked: true, ..variant(rays, false, None) }));
+                list.extend(kinds.map(|rays| Variant { masked: true, colored: false, ..variant(rays, false, None) }));
                 let slabbed = Variant { masked: true, ..variant(RaysKind::Pieces, true, None) };
                 let seen = Variant { masked: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
                 list.extend([slabbed, seen, seen.after_bounce()]);

@@ -335,7 +335,7 @@ pub struct ProjectArgs {
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Describe this model (.obj, .gltf, .glb; .asc, .png, .tif with heights) or scene (.toml, .json) instead of the adapters
+    /// Describe this model (.obj, .gltf, .glb, .ply, .stl; .asc, .png, .tif with heights) or scene (.toml, .json) instead of the adapters
     pub file: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]

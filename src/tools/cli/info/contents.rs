@@ -28,6 +28,8 @@ struct Contents {
     normals: bool,
     /// At least one triangle has texture coordinates.
     texture_coordinates: bool,
+    /// At least one triangle has vertex colours.
+    vertex_colors: bool,
     /// The kind of a scene's camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     camera: Option<&'static str>,
@@ -110,6 +112,7 @@ impl Contents {
             materials: mesh.materials.len(),
             normals: !mesh.corner_normals.is_empty(),
             texture_coordinates: !mesh.corner_uvs.is_empty(),
+            vertex_colors: !mesh.corner_colors.is_empty(),
             camera: None,
             heights: None,
             bounds: mesh.bounds().map(|(low, high)| Bounds::of(low, high)),
@@ -168,6 +171,7 @@ impl fmt::Display for Contents {
         writeln!(f, "  materials            {}", self.materials)?;
         writeln!(f, "  normals              {}", yes(self.normals))?;
         writeln!(f, "  texture coordinates  {}", yes(self.texture_coordinates))?;
+        writeln!(f, "  vertex colours       {}", yes(self.vertex_colors))?;
         if let Some(camera) = self.camera {
             writeln!(f, "  camera               {camera}")?;
         }

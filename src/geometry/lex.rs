@@ -1,4 +1,4 @@
-//! Lines, tokens and numbers of OBJ and MTL text.
+//! Lines, tokens and numbers of OBJ, MTL and STL text.
 
 use std::borrow::Cow;
 

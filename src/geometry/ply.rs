@@ -1,0 +1,271 @@
+//! PLY: polygons with what their vertices have, as text or binary: <http://paulbourke.net/dataformats/ply/>.
+
+mod element;
+#[cfg(test)]
+mod tests;
+
+use super::mesh::{Material, Mesh, Missing, NO_NORMAL, NO_UV, check_memory};
+use super::texture::{Images, Texture, linear_of_srgb};
+use crate::input::{Error, Result};
+use element::{Face, STRIP_END, Skipped, Vertex};
+use glam::Vec2;
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
+use std::path::Path;
+
+/// Most triangles a mesh may have.
+const MAX_TRIANGLES: usize = 1 << 28;
+
+/// Reads a PLY file. Its faces are fan-triangulated from their first vertex, triangle strips (`tristrips`) cut up; zero-area triangles
+/// stay, so that ids are file order.
+///
+/// Of vertices `x y z`, `nx ny nz`, `red green blue` and `s t` (or `u v`, `texture_u texture_v`) are read, of faces `vertex_indices` (or
+/// `vertex_index`), `texcoord`, `texnumber` and `red green blue`. Colours are sRGB, from 0 to 255, of floats from 0 to 1. Images are those of
+/// the comments `TextureFile`, beside the file. Those that do not exist are left out, and listed in [`Mesh::missing`].
+///
+/// # Errors
+/// [`Error::Input`] naming the file, and the line of a text: it cannot be read, is damaged, has no faces or more than 2^28 triangles; a
+/// vertex or colour is not finite, an index has no vertex, a face has fewer than 3; an image exists and cannot be read. [`Error::Work`] if the
+/// mesh does not fit the free memory.
+pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
+    let name = path.display().to_string();
+    let bytes = crate::input::files::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
+    let (mut mesh, textures) = parse(&bytes).map_err(|e| match e {
+        Wrong::Line(line, text) => Error::input(format!("{name}:{line}: {text}")),
+        Wrong::File(text) => Error::input(format!("{name}: {text}")),
+        Wrong::Memory(e) => e.at(&name),
+    })?;
+    if images.read.reads(false) && !mesh.corner_uvs.is_empty() {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        for (material, file) in mesh.materials.iter_mut().zip(&textures) {
+            let file = folder.join(file);
+            match images.find(&file)? {
+                Some(texels) => (material.texture, material.diffuse) = (Some(Texture::new(texels)), [1.0; 3]),
+                None => {
+                    let why = format!("{name}: the file does not exist; a plain colour is used");
+                    mesh.missing.push(Missing { what: file.display().to_string(), why });
+                }
+            }
+        }
+    }
+    Ok(mesh)
+}
+
+/// What is wrong with a file.
+enum Wrong {
+    /// With the line, from 1.
+    Line(usize, String),
+    File(String),
+    Memory(Error),
+}
+
+impl From<ParseError> for Wrong {
+    fn from(e: ParseError) -> Wrong {
+        let text = e.to_string();
+        // the innermost cause, without the lines that quote the text
+        let cause = text.rsplit("Error: ").next().unwrap_or(&text);
+        let cause = cause.strip_prefix(&format!("Line {}: ", e.line().unwrap_or(0))).unwrap_or(cause);
+        let cause = match cause.lines().next().unwrap_or_default().trim_end_matches('.') {
+            grammar if grammar.starts_with("error at ") => "this is not a line of numbers".to_owned(),
+            cause => cause.to_owned(),
+        };
+        match e.line() {
+            Some(line) => Wrong::Line(line, cause),
+            None => Wrong::File(cause),
+        }
+    }
+}
+
+/// The mesh, and the names of its images.
+fn parse(bytes: &[u8]) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
+    if !bytes.starts_with(b"ply") {
+        return Err(Wrong::File("is no PLY file: it does not begin with the line ply".into()));
+    }
+    let mut reader = Reader::new(bytes);
+    let header = Parser::<Skipped>::new().read_header(&mut reader)?;
+    check_sizes(&header, bytes.len())?;
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    let mut has = Attributes::default();
+    for (name, element) in &header.elements {
+        match name.as_str() {
+            "vertex" => {
+                has = Attributes::of(element);
+                vertices = read::<Vertex>(&mut reader, element, &header)?;
+            }
+            "face" | "tristrips" => {
+                faces = read::<Face>(&mut reader, element, &header)?;
+                faces.iter_mut().for_each(|face| face.is_strip = name == "tristrips");
+            }
+            _ => drop(read::<Skipped>(&mut reader, element, &header)?),
+        }
+        if !vertices.is_empty() && !faces.is_empty() {
+            break;
+        }
+    }
+    if faces.is_empty() {
+        return Err(Wrong::File("has no faces; points alone are not rendered".into()));
+    }
+    let textures: Vec<String> = header
+        .comments
+        .iter()
+        .filter_map(|c| c.trim().strip_prefix("TextureFile").map(|file| file.trim().to_owned()))
+        .collect();
+    Ok((assemble(&vertices, &faces, has, textures.len())?, textures))
+}
+
+fn read<E: PropertyAccess>(
+    reader: &mut Reader<&[u8]>,
+    element: &ElementDef,
+    header: &Header,
+) -> std::result::Result<Vec<E>, Wrong> {
+    Ok(Parser::<E>::new().read_payload_for_element(reader, element, header)?)
+}
+
+/// Refuses what a header promises beyond the file's bytes, or beyond memory.
+fn check_sizes(header: &Header, bytes: usize) -> std::result::Result<(), Wrong> {
+    let count = |name: &str| header.elements.get(name).map_or(0, |e| e.count);
+    for (name, element) in &header.elements {
+        // an element of a text is a line; a binary one may have no property, and no bytes
+        let is_empty = element.properties.is_empty() && header.encoding != Encoding::Ascii;
+        if element.count > bytes || is_empty && element.count > 0 {
+            let (count, plural) = (element.count, if element.count == 1 { "" } else { "s" });
+            return Err(Wrong::File(format!("its header says {count} {name}{plural}, in a file of {bytes} bytes")));
+        }
+    }
+    let (vertices, faces) = (count("vertex") as u64, (count("face") + count("tristrips")) as u64);
+    check_memory(faces, vertices, format_args!("{faces} faces"), "use fewer").map_err(Wrong::Memory)
+}
+
+/// What vertices have beside their places.
+#[derive(Debug, Clone, Copy, Default)]
+struct Attributes {
+    normals: bool,
+    colors: bool,
+    uvs: bool,
+}
+
+impl Attributes {
+    fn of(element: &ElementDef) -> Attributes {
+        let has = |names: &[&str]| names.iter().all(|name| element.properties.contains_key(*name));
+        Attributes {
+            normals: has(&["nx", "ny", "nz"]),
+            colors: has(&["red", "green", "blue"]),
+            uvs: has(&["s", "t"]) || has(&["u", "v"]) || has(&["texture_u", "texture_v"]),
+        }
+    }
+}
+
+/// Makes a mesh of what was read.
+fn assemble(vertices: &[Vertex], faces: &[Face], has: Attributes, textures: usize) -> std::result::Result<Mesh, Wrong> {
+    let mut mesh = Mesh::default();
+    for (k, vertex) in vertices.iter().enumerate() {
+        if !vertex.position.is_finite() {
+            let [x, y, z] = vertex.position.to_array();
+            return Err(Wrong::File(format!("vertex {k} lies at ({x}, {y}, {z}); use finite numbers")));
+        }
+        mesh.positions.push(vertex.position);
+    }
+    // of faces goes before of vertices
+    let colors_of_faces = faces.iter().any(|f| f.color.is_some());
+    let uvs_of_faces = faces.iter().any(|f| !f.texcoords.is_empty());
+    for (k, face) in faces.iter().enumerate() {
+        let corners = indices(face, k, vertices.len())?;
+        if corners.len() < 3 && !face.is_strip {
+            return Err(Wrong::File(format!("face {k} has {} of at least 3 vertices", corners.len())));
+        }
+        // the corners of each triangle, by their places in the face
+        let triangles = if face.is_strip { strip(&face.corners) } else { fan(corners.len() as u32) };
+        if mesh.triangles.len() + triangles.len() > MAX_TRIANGLES {
+            return Err(Wrong::File("more than 2^28 triangles; split the file".into()));
+        }
+        if uvs_of_faces {
+            let (pairs, _) = face.texcoords.as_chunks::<2>();
+            if pairs.len() != corners.len() {
+                let (count, corners) = (face.texcoords.len(), corners.len());
+                return Err(Wrong::File(format!(
+                    "face {k} has a texcoord of {count} numbers; give 2 for each of {corners} vertices"
+                )));
+            }
+            let first = mesh.uvs.len() as u32;
+            mesh.uvs.extend(pairs.iter().map(|uv| Vec2::from(uv.map(|x| x as f32))));
+            mesh.corner_uvs.extend(triangles.iter().map(|t| t.map(|c| first + c)));
+        }
+        if colors_of_faces {
+            let color = linear(face.color.unwrap_or([1.0; 3]), || format!("face {k}"))?;
+            mesh.corner_colors.resize(mesh.corner_colors.len() + triangles.len(), [mesh.colors.len() as u32; 3]);
+            mesh.colors.push(color);
+        }
+        mesh.triangles.extend(triangles.iter().map(|t| t.map(|c| corners[c as usize])));
+        let material = usize::try_from(face.texture).ok().filter(|t| *t < textures).unwrap_or(0);
+        mesh.material_of.resize(mesh.triangles.len(), material as u32);
+    }
+    if mesh.triangles.is_empty() {
+        return Err(Wrong::File("has no triangles; points alone are not rendered".into()));
+    }
+    if has.colors && !colors_of_faces {
+        let color = |(k, v): (usize, &Vertex)| linear(v.color, || format!("vertex {k}"));
+        mesh.colors = vertices.iter().enumerate().map(color).collect::<std::result::Result<_, _>>()?;
+        mesh.corner_colors.clone_from(&mesh.triangles);
+    }
+    if has.uvs && !uvs_of_faces {
+        mesh.uvs = vertices.iter().map(|v| v.uv.as_vec2()).collect();
+        mesh.corner_uvs.clone_from(&mesh.triangles);
+    }
+    if has.normals {
+        mesh.normals = vertices.iter().map(|v| v.normal.normalize_or_zero().as_vec3()).collect();
+        mesh.corner_normals.clone_from(&mesh.triangles);
+    }
+    drop_unusable(&mut mesh);
+    let white = Material { diffuse: [1.0; 3], ..Material::default() };
+    let material = if mesh.corner_colors.is_empty() { Material::default() } else { white };
+    mesh.materials = vec![material; textures.max(1)];
+    Ok(mesh)
+}
+
+/// Corners whose normal has no direction, or whose texture coordinates are not finite, have none.
+fn drop_unusable(mesh: &mut Mesh) {
+    for corner in mesh.corner_normals.iter_mut().flatten() {
+        if !mesh.normals[*corner as usize].is_normalized() {
+            *corner = NO_NORMAL;
+        }
+    }
+    for corner in mesh.corner_uvs.iter_mut().flatten() {
+        if !mesh.uvs[*corner as usize].is_finite() {
+            *corner = NO_UV;
+        }
+    }
+}
+
+/// Linear light of an sRGB colour from 0 to 1.
+fn linear(color: [f64; 3], of: impl Fn() -> String) -> std::result::Result<[f32; 3], Wrong> {
+    if color.iter().all(|c| c.is_finite()) {
+        return Ok(color.map(|c| linear_of_srgb(c.clamp(0.0, 1.0)) as f32));
+    }
+    Err(Wrong::File(format!("{} has a colour that is not finite; use finite numbers", of())))
+}
+
+/// The vertices of a face; of the ends of strips, -1, any number.
+fn indices(face: &Face, number: usize, vertices: usize) -> std::result::Result<Vec<u32>, Wrong> {
+    let index = |k: &i64| match usize::try_from(*k) {
+        Ok(index) if index < vertices => Ok(index as u32),
+        _ if *k == STRIP_END && face.is_strip => Ok(0),
+        _ => Err(Wrong::File(format!("face {number} names vertex {k}; there are {vertices}, from 0"))),
+    };
+    face.corners.iter().map(index).collect()
+}
+
+fn fan(corners: u32) -> Vec<[u32; 3]> {
+    (2..corners).map(|c| [0, c - 1, c]).collect()
+}
+
+/// Every second triangle of a strip is turned, so that all face the same side.
+fn strip(corners: &[i64]) -> Vec<[u32; 3]> {
+    let mut triangles = Vec::new();
+    let mut first = 0;
+    for part in corners.split(|k| *k == STRIP_END) {
+        let turned = |k: u32| if k.is_multiple_of(2) { [k, k + 1, k + 2] } else { [k + 1, k, k + 2] };
+        triangles.extend((0..part.len().saturating_sub(2) as u32).map(|k| turned(k).map(|c| first + c)));
+        first += part.len() as u32 + 1;
+    }
+    triangles
+}

@@ -1,0 +1,179 @@
+//! STL: triangles alone, binary or text. Neither says which it is: <https://en.wikipedia.org/wiki/STL_(file_format)>.
+
+use super::lex::{Lines, Tokens, parse_f64, quoted};
+use super::mesh::{Material, Mesh, check_memory};
+use crate::input::{Error, Result};
+use glam::DVec3;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// Most triangles a mesh may have.
+const MAX_TRIANGLES: usize = 1 << 28;
+
+/// Bytes before the triangles of a binary file: a text, and their number.
+const HEADER: usize = 84;
+/// Bytes of a triangle: a normal, three corners and two bytes of any use.
+const TRIANGLE: usize = 50;
+
+/// Reads an STL file. Corners in the same place become one vertex. Triangles keep their order; the normals of the file are not used.
+///
+/// # Errors
+/// [`Error::Input`] naming the file, and the line of a text: it cannot be read, is cut short or has no triangles, more than 2^28 of them, or
+/// a corner that is not finite; [`Error::Work`] if the triangles do not fit the free memory.
+pub fn load(path: &Path) -> Result<Mesh> {
+    let name = path.display();
+    let bytes = crate::input::files::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
+    parse(&bytes, &name.to_string())
+}
+
+/// As [`load`], from the file's bytes; `name` stands for the file in messages.
+fn parse(bytes: &[u8], name: &str) -> Result<Mesh> {
+    let corners = if is_text(bytes) { read_text(bytes, name)? } else { read_binary(bytes, name)? };
+    let wrong = |text: String| Error::input(format!("{name}: {text}"));
+    let triangles = corners.len();
+    if triangles == 0 {
+        return Err(wrong("has no triangles; export it as a mesh".into()));
+    }
+    if triangles > MAX_TRIANGLES {
+        return Err(wrong(format!("{triangles} triangles, at most 2^28 are possible; split the file")));
+    }
+    check_memory(triangles as u64, 3 * triangles as u64, format_args!("{name}: {triangles} triangles"), "use fewer")?;
+    let mut mesh = Mesh {
+        materials: vec![Material::default()],
+        material_of: vec![0; triangles],
+        triangles: Vec::with_capacity(triangles),
+        ..Mesh::default()
+    };
+    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+    for (k, triangle) in corners.into_iter().enumerate() {
+        if !triangle.iter().all(|v| v.is_finite()) {
+            return Err(wrong(format!("triangle {k} has a corner that is not finite; use finite numbers")));
+        }
+        mesh.triangles.push(triangle.map(|v| {
+            // 0 and -0 are one place
+            *known.entry((v + 0.0).to_array().map(f64::to_bits)).or_insert_with(|| {
+                mesh.positions.push(v);
+                mesh.positions.len() as u32 - 1
+            })
+        }));
+    }
+    Ok(mesh)
+}
+
+/// Programs write `solid` at the start of binary files, too, whose length is that of their triangles.
+fn is_text(bytes: &[u8]) -> bool {
+    let is_as_long = binary_count(bytes).is_some_and(|count| bytes.len() == HEADER + TRIANGLE * count);
+    !is_as_long && bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+}
+
+fn binary_count(bytes: &[u8]) -> Option<usize> {
+    let count = bytes.get(HEADER - 4..HEADER)?.try_into().ok()?;
+    Some(u32::from_le_bytes(count) as usize)
+}
+
+fn read_binary(bytes: &[u8], name: &str) -> Result<Vec<[DVec3; 3]>> {
+    let Some(count) = binary_count(bytes) else {
+        return Err(Error::input(format!("{name}: is no STL file: neither a text that begins with solid, nor binary")));
+    };
+    let (triangles, _) = bytes[HEADER..].as_chunks::<TRIANGLE>();
+    let Some(triangles) = triangles.get(..count) else {
+        let held = triangles.len();
+        return Err(Error::input(format!(
+            "{name}: {count} triangles by its header, {held} in the file; is it cut short?"
+        )));
+    };
+    let number = |t: &[u8; TRIANGLE], k: usize| {
+        f64::from(f32::from_le_bytes([t[4 * k], t[4 * k + 1], t[4 * k + 2], t[4 * k + 3]]))
+    };
+    let corner = |t: &[u8; TRIANGLE], k: usize| DVec3::new(number(t, k), number(t, k + 1), number(t, k + 2));
+    Ok(triangles.iter().map(|t| [3, 6, 9].map(|k| corner(t, k))).collect())
+}
+
+fn read_text(bytes: &[u8], name: &str) -> Result<Vec<[DVec3; 3]>> {
+    let (mut triangles, mut corners) = (Vec::new(), Vec::new());
+    for (number, line) in Lines::new(bytes) {
+        let wrong = |text: String| Error::input(format!("{name}:{}: {text}", number + 1));
+        let mut tokens = Tokens::new(&line);
+        match tokens.next().unwrap_or_default().to_ascii_lowercase().as_slice() {
+            b"vertex" => {
+                let mut v = [0.0; 3];
+                for x in &mut v {
+                    let token = tokens.next().ok_or_else(|| wrong("a vertex has three coordinates: x y z".into()))?;
+                    let number = parse_f64(token);
+                    *x = number.ok_or_else(|| wrong(format!("coordinate {} is not a number", quoted(token))))?;
+                }
+                corners.push(DVec3::from(v));
+            }
+            b"endloop" => {
+                let triangle = corners[..].try_into();
+                let count = corners.len();
+                triangles.push(triangle.map_err(|_| wrong(format!("a facet has {count} vertices; give it 3")))?);
+                corners.clear();
+            }
+            b"" | b"solid" | b"facet" | b"outer" | b"endfacet" | b"endsolid" => {}
+            other => return Err(wrong(format!("{} is no word of an STL text", quoted(other)))),
+        }
+    }
+    match corners.len() {
+        0 => Ok(triangles),
+        _ => Err(Error::input(format!("{name}: ends within a facet; is it cut short?"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "solid a b\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   VERTEX 0 1e0 -0.0\n  \
+                        endloop\n endfacet\n\nfacet normal 0 0 0\nouter loop\nvertex 1 0 0\nvertex 0 1 0\nvertex 0.1 2 3\nendloop\nendfacet\nendsolid\n";
+
+    fn binary(header: &[u8], triangles: &[[[f32; 3]; 3]]) -> Vec<u8> {
+        let mut bytes = header.to_vec();
+        bytes.resize(80, b' ');
+        bytes.extend((triangles.len() as u32).to_le_bytes());
+        for triangle in triangles {
+            bytes.extend([0; 12]);
+            bytes.extend(triangle.iter().flatten().flat_map(|x| x.to_le_bytes()));
+            bytes.extend([7; 2]);
+        }
+        bytes
+    }
+
+    #[test]
+    fn text_and_binary_give_the_same_triangles() {
+        let mesh = parse(TEXT.as_bytes(), "a.stl").unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [1, 2, 3]]);
+        // digits are read as f64
+        assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.1, 2.0, 3.0)]);
+        let triangles =
+            [[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, -0.0]], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 2.0, 3.0]]];
+        for header in [&b"made by hand"[..], b"solid made by a program"] {
+            let mesh = parse(&binary(header, &triangles), "a.stl").unwrap();
+            assert_eq!(mesh.triangles, [[0, 1, 2], [1, 2, 3]]);
+            assert_eq!(mesh.positions[3], DVec3::new(0.5, 2.0, 3.0));
+        }
+        // some programs append their own
+        let longer = [binary(b"", &triangles), vec![1, 2, 3]].concat();
+        assert_eq!(parse(&longer, "a.stl").unwrap().triangles.len(), 2);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        let fails = |bytes: &[u8], part: &str| {
+            let text = parse(bytes, "a.stl").unwrap_err().to_string();
+            assert!(text.starts_with("a.stl") && text.contains(part) && !text.contains('\n'), "{text}");
+        };
+        fails(b"", "is no STL file");
+        fails(b"hello", "is no STL file");
+        fails(b"solid\nendsolid", "no triangles");
+        fails(b"solid\nvertex 1 2\n", "a.stl:2: a vertex has three");
+        fails(b"solid\nvertex 1 2 x\n", "\"x\" is not a number");
+        fails(b"solid\nvertex 1 2 3\n", "ends within a facet");
+        fails(b"solid\nvertex 1 2 3\nendloop\n", "a.stl:3: a facet has 1 vertices");
+        fails(b"solid\nvertices\n", "\"vertices\" is no word");
+        fails(&binary(b"", &[]), "no triangles");
+        let whole = binary(b"", &[[[0.0; 3]; 3]]);
+        fails(&whole[..whole.len() - 1], "1 triangles by its header, 0 in the file");
+        fails(&binary(b"", &[[[0.0; 3], [f32::NAN; 3], [0.0; 3]]]), "triangle 0 has a corner that is not finite");
+    }
+}
