@@ -127,11 +127,11 @@ pub mod internals {
     pub use crate::{Error, Result};
 }
 
-/// Runs the program `anamorph` on the process's arguments.
+/// Runs the program `anamorph` on these arguments, the first of which is its name; its exit code.
 #[cfg(feature = "cli")]
 #[doc(hidden)]
-pub fn program() -> std::process::ExitCode {
-    tools::cli::main()
+pub fn program(arguments: Vec<std::ffi::OsString>) -> u8 {
+    tools::cli::main(arguments)
 }
 
 /// The README's example, compiled.

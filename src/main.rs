@@ -8,7 +8,7 @@ static ALLOCATOR: ExitWhenFull = ExitWhenFull;
 
 fn main() -> std::process::ExitCode {
     keep_window_system_quiet();
-    anamorph::program()
+    std::process::ExitCode::from(anamorph::program(std::env::args_os().collect()))
 }
 
 /// Vulkan's device-select layer asks for a Wayland display, whose client library complains on stderr where this

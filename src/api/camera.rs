@@ -1,9 +1,18 @@
 //! Cameras, and projection of points.
 
+use super::Scene;
+use crate::camera::Field;
+use crate::camera::kinds::KINDS;
+use crate::camera::kinds::raymap::RayArrays;
 use crate::camera::project::{Images, Projector};
+use crate::camera::spec::CameraSpec;
 use crate::image::frame::Channel;
+use crate::image::size::check_size;
+use crate::input::{Error, Result};
+use crate::scene::file;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::path::Path;
 use std::sync::Arc;
 
 /// A camera for an image of one size: each pixel has a ray, a curve, or none. `docs/reference/cameras.md` lists the kinds.
@@ -13,6 +22,49 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// The camera of the keys of a scene file's `[camera]`, for an image of `size` or of the scene's: a table in TOML, or in JSON where it
+    /// begins with a brace. Relative paths in it start from `folder`. Of the scene it depends only where the kind says so, as `track`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a wrong key, values that contradict each other, or no size; [`Error::Read`] for a file that cannot be read.
+    pub fn parse(table: &str, folder: impl AsRef<Path>, scene: &Scene, size: Option<(u32, u32)>) -> Result<Camera> {
+        let spec = file::camera_of(table, folder.as_ref())?;
+        Camera::of_spec(&spec, size.or(scene.scene.size), scene)
+    }
+
+    /// A camera of given rays `P + t D`, one for each of `width x height` pixels, row by row from the top; `t_range` has the ends of t. A pixel
+    /// whose ray is not finite, or whose D is 0, has no ray.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there are not so many rays, none of them is finite, or the range has no finite t.
+    pub fn of_rays(
+        (width, height): (usize, usize),
+        origins: &[[f64; 3]],
+        directions: &[[f64; 3]],
+        t_range: [f64; 2],
+    ) -> Result<Camera> {
+        let (pixels, own, other) = (width.saturating_mul(height), origins.len(), directions.len());
+        if (own, other) != (pixels, pixels) {
+            let rays = format!("{own} origins and {other} directions");
+            return Err(Error::input(format!("{rays} for {width} x {height} pixels; give one each a pixel")));
+        }
+        check_size(width as u64, height as u64)?;
+        // within the size's limits
+        let (width, height) = (width as u32, height as u32);
+        let [first, last] = t_range;
+        if !(first <= last && first < f64::INFINITY && last > f64::NEG_INFINITY) {
+            return Err(Error::input(format!("t_range: [{first}, {last}] holds no finite t; use e.g. [0, inf]")));
+        }
+        let vectors = |list: &[[f64; 3]]| list.iter().map(|v| DVec3::from_array(*v)).collect::<Vec<_>>();
+        let field = Field::new(width, height, &vectors(origins), &vectors(directions))?;
+        let kind = RayArrays { field: Arc::new(field) }.into();
+        Camera::of_spec(&CameraSpec { kind, t_range }, None, &Scene::new())
+    }
+
+    fn of_spec(spec: &CameraSpec, size: Option<(u32, u32)>, scene: &Scene) -> Result<Camera> {
+        Ok(Camera { camera: Arc::new(crate::camera::Camera::in_scene(spec, size, &scene.scene.mesh)?) })
+    }
+
     /// The `kind` key of a scene file.
     pub fn kind(&self) -> &str {
         self.camera.kind
@@ -46,6 +98,20 @@ impl Camera {
         }
         self.camera.ray(column, row).map(|ray| [ray.origin.to_array(), ray.direction.to_array()])
     }
+
+    /// Origins and directions of all of them, row by row from the top; NaN where a pixel has no ray.
+    pub fn rays(&self) -> [Vec<[f64; 3]>; 2] {
+        let width = self.camera.width;
+        let none = [[f64::NAN; 3]; 2];
+        let ray = |k: u32| self.ray(k % width, k / width).unwrap_or(none);
+        let both: Vec<[[f64; 3]; 2]> = (0..width * self.camera.height).into_par_iter().map(ray).collect();
+        [0, 1].map(|k| both.iter().map(|ray| ray[k]).collect())
+    }
+}
+
+/// Each kind of camera, with its help: a line, its keys, and its formula.
+pub fn camera_kinds() -> impl Iterator<Item = (&'static str, String)> {
+    KINDS.iter().map(|kind| (kind.name, kind.whole_help()))
 }
 
 /// All images of each point (world units): every place whose ray, or curve, passes through it.

@@ -3,10 +3,11 @@
 use crate::geometry::load::load_mesh;
 use crate::geometry::mesh::Material;
 use crate::geometry::spec::{MeshSource, MeshSpec};
-use crate::geometry::texture::{Images, ImagesRead};
+use crate::geometry::texture::{Images, ImagesRead, Texels, Texture};
 use crate::input::{Error, Result};
 use glam::{DVec3, Vec2, Vec3};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Triangles, optionally with normals, texture coordinates and materials.
 #[derive(Debug, Clone)]
@@ -105,6 +106,22 @@ impl Mesh {
         }
         self.mesh.uvs = uvs.into_iter().map(Vec2::from_array).collect();
         self.mesh.corner_uvs = self.mesh.triangles.clone();
+        Ok(self)
+    }
+
+    /// The mesh with an image on all of it: 8-bit sRGB of `width x height` pixels, three (RGB) or four (RGBA) bytes each, row by row from the
+    /// top. It needs texture coordinates. Its opacity is not used.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the bytes are not those of such an image, or the mesh has no texture coordinates.
+    pub fn with_texture(mut self, width: usize, height: usize, srgb8: &[u8]) -> Result<Mesh> {
+        if self.mesh.corner_uvs.is_empty() {
+            return Err(Error::input("the mesh has no texture coordinates; give uvs, or leave the texture out"));
+        }
+        let texture = Texture::new(Arc::new(Texels::of_srgb8(width, height, srgb8)?));
+        for material in &mut self.mesh.materials {
+            (material.texture, material.diffuse) = (Some(texture.clone()), [1.0; 3]);
+        }
         Ok(self)
     }
 

@@ -8,7 +8,7 @@ mod renderer;
 mod scene;
 
 pub use self::batch::Batch;
-pub use self::camera::{Camera, project};
+pub use self::camera::{Camera, camera_kinds, project};
 pub use self::job::Job;
 pub use self::mesh::Mesh;
 pub use self::renderer::{RenderOptions, Rendered, Renderer, check, reference};
@@ -39,6 +39,22 @@ pub fn limit_memory(bytes: u64) {
 /// [`Error::Input`](crate::Error::Input) if the file cannot be read or is no EXR.
 pub fn read_exr(path: impl AsRef<Path>) -> Result<Frame> {
     crate::image::read_exr(path.as_ref())
+}
+
+/// Writes a frame as EXR.
+///
+/// # Errors
+/// [`Error::Write`](crate::Error::Write) if the file cannot be written.
+pub fn write_exr(path: impl AsRef<Path>, frame: &Frame) -> Result<()> {
+    crate::image::write_exr(path.as_ref(), frame, &[])
+}
+
+/// Writes 8-bit sRGB colour of `width x height` pixels as PNG: three (RGB) or four (RGBA) bytes each, row by row from the top.
+///
+/// # Errors
+/// [`Error::Work`](crate::Error::Work) if there are not so many bytes, [`Error::Write`](crate::Error::Write) if the file cannot be written.
+pub fn write_png(path: impl AsRef<Path>, (width, height): (u32, u32), srgb8: &[u8]) -> Result<()> {
+    crate::image::write_png(path.as_ref(), width, height, srgb8)
 }
 
 /// Compares `a` with `b` in the channels that both have.

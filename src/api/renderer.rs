@@ -50,7 +50,7 @@ impl Rendered {
     /// Writes the colour as PNG.
     ///
     /// # Errors
-    /// [`Error::Input`] without colour, [`Error::Work`] if the file cannot be written.
+    /// [`Error::Input`] without colour, [`Error::Write`] if the file cannot be written.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
         let Some(rgba) = &self.rgba else {
             return Err(Error::input("the image was rendered without colour; set RenderOptions::color"));
@@ -61,7 +61,7 @@ impl Rendered {
     /// Writes the channels as EXR.
     ///
     /// # Errors
-    /// [`Error::Work`] if the file cannot be written.
+    /// [`Error::Write`] if the file cannot be written.
     pub fn write_exr(&self, path: impl AsRef<Path>) -> Result<()> {
         write_exr(path.as_ref(), &self.frame, &[])
     }

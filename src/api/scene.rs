@@ -1,8 +1,10 @@
 //! Scenes.
 
 use super::{Camera, Mesh};
-use crate::geometry::load::{Object, with_unique_names};
+use crate::geometry::load::{Object, load_dressed, load_unplaced, placed, with_unique_names};
 use crate::geometry::place;
+use crate::geometry::spec::MeshSpec;
+use crate::geometry::texture::{Images, ImagesRead};
 use crate::input::{Error, Result};
 use crate::scene::file;
 use std::path::Path;
@@ -15,9 +17,21 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Scene {
     pub(crate) scene: crate::scene::Scene,
+    has_camera: bool,
+}
+
+impl Default for Scene {
+    fn default() -> Scene {
+        Scene::new()
+    }
 }
 
 impl Scene {
+    /// A scene without triangles, in the light of a headlight along each pixel's ray, and without a camera.
+    pub fn new() -> Scene {
+        Scene { scene: crate::scene::Scene::empty(), has_camera: false }
+    }
+
     /// Loads a scene file, .toml or .json, and all files that it names. `overrides` change values, as in `camera.vfov=40`; keyframed
     /// values are evaluated at `frame`.
     ///
@@ -25,7 +39,7 @@ impl Scene {
     /// [`Error::Input`], one line with the file, the line and the key.
     pub fn load(path: impl AsRef<Path>, overrides: &[&str], frame: f64) -> Result<Scene> {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-        Ok(Scene { scene: crate::scene::Scene::load(path.as_ref(), &overrides, frame)? })
+        Ok(Scene { scene: crate::scene::Scene::load(path.as_ref(), &overrides, frame)?, has_camera: true })
     }
 
     /// A scene from the text of a scene file in TOML, whose relative paths start from `folder`. It needs a camera, and may have no mesh.
@@ -33,7 +47,8 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`], one line with the line and the key.
     pub fn parse(toml: &str, folder: impl AsRef<Path>) -> Result<Scene> {
-        Ok(Scene { scene: crate::scene::Scene::from_file(file::parse_text(toml, folder.as_ref())?)? })
+        let scene = crate::scene::Scene::from_file(file::parse_text(toml, folder.as_ref())?)?;
+        Ok(Scene { scene, has_camera: true })
     }
 
     /// Adds a mesh after the existing ones. Cameras that depend on the scene, such as `track`, must be created again.
@@ -42,23 +57,58 @@ impl Scene {
     /// [`Error::Input`] if there are too many triangles, or the scene has caustics, which are computed from the meshes of its file; the
     /// scene is then unchanged.
     pub fn add(&mut self, mesh: Mesh) -> Result<()> {
+        let added = Object { name: mesh.name, triangles: mesh.mesh.triangles.len() };
+        self.append(mesh.mesh, vec![added])
+    }
+
+    /// Adds a mesh with the keys of a scene file's `[[mesh]]` that say where it is and what it looks like, such as `translate` and `color`:
+    /// a table in TOML, or in JSON where it begins with a brace. Relative paths in it start from `folder`.
+    ///
+    /// # Errors
+    /// As [`Scene::add`], and [`Error::Input`] for a wrong key.
+    pub fn add_with(&mut self, mesh: Mesh, table: &str, folder: impl AsRef<Path>) -> Result<()> {
+        let spec = file::look_of(table, folder.as_ref())?;
+        let own = MeshSpec { name: spec.name.clone().or(Some(mesh.name)), ..spec };
+        let dressed = load_dressed(&own, mesh.mesh, &mut Images::of(ImagesRead::All))?;
+        let (mesh, objects) = placed(dressed, &own)?;
+        self.append(mesh, objects)
+    }
+
+    /// Adds the mesh of a scene file's `[[mesh]]`, given as in [`Scene::add_with`].
+    ///
+    /// # Errors
+    /// As [`Scene::add`], [`Error::Input`] for a wrong key or file, and [`Error::Read`] for a file that cannot be read.
+    pub fn add_table(&mut self, table: &str, folder: impl AsRef<Path>) -> Result<()> {
+        let spec = file::mesh_of(table, folder.as_ref())?;
+        let (mesh, objects) = placed(load_unplaced(&spec, &mut Images::of(ImagesRead::All))?, &spec)?;
+        self.append(mesh, objects)
+    }
+
+    fn append(&mut self, mesh: crate::geometry::mesh::Mesh, added: Vec<Object>) -> Result<()> {
         if self.scene.caustics.is_some() {
             return Err(Error::input("a scene with caustics takes its meshes from its file; add this one there"));
         }
-        place::check_counts([&*self.scene.mesh, &mesh.mesh])?;
-        let triangles = mesh.mesh.triangles.len();
-        place::append_with_all(Arc::make_mut(&mut self.scene.mesh), mesh.mesh);
+        if let Some(v) = mesh.positions.iter().find(|p| !p.is_finite()) {
+            return Err(Error::input(format!("mesh: a vertex lies at {v} after its transform; use finite numbers")));
+        }
+        place::check_counts([&*self.scene.mesh, &mesh])?;
+        place::append_with_all(Arc::make_mut(&mut self.scene.mesh), mesh);
         let objects = std::mem::take(&mut self.scene.objects);
-        let added = Object { name: mesh.name, triangles };
-        self.scene.objects = with_unique_names(objects.into_iter().chain([added]));
+        self.scene.objects = with_unique_names(objects.into_iter().chain(added));
         Ok(())
+    }
+
+    /// Whether it comes from a scene file, which has a camera.
+    pub fn has_camera(&self) -> bool {
+        self.has_camera
     }
 
     /// The scene's camera for an image of the scene's size.
     ///
     /// # Errors
-    /// [`Error::Input`] if the scene has no size, or the camera's values contradict each other.
+    /// [`Error::Input`] if the scene has no camera or no size, or the camera's values contradict each other.
     pub fn camera(&self) -> Result<Camera> {
+        self.check_camera()?;
         Ok(Camera { camera: Arc::new(self.scene.camera()?) })
     }
 
@@ -67,9 +117,14 @@ impl Scene {
     /// # Errors
     /// As [`Scene::camera`].
     pub fn camera_of_size(&self, width: u32, height: u32) -> Result<Camera> {
+        self.check_camera()?;
         let size = Some((width, height));
         let camera = crate::camera::Camera::in_scene(&self.scene.camera, size, &self.scene.mesh)?;
         Ok(Camera { camera: Arc::new(camera) })
+    }
+
+    fn check_camera(&self) -> Result<()> {
+        if self.has_camera { Ok(()) } else { Err(Error::input("the scene has no camera; give one")) }
     }
 
     /// The number of triangles.

@@ -55,6 +55,16 @@ pub enum Degenerate {
     Eye,
 }
 
+impl Degenerate {
+    /// `slit` or `eye`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Degenerate::Slit => "slit",
+            Degenerate::Eye => "eye",
+        }
+    }
+}
+
 /// All images of a point.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Images {

@@ -21,6 +21,21 @@ pub struct Kind {
     pub read: fn(&Table) -> Result<Arc<dyn Recipe>>,
 }
 
+/// The keys that can replace eye, target and up, for the help of kinds that have these.
+pub const POSE: &str = include_str!("help/pose.txt");
+
+impl Kind {
+    /// Its help with all keys: a title, keys and formulas, with an empty line between. [`POSE`] comes after the kind's own keys.
+    pub fn whole_help(&self) -> String {
+        let mut parts: Vec<&str> = self.help.splitn(3, "\n\n").collect();
+        let has = |key: &str| parts[1].split(|c: char| !c.is_alphanumeric()).any(|word| word == key);
+        if has("eye") && has("target") {
+            parts.insert(2, POSE.trim_end());
+        }
+        parts.join("\n\n")
+    }
+}
+
 /// A camera as written, its values checked one by one. [`Recipe::build`] checks that they fit together.
 pub trait Recipe: Any + Debug + Equal + Send + Sync {
     fn build(&self, setting: &Setting) -> Result<Built>;

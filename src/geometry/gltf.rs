@@ -51,7 +51,7 @@ pub enum Files {
 /// of range; a node that is its own ancestor or has two parents; no triangles, or more than 2^28.
 pub fn load(path: &Path, files: Files, images: &Images) -> Result<Mesh> {
     let name = path.display().to_string();
-    let bytes = crate::input::files::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
+    let bytes = crate::input::files::read(path).map_err(|e| Error::unreadable(path, e))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     parse(&bytes, FileAccess { folder, files }, images).map_err(|e| e.at(name))
 }

@@ -78,8 +78,8 @@ pub fn is_height_image(path: &Path) -> bool {
 /// # Errors
 /// [`Error::Input`] naming the file: it does not exist, is damaged, is no height image, or is too large.
 pub fn read(path: &Path) -> Result<Grid> {
-    let bytes = crate::input::files::read(path)
-        .map_err(|e| Error::input(format!("{}: cannot be read: {e}; check the path", path.display())))?;
+    let bytes =
+        crate::input::files::read(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let grid = match extension.as_str() {
         "asc" => asc::read(&bytes),

@@ -32,6 +32,11 @@ pub(crate) fn placed(mesh: Mesh, spec: &MeshSpec) -> Result<(Mesh, Vec<Object>)>
 
 /// The triangles of a mesh, before they are placed in the world.
 pub(crate) fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
+    load_dressed(spec, Mesh::default(), images)
+}
+
+/// The triangles of a mesh, or these if its source is [`MeshSource::Given`], with the look that it has.
+pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images) -> Result<Mesh> {
     let mut none = Images::left_out();
     let files = if spec.outside_files { gltf::Files::Anywhere } else { gltf::Files::Below };
     // what it says itself goes before what its file says
@@ -40,6 +45,7 @@ pub(crate) fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh
     let mut mesh = match &spec.source {
         MeshSource::Builtin(builtin) => generate::generate(builtin)?,
         MeshSource::Heights(heights) => heights::load(heights)?,
+        MeshSource::Given => given,
         MeshSource::File(path) => {
             let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
             match extension.as_str() {

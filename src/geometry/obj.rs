@@ -42,7 +42,7 @@ const CHUNK_BYTES: usize = 1 << 20;
 /// that faces have exists and cannot be read.
 pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
     let name = path.display().to_string();
-    let text = read(path, &name)?;
+    let text = read(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let (mut mesh, mapped) = parse(&text, &name, |libraries| mtl::load(folder, libraries))?;
     if images.read != ImagesRead::None {
@@ -114,7 +114,7 @@ pub struct Textured {
 /// Those of [`load`], and a face without texture coordinates.
 pub fn load_textured(path: &Path) -> Result<Textured> {
     let name = path.display().to_string();
-    let text = read(path, &name)?;
+    let text = read(path)?;
     let mut mesh = Textured::default();
     for chunk in read_chunks(&text, &name, CHUNK_BYTES, Texcoords::Needed)?.0 {
         mesh.positions.extend(chunk.positions);
@@ -125,8 +125,8 @@ pub fn load_textured(path: &Path) -> Result<Textured> {
     Ok(mesh)
 }
 
-fn read(path: &Path, name: &str) -> Result<Vec<u8>> {
-    crate::input::files::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))
+fn read(path: &Path) -> Result<Vec<u8>> {
+    crate::input::files::read(path).map_err(|e| Error::unreadable(path, e))
 }
 
 /// The parsed chunks, with one triangle among them at least, and what is in the whole file.

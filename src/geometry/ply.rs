@@ -29,7 +29,7 @@ const MAX_TRIANGLES: usize = 1 << 28;
 /// mesh does not fit the free memory.
 pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
     let name = path.display().to_string();
-    let bytes = crate::input::files::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
+    let bytes = crate::input::files::read(path).map_err(|e| Error::unreadable(path, e))?;
     let (mut mesh, textures) = parse(&bytes).map_err(|e| match e {
         Wrong::Line(line, text) => Error::input(format!("{name}:{line}: {text}")),
         Wrong::File(text) => Error::input(format!("{name}: {text}")),

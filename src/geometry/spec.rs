@@ -86,6 +86,8 @@ pub enum MeshSource {
     /// An .asc, .png or .tif file of heights.
     Heights(HeightSpec),
     Builtin(Builtin),
+    /// A program's arrays.
+    Given,
 }
 
 impl MeshSpec {
@@ -116,6 +118,7 @@ impl MeshSpec {
                 path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
             }
             (None, MeshSource::Builtin(builtin)) => builtin.name().into(),
+            (None, MeshSource::Given) => "mesh".into(),
         }
     }
 }
@@ -145,6 +148,17 @@ const BUILTINS: [&str; 11] =
 pub(crate) fn read_mesh(field: &Field, more: &[&str]) -> Result<MeshSpec> {
     let table = field.table()?;
     let source = read_source(&table, more)?;
+    read_keys(&table, source)
+}
+
+/// The keys of a mesh whose triangles are given otherwise.
+pub(crate) fn read_look(field: &Field) -> Result<MeshSpec> {
+    let table = field.table()?;
+    table.allow(&PLACING)?;
+    read_keys(&table, MeshSource::Given)
+}
+
+fn read_keys(table: &Table, source: MeshSource) -> Result<MeshSpec> {
     Ok(MeshSpec {
         source,
         name: table.optional("name", |f| Ok(f.text()?.to_owned()))?,

@@ -22,7 +22,7 @@ const TRIANGLE: usize = 50;
 /// a corner that is not finite; [`Error::Work`] if the triangles do not fit the free memory.
 pub fn load(path: &Path) -> Result<Mesh> {
     let name = path.display();
-    let bytes = crate::input::files::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
+    let bytes = crate::input::files::read(path).map_err(|e| Error::unreadable(path, e))?;
     parse(&bytes, &name.to_string())
 }
 

@@ -122,6 +122,34 @@ fn wrapped(index: i64, count: i64, wrap: Wrap) -> i64 {
     }
 }
 
+/// Most texels a side, of a program's images.
+const SIDE_MAX: usize = 1 << 16;
+
+impl Texels {
+    /// Those of 8-bit sRGB colours, three (RGB) or four (RGBA) bytes each.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there are not so many bytes, or too many texels.
+    pub fn of_srgb8(width: usize, height: usize, srgb8: &[u8]) -> Result<Texels> {
+        let count = width.saturating_mul(height);
+        let is_side = |side: usize| (1..=SIDE_MAX).contains(&side);
+        let each = srgb8.len().checked_div(count).unwrap_or(0);
+        if !is_side(width) || !is_side(height) || !matches!(each, 3 | 4) || srgb8.len() != each * count {
+            let bytes = srgb8.len();
+            return Err(Error::input(format!(
+                "{bytes} bytes are no image of {width} x {height} pixels, of 3 or 4 bytes each"
+            )));
+        }
+        let [linear, plain] = tables();
+        let texel = |p: &[u8]| {
+            let [r, g, b] = [p[0], p[1], p[2]].map(|v| linear[usize::from(v)]);
+            [r, g, b, plain[usize::from(p.get(3).copied().unwrap_or(u8::MAX))]]
+        };
+        let rgba = srgb8.chunks_exact(each).map(texel).collect();
+        Ok(Texels { width: width as u32, height: height as u32, rgba })
+    }
+}
+
 /// Which textures are loaded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ImagesRead {
@@ -165,7 +193,7 @@ impl Images {
     /// # Errors
     /// [`Error::Input`] naming the file where it cannot be read or is neither.
     pub fn load(&mut self, path: &Path) -> Result<Arc<Texels>> {
-        let missing = || Error::input(format!("{}: cannot be read: the file does not exist", path.display()));
+        let missing = || Error::unreadable(path, "the file does not exist");
         self.find(path)?.ok_or_else(missing)
     }
 
@@ -181,7 +209,7 @@ impl Images {
         let bytes = match crate::input::files::read(path) {
             Ok(bytes) => bytes,
             Err(e) if is_missing(&e) => return Ok(None),
-            Err(e) => return Err(Error::input(format!("{}: cannot be read: {e}", path.display()))),
+            Err(e) => return Err(Error::unreadable(path, e)),
         };
         let texels = Arc::new(decode(&bytes).map_err(|e| e.at(path.display()))?);
         self.known.insert(path.to_owned(), texels.clone());

@@ -47,6 +47,13 @@ pub struct Comparison {
     pub others: Vec<Difference>,
 }
 
+impl Comparison {
+    /// As `anamorph compare --json` prints it.
+    pub fn json(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+}
+
 /// The pixels where depth is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -2,6 +2,7 @@
 
 pub mod tiled;
 
+use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -140,7 +141,7 @@ fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> io::Result<()> {
 /// of another type.
 pub fn read_exr(path: &Path) -> Result<Frame> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
-    let (width, height, mut layer) = read_layer(path).map_err(refuse)?;
+    let (width, height, mut layer) = read_layer(open(path)?).map_err(refuse)?;
     let mut planes = Vec::new();
     for channel in Channel::every() {
         if let Some(samples) = take_channel(&mut layer, channel.name()) {
@@ -164,8 +165,7 @@ pub fn read_exr(path: &Path) -> Result<Frame> {
 /// [`Error::Input`] naming the file: it does not exist, or is damaged.
 pub fn read_exr_texts(path: &Path) -> Result<Vec<(String, String)>> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
-    let unreadable = |e: io::Error| refuse(format!("cannot be read: {e}; check the path"));
-    let file = files::open(path).map_err(unreadable)?;
+    let file = open(path)?;
     let meta = MetaData::read_from_buffered(BufReader::new(&file), false)
         .map_err(|e| refuse(format!("not an EXR image that can be read: {e}")))?;
     let first = meta.headers.first().map(|header| &header.own_attributes.other);
@@ -183,7 +183,7 @@ pub(super) fn read_planes<const N: usize>(
     holds: &str,
 ) -> Result<(u32, u32, [Vec<f32>; N])> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
-    let (width, height, mut layer) = read_layer(path).map_err(refuse)?;
+    let (width, height, mut layer) = read_layer(open(path)?).map_err(refuse)?;
     let mut plane = |channel: Channel| {
         let name = channel.name();
         let samples =
@@ -204,10 +204,13 @@ pub(super) fn read_planes<const N: usize>(
 /// coder before it (DWA) 128 times that.
 const MAX_EXPANSION: u64 = 1032 * 128;
 
-fn read_layer(path: &Path) -> std::result::Result<(u32, u32, Flat), String> {
-    let unreadable = |e: io::Error| format!("cannot be read: {e}; check the path");
+fn open(path: &Path) -> Result<File> {
+    files::open(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))
+}
+
+fn read_layer(file: File) -> std::result::Result<(u32, u32, Flat), String> {
+    let unreadable = |e: io::Error| format!("cannot be read: {e}");
     let damaged = |e: ::exr::error::Error| format!("not an EXR image that can be read: {e}");
-    let file = files::open(path).map_err(unreadable)?;
     let file_bytes = file.metadata().map_err(unreadable)?.len();
     let meta = MetaData::read_from_buffered(BufReader::new(&file), false).map_err(damaged)?;
     for header in &meta.headers {

@@ -71,9 +71,7 @@ const MAX_ROWS: u64 = 1 << 32;
 /// # Errors
 /// [`Error::Input`] naming the file: not there, another shape or type, or cut short.
 pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
-    let file = files::open(path).map_err(|e| format!("cannot be read: {e}; check the path"));
-    let rows = file.and_then(rows_of::<C>);
-    rows.map_err(|why| Error::input(format!("{}: {why}", path.display())))
+    rows_of(open(path)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
 /// Reads matrices, row by row, from an f32 or f64 array in C order of shape N x 3 x 4, or N x 4 x 4 with the last row 0, 0, 0, 1.
@@ -81,8 +79,11 @@ pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
 /// # Errors
 /// [`Error::Input`] naming the file: it does not exist, has another shape or type, ends early, or a fourth row is another.
 pub fn read_npy_affines(path: &Path) -> Result<Vec<DAffine3>> {
-    let file = files::open(path).map_err(|e| format!("cannot be read: {e}; check the path"));
-    file.and_then(affines_of).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+    affines_of(open(path)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+}
+
+fn open(path: &Path) -> Result<File> {
+    files::open(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))
 }
 
 fn affines_of(file: File) -> std::result::Result<Vec<DAffine3>, String> {

@@ -1,15 +1,23 @@
 //! The error type: a one-line message, and its exit code.
 
+use std::path::Path;
+
 /// An error message of one line: what is wrong, where (file, key or line), and the remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The command line or an input file is wrong: exit code 2.
     #[error("{0}")]
     Input(String),
-    /// The work itself failed (an output cannot be written, a device was lost): exit code 1.
+    /// An input file is missing, or cannot be read: exit code 2.
+    #[error("{0}")]
+    Read(String),
+    /// The work itself failed (memory does not suffice, a device was lost): exit code 1.
     #[error("{0}")]
     Work(String),
-    /// The work failed because the disk is full, so later work will fail too: exit code 1.
+    /// An output file cannot be written: exit code 1.
+    #[error("{0}")]
+    Write(String),
+    /// An output file cannot be written because the disk is full, so later ones cannot either: exit code 1.
     #[error("{0}")]
     Full(String),
 }
@@ -23,6 +31,11 @@ impl Error {
         Error::Input(message.into())
     }
 
+    /// An [`Error::Read`]: `path` cannot be read, because of `why`.
+    pub(crate) fn unreadable(path: &Path, why: impl std::fmt::Display) -> Self {
+        Error::Read(format!("{}: cannot be read: {why}", path.display()))
+    }
+
     /// An [`Error::Work`].
     pub fn work(message: impl Into<String>) -> Self {
         Error::Work(message.into())
@@ -32,16 +45,18 @@ impl Error {
     pub fn at(self, place: impl std::fmt::Display) -> Self {
         match self {
             Error::Input(m) => Error::Input(format!("{place}: {m}")),
+            Error::Read(m) => Error::Read(format!("{place}: {m}")),
             Error::Work(m) => Error::Work(format!("{place}: {m}")),
+            Error::Write(m) => Error::Write(format!("{place}: {m}")),
             Error::Full(m) => Error::Full(format!("{place}: {m}")),
         }
     }
 
-    /// The program's exit code: 2 for input, else 1.
+    /// The program's exit code: 2 for input and its files, else 1.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Error::Input(_) => 2,
-            Error::Work(_) | Error::Full(_) => 1,
+            Error::Input(_) | Error::Read(_) => 2,
+            Error::Work(_) | Error::Write(_) | Error::Full(_) => 1,
         }
     }
 }

@@ -22,7 +22,7 @@ pub(crate) fn with_tree<T>(path: &Path, read: impl FnOnce(&Field) -> Result<T>) 
 
 /// The text of a scene file.
 pub(crate) fn read_text(path: &Path) -> Result<String> {
-    let cannot = |why: &dyn std::fmt::Display| Error::input(format!("{}: cannot be read: {why}", path.display()));
+    let cannot = |why: &dyn std::fmt::Display| Error::unreadable(path, why);
     let bytes = files::read_or_pipe(path).map_err(|e| cannot(&format_args!("{e}; check the path")))?;
     String::from_utf8(bytes).map_err(|e| {
         let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();

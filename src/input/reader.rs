@@ -267,5 +267,6 @@ fn error_at(source: &Source, place: Place, message: impl std::fmt::Display) -> E
     match place {
         Place::Line(line) => Error::input(format!("{path}:{line}: {message}")),
         Place::Set => Error::input(format!("{path}: --set: {message}")),
+        Place::Argument => Error::input(message.to_string()),
     }
 }

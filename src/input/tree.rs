@@ -7,6 +7,8 @@ pub(crate) enum Place {
     Line(u32),
     /// A `--set` on the command line.
     Set,
+    /// An argument of a function.
+    Argument,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +37,20 @@ pub(crate) struct Entry {
     /// Position of the key; for a table that of its header.
     pub place: Place,
     pub node: Node,
+}
+
+impl Node {
+    /// The same value, written at `place` with all that it holds.
+    pub fn placed(self, place: Place) -> Node {
+        let value = match self.value {
+            Value::List(items) => Value::List(items.into_iter().map(|item| item.placed(place)).collect()),
+            Value::Table(entries) => {
+                Value::Table(entries.into_iter().map(|e| Entry { place, node: e.node.placed(place), ..e }).collect())
+            }
+            plain => plain,
+        };
+        Node { value, place }
+    }
 }
 
 /// Longest part of a text that an error message quotes, in characters.

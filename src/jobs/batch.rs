@@ -119,7 +119,7 @@ impl Batch {
     /// Reads a list of jobs and checks all output files, including those of the caller in `beside`.
     ///
     /// # Errors
-    /// [`Error::Input`] if the list is wrong or a file must not be replaced; [`Error::Work`] if a file cannot be written.
+    /// [`Error::Input`] if the list is wrong or a file must not be replaced; [`Error::Write`] if a file cannot be written.
     pub fn open(list: &Path, shard: Option<Shard>, beside: Vec<(PathBuf, Kind)>) -> Result<Batch> {
         let (jobs, inputs) = noted(|| Jobs::read(list));
         let jobs = jobs?;

@@ -34,7 +34,7 @@ impl Files {
     /// The files named on the command line, or else in the scene, after all checks. `inputs` are the files that the scene was read from.
     ///
     /// # Errors
-    /// [`Error::Input`] if the render has no output, or a file must not be replaced; [`Error::Work`] if a file cannot be written.
+    /// [`Error::Input`] if the render has no output, or a file must not be replaced; [`Error::Write`] if a file cannot be written.
     pub fn new(job: &RenderJob, scene: &Scene, inputs: &Inputs) -> Result<Files> {
         let own = |asked: &Option<PathBuf>, own: &Option<PathBuf>| match (asked, own) {
             (None, Some(own)) if !job.outputs_anywhere => {

@@ -141,7 +141,7 @@ pub struct Added {
 /// Refuses an output that cannot be written, goes to the same file as another, is an input, or would replace a file of another kind.
 ///
 /// # Errors
-/// [`Error::Input`] for a file that must not be replaced, [`Error::Work`] for one that cannot be written.
+/// [`Error::Input`] for a file that must not be replaced, [`Error::Write`] for one that cannot be written.
 pub fn check<'a>(inputs: &Inputs, outputs: impl Iterator<Item = (&'a Path, Kind)> + Clone) -> Result<()> {
     let mut all = Outputs::default();
     for (k, (path, _)) in outputs.clone().enumerate() {

@@ -78,7 +78,7 @@ impl Work {
     /// Reads the scene, with cached parts from the library, and checks everything that needs no device.
     ///
     /// # Errors
-    /// [`Error::Input`] if the scene or the flags are wrong; [`Error::Work`] if a file cannot be written.
+    /// [`Error::Input`] if the scene or the flags are wrong; [`Error::Write`] if a file cannot be written.
     pub fn read(job: RenderJob, library: &Library) -> Result<Work> {
         job.check_options()?;
         let (loaded, inputs) = noted(|| load_from(library, &job.scene, &job.change, |own| images_read(&job, own)));

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub use header::{CameraKeys, load_header};
 
 use crate::camera::spec::{CameraSpec, read_camera};
-use crate::geometry::spec::{MeshSpec, read_mesh, read_radiance};
+use crate::geometry::spec::{MeshSpec, read_look, read_mesh, read_radiance};
 use crate::image::size::{MAX_SIDE, check_size};
 use crate::input::load::read_text;
 use crate::input::{keyframes, overrides, parse};
@@ -21,7 +21,7 @@ use super::style::Style;
 use crate::image::tone::{Curve, Tone};
 use crate::input::Result;
 use crate::input::reader::{Field, Source};
-use crate::input::tree::Node;
+use crate::input::tree::{Node, Place};
 use std::sync::Arc;
 
 /// A scene as written: values checked one by one; files not yet opened, except the camera's.
@@ -103,6 +103,39 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
     let dir = path.parent().unwrap_or(Path::new(""));
     keyframes::pick(&mut root, "", &Source::new(path, dir), frame)?;
     read_tree(root, path, dir)
+}
+
+/// A table alone, as a program gives it: TOML, or JSON where it begins with a brace. Errors name it by `key`; relative paths start from
+/// `folder`.
+fn read_table<T>(text: &str, key: &str, folder: &Path, read: impl FnOnce(&Field) -> Result<T>) -> Result<T> {
+    let format = if text.trim_start().starts_with('{') { parse::Format::Json } else { parse::Format::Toml };
+    let path = Path::new("arguments");
+    let root = parse::parse(text, format, path)?.placed(Place::Argument);
+    read(&Field::new(&Source::new(path, folder), key, &root))
+}
+
+/// The camera of a `[camera]` table.
+///
+/// # Errors
+/// As [`load`].
+pub fn camera_of(table: &str, folder: &Path) -> Result<CameraSpec> {
+    read_table(table, "camera", folder, read_camera)
+}
+
+/// The mesh of a `[[mesh]]` table.
+///
+/// # Errors
+/// As [`load`].
+pub fn mesh_of(table: &str, folder: &Path) -> Result<MeshSpec> {
+    read_table(table, "mesh", folder, |field| read_mesh(field, &[]))
+}
+
+/// Where a mesh of arrays is, and what it looks like: a `[[mesh]]` table without a source.
+///
+/// # Errors
+/// As [`load`].
+pub fn look_of(table: &str, folder: &Path) -> Result<MeshSpec> {
+    read_table(table, "mesh", folder, read_look)
 }
 
 /// Reads a scene from its tree of values. Relative paths start from `dir`.

@@ -12,6 +12,7 @@ pub mod sky;
 pub mod style;
 
 use crate::camera::Camera;
+use crate::camera::kinds::pinhole::Pinhole;
 use crate::camera::optics::Surface;
 use crate::camera::spec::CameraSpec;
 use crate::geometry::load::Object;
@@ -66,6 +67,28 @@ impl Scene {
     /// are evaluated at `frame`. See [`file::load`].
     pub fn load(path: &Path, overrides: &[String], frame: f64) -> Result<Scene> {
         Scene::from_file(file::load(path, overrides, frame)?)
+    }
+
+    /// Without triangles and lights; its camera is of no use.
+    pub fn empty() -> Scene {
+        Scene {
+            mesh: Arc::default(),
+            objects: Vec::new(),
+            lights: Vec::new(),
+            style: Style::default(),
+            ambient_occlusion: None,
+            sky: None,
+            background: [0.0; 3],
+            tone: Tone::default(),
+            size: None,
+            camera: CameraSpec {
+                kind: Pinhole { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, vfov: 40.0 }.into(),
+                t_range: [0.0, f64::INFINITY],
+            },
+            camera_keys: Arc::default(),
+            caustics: None,
+            output: file::OutputSpec::default(),
+        }
     }
 
     pub fn from_file(file: SceneFile) -> Result<Scene> {

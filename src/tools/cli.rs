@@ -28,29 +28,29 @@ use clap::CommandFactory;
 use clap::Parser;
 use clap::error::{ContextKind, ErrorKind};
 use say::{complain, print};
-use std::process::ExitCode;
+use std::ffi::OsString;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Runs the program on the process's arguments.
-pub fn main() -> ExitCode {
+/// Runs the program on these arguments, its own name first; the exit code.
+pub fn main(arguments: Vec<OsString>) -> u8 {
     let started = Instant::now();
     say_panics_on_one_line();
     #[cfg(unix)]
     signals::remove_temporary_files_at_end();
-    match std::panic::catch_unwind(|| run(started)) {
-        Ok(Ok(())) => ExitCode::SUCCESS,
+    match std::panic::catch_unwind(|| run(arguments, started)) {
+        Ok(Ok(())) => 0,
         Ok(Err(error)) => {
             complain(&error);
-            ExitCode::from(error.exit_code())
+            error.exit_code()
         }
         // the hook has said what happened
-        Err(_) => ExitCode::from(1),
+        Err(_) => 1,
     }
 }
 
-fn run(started: Instant) -> Result<()> {
-    let cli = match Cli::try_parse() {
+fn run(arguments: Vec<OsString>, started: Instant) -> Result<()> {
+    let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(e) if matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
             return print(&e.render().to_string());

@@ -1,4 +1,4 @@
-//! `raymap`: a ray for each pixel, from files.
+//! `raymap`: a ray for each pixel, from files or arrays.
 
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::spec::CameraKind;
@@ -23,6 +23,25 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     Ok(Arc::new(Raymap { origins, directions }))
 }
 
+/// The rays of a program's arrays.
+#[derive(Debug, Clone)]
+pub struct RayArrays {
+    pub field: Arc<Field>,
+}
+
+/// The same arrays, not equal ones.
+impl PartialEq for RayArrays {
+    fn eq(&self, other: &RayArrays) -> bool {
+        Arc::ptr_eq(&self.field, &other.field)
+    }
+}
+
+impl From<RayArrays> for CameraKind {
+    fn from(recipe: RayArrays) -> CameraKind {
+        CameraKind::new("raymap", recipe)
+    }
+}
+
 impl From<Raymap> for CameraKind {
     fn from(recipe: Raymap) -> CameraKind {
         CameraKind::new("raymap", recipe)
@@ -32,12 +51,21 @@ impl From<Raymap> for CameraKind {
 impl Recipe for Raymap {
     /// The image's size is that of the files, which the scene may only repeat.
     fn build(&self, setting: &Setting) -> Result<Built> {
-        let field = Field::load(&self.origins, &self.directions)?;
-        let size = (field.width, field.height);
-        if setting.size.is_some_and(|s| s != size) {
-            let (w, h) = size;
-            return Err(Error::input(format!("image: the ray map is {w}x{h}; leave the size out or make it that")));
-        }
-        Ok(Built::new(size, Rays::Field(field)))
+        built(Field::load(&self.origins, &self.directions)?, setting)
     }
+}
+
+impl Recipe for RayArrays {
+    fn build(&self, setting: &Setting) -> Result<Built> {
+        built(Field::clone(&self.field), setting)
+    }
+}
+
+fn built(field: Field, setting: &Setting) -> Result<Built> {
+    let size = (field.width, field.height);
+    if setting.size.is_some_and(|s| s != size) {
+        let (w, h) = size;
+        return Err(Error::input(format!("image: the ray map is {w}x{h}; leave the size out or make it that")));
+    }
+    Ok(Built::new(size, Rays::Field(field)))
 }

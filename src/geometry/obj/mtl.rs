@@ -152,9 +152,7 @@ pub(super) fn load(folder: &Path, libraries: &[&str]) -> Result<Vec<Mapped>> {
     last.reverse();
     let mut materials = Vec::new();
     for file in last {
-        let name = file.display().to_string();
-        let text =
-            crate::input::files::read(&file).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
+        let text = crate::input::files::read(&file).map_err(|e| Error::unreadable(&file, e))?;
         materials.extend(parse(&text, &file)?);
     }
     Ok(materials)

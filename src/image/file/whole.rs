@@ -14,7 +14,7 @@ use crate::input::{Error, Result};
 /// those that creating it would have given.
 ///
 /// # Errors
-/// [`Error::Work`] naming `path`; the target is then untouched and nothing is left beside it.
+/// [`Error::Write`] naming `path`; the target is then untouched and nothing is left beside it.
 pub(crate) fn write_whole(path: &Path, fill: impl FnOnce(&mut Filled) -> io::Result<()>) -> Result<()> {
     let target = Target::of(path)?;
     target.write(fill).map_err(|e| {
@@ -22,7 +22,7 @@ pub(crate) fn write_whole(path: &Path, fill: impl FnOnce(&mut Filled) -> io::Res
         let why = e.raw_os_error().map_or(e.to_string(), |code| io::Error::from_raw_os_error(code).to_string());
         let advice = if is_full(&e) { "free the space or choose another path" } else { "choose another path" };
         let text = format!("{}: cannot be written: {why}; {advice}", path.display());
-        if is_full(&e) { Error::Full(text) } else { Error::Work(text) }
+        if is_full(&e) { Error::Full(text) } else { Error::Write(text) }
     })
 }
 
@@ -35,7 +35,7 @@ pub fn is_full(e: &io::Error) -> bool {
 /// new files, or it is a folder itself. Creates nothing that stays.
 ///
 /// # Errors
-/// [`Error::Work`] naming `path`.
+/// [`Error::Write`] naming `path`.
 pub fn check_writable(path: &Path) -> Result<()> {
     match Target::of(path)? {
         Target::Renamed { folder, .. } => {
@@ -43,7 +43,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
             created.map_err(|e| {
                 let place = format!("the folder {} refuses new files", folder.display());
                 let text = format!("{}: cannot be written: {place}; choose another path", path.display());
-                if is_full(&e) { Error::Full(text) } else { Error::Work(text) }
+                if is_full(&e) { Error::Full(text) } else { Error::Write(text) }
             })
         }
         Target::Stream(_) => Ok(()),
@@ -53,7 +53,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
 /// Writes `text` to `path`, whole or not at all.
 ///
 /// # Errors
-/// [`Error::Work`] naming `path`.
+/// [`Error::Write`] naming `path`.
 pub fn write_text(path: &Path, text: &str) -> Result<()> {
     write_whole(path, |file| file.write_all(text.as_bytes()))
 }
@@ -61,7 +61,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<()> {
 /// Writes what `fill` writes to `path`, whole or not at all.
 ///
 /// # Errors
-/// [`Error::Work`] naming `path`.
+/// [`Error::Write`] naming `path`.
 pub fn write_lines(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
     write_whole(path, |file| {
         let mut writer = BufWriter::new(file);
@@ -129,7 +129,7 @@ enum Target {
 
 impl Target {
     fn of(path: &Path) -> Result<Target> {
-        let wrong = |why: String| Error::work(format!("{}: cannot be written: {why}", path.display()));
+        let wrong = |why: String| Error::Write(format!("{}: cannot be written: {why}", path.display()));
         match fs::metadata(path) {
             Ok(there) if there.is_dir() => return Err(wrong("it is a folder; name a file in it".into())),
             Ok(there) if !there.is_file() => return Ok(Target::Stream(path.into())),

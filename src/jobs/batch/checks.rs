@@ -31,7 +31,7 @@ impl Checks<'_> {
     /// their inputs.
     ///
     /// # Errors
-    /// [`Error::Input`] for a file that must not be replaced, [`Error::Work`] for one that cannot be written.
+    /// [`Error::Input`] for a file that must not be replaced, [`Error::Write`] for one that cannot be written.
     pub fn run(&self, library: &Library) -> Result<()> {
         let mut outputs = Outputs::default();
         let frames_are_known = self.add_frames(&mut outputs)?;

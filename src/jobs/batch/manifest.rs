@@ -115,7 +115,7 @@ impl Manifest {
     /// Opens a manifest for appending and reads `others`, then the manifest itself. Without `keeps` it starts empty.
     ///
     /// # Errors
-    /// [`Error::Work`] if it cannot be written, or another program has it open.
+    /// [`Error::Write`] if it cannot be written, or another program has it open.
     pub fn open(path: &Path, others: &[PathBuf], keeps: bool) -> Result<Manifest> {
         let failed = |e: io::Error| failure(path, &e);
         others.iter().map(PathBuf::as_path).chain([path]).try_for_each(check_file)?;
@@ -329,7 +329,7 @@ fn check_file(path: &Path) -> Result<()> {
 
 fn failure(path: &Path, e: &io::Error) -> Error {
     let text = format!("{}: cannot write the manifest: {e}", path.display());
-    if is_full(e) { Error::Full(text) } else { Error::Work(text) }
+    if is_full(e) { Error::Full(text) } else { Error::Write(text) }
 }
 
 fn as_json(error: &Judged) -> Result<serde_json::Value> {

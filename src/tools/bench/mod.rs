@@ -54,7 +54,7 @@ pub struct Selection {
 /// Runs a suite and reports lines: its kernels' operations, and each row when it is complete; each case is written after it has run, to the run's own folder in `folder`.
 ///
 /// # Errors
-/// [`Error::Work`] if a file cannot be written, [`Error::Input`] if no case is selected; a case that a technique cannot render
+/// [`Error::Write`] if a file cannot be written, [`Error::Input`] if no case is selected; a case that a technique cannot render
 /// becomes a row with the reason.
 pub fn run(
     engines: &mut Engines,

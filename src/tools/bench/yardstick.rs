@@ -44,7 +44,7 @@ impl Yardstick {
     /// `None` where it cannot show the camera: it knows still GLC pieces.
     ///
     /// # Errors
-    /// [`Error::Work`] if a file cannot be written.
+    /// [`Error::Write`] if a file cannot be written.
     pub fn new(program: &Path, scene: &Scene, camera: &Camera, moving: Moving) -> Result<Option<Yardstick>> {
         let [Rays::Pieces(pieces)] = &camera.layers[..] else { return Ok(None) };
         if camera.optics.is_some() || moving == Moving::Camera || !pieces.pieces.iter().all(|p| is_plain(&p.bundle)) {

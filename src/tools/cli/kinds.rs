@@ -1,10 +1,8 @@
 //! The keys of every kind of camera, as `anamorph camera --help KIND` prints them.
 
 use crate::camera::kinds::KINDS;
+use crate::camera::recipe::Kind;
 use crate::input::{Error, Result};
-
-/// The keys that can replace eye, target and up, for the help of kinds that have these.
-const POSE: &str = include_str!("../../camera/help/pose.txt");
 
 pub fn names() -> Vec<&'static str> {
     KINDS.iter().map(|k| k.name).collect()
@@ -13,25 +11,15 @@ pub fn names() -> Vec<&'static str> {
 /// # Errors
 /// [`Error::Input`] that lists the known kinds.
 pub fn keys(kind: &str) -> Result<String> {
-    let found = KINDS.iter().find(|k| k.name == kind).map(|k| k.help);
-    found.map(with_pose).ok_or_else(|| {
+    KINDS.iter().find(|k| k.name == kind).map(Kind::whole_help).ok_or_else(|| {
         Error::input(format!("--help {kind}: no such kind of camera in this version; known: {}", names().join(", ")))
     })
-}
-
-/// The help of a kind has a title, keys and formulas, with an empty line between. [`POSE`] is put after the keys.
-fn with_pose(help: &str) -> String {
-    let mut parts: Vec<&str> = help.splitn(3, "\n\n").collect();
-    let has = |key: &str| parts[1].split(|c: char| !c.is_alphanumeric()).any(|word| word == key);
-    if has("eye") && has("target") {
-        parts.insert(2, POSE.trim_end());
-    }
-    parts.join("\n\n")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::recipe::POSE;
     use crate::scene::file;
 
     #[test]

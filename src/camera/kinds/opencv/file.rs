@@ -51,7 +51,7 @@ struct Matrix {
 pub fn read(path: &Path) -> Result<Intrinsics> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
     let text = crate::input::files::read_to_string(path)
-        .map_err(|e| refuse(format!("cannot be read: {e}; check the path")))?;
+        .map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
     parse(&text).map_err(refuse)
 }
 

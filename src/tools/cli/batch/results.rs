@@ -34,7 +34,7 @@ impl Summary {
 /// Writes the report: the summary, and `each`, a line per frame.
 ///
 /// # Errors
-/// [`Error::Work`] if it cannot be written.
+/// [`Error::Write`] if it cannot be written.
 pub fn write_report<'a>(
     path: &Path,
     summary: &Summary,
@@ -58,7 +58,7 @@ pub fn write_report<'a>(
 /// Writes the table: each frame with its swept values, times, and its error if requested.
 ///
 /// # Errors
-/// [`Error::Work`] if it cannot be written.
+/// [`Error::Write`] if it cannot be written.
 pub fn write_csv<'a, T>(path: &Path, frames: impl Fn() -> T) -> Result<()>
 where
     T: Iterator<Item = Result<(Task<'a>, Option<Done>)>>,

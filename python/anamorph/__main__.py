@@ -1,0 +1,6 @@
+"""``python -m anamorph``: the program."""
+
+from ._program import main
+
+if __name__ == "__main__":
+    main()

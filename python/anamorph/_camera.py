@@ -1,0 +1,88 @@
+"""A camera: its kind, and the values of its keys."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._values import Value, table
+
+if TYPE_CHECKING:
+    from ._scene import Scene
+
+Vectors = npt.NDArray[np.float64]
+
+
+class Camera:
+    """A camera for images of any size: one function of :mod:`anamorph.camera` for each kind makes it."""
+
+    kind: str
+    keys: dict[str, Value]
+    _arrays: tuple[Vectors, Vectors, tuple[float, float]] | None
+
+    def __init__(self, kind: str, keys: Mapping[str, Value]) -> None:
+        self.kind = kind
+        self.keys = {key: value for key, value in keys.items() if value is not None}
+        self._arrays = None
+
+    @classmethod
+    def _of_scene(cls) -> Camera:
+        return cls("", {})
+
+    def with_(self, **changes: Value) -> Camera:
+        """The same camera with other values of some keys; ``None`` takes a key out.
+
+        >>> import anamorph as am
+        >>> am.camera.pinhole(eye=[0, 0, 4], target=[0, 0, 0], vfov=40).with_(vfov=20).keys["vfov"]
+        20
+        """
+        if self._arrays is not None or not self.kind:
+            raise ValueError("this camera has no keys; make it anew")
+        return Camera(self.kind, {**self.keys, **changes})
+
+    def rays(self, size: tuple[int, int] | None = None, scene: Scene | None = None) -> tuple[Vectors, Vectors]:
+        """Origins P and directions D of the rays P + t D through the pixels' centres.
+
+        Args:
+            size: width and height, pixels; cameras of rays have their own.
+            scene: for cameras that look at the scene.
+
+        Returns:
+            Two (H, W, 3) arrays, world axes and units; NaN where a pixel has no ray. Of a curved ray it is the chord.
+        """
+        return self._bind(scene, size).rays()
+
+    def piece_count(self, size: tuple[int, int], scene: Scene | None = None) -> int:
+        """Number of pieces (general linear cameras, or pieces of curves) of an image of this size; 0 if each pixel has its own ray."""
+        return self._bind(scene, size).piece_count
+
+    def _bind(self, scene: Scene | None, size: tuple[int, int] | None) -> _native.Camera:
+        own = _native.Scene() if scene is None else scene._native
+        if self._arrays is not None:
+            origins, directions, t_range = self._arrays
+            height, width = origins.shape[:2]
+            if size is not None and tuple(size) != (width, height):
+                raise ValueError(f"the camera's rays are {width}x{height}, not {size[0]}x{size[1]}; leave the size out")
+            return _native.Camera.of_rays(origins, directions, t_range)
+        if not self.kind:
+            return _native.Camera.of_scene(own, size)
+        return _native.Camera.of_table(table({"kind": self.kind, **self.keys}), os.getcwd(), own, size)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Camera):
+            return NotImplemented
+        if self._arrays is None or other._arrays is None:
+            return self._arrays is other._arrays and self.kind == other.kind and table(self.keys) == table(other.keys)
+        pairs = zip(self._arrays[:2], other._arrays[:2])
+        return self._arrays[2] == other._arrays[2] and all(np.array_equal(a, b, equal_nan=True) for a, b in pairs)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        keys = ", ".join(f"{key}={value!r}" for key, value in self.keys.items())
+        return f"<anamorph.Camera {self.kind or 'of the scene file'}{': ' if keys else ''}{keys}>"

@@ -1,0 +1,136 @@
+"""Rendered images as arrays."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping
+from typing import Any, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._values import Path
+
+#: The id of what is not there, in channels of ids.
+NO_ID = 0xFFFFFFFF
+
+Plane = Union[npt.NDArray[np.float32], npt.NDArray[np.uint32]]
+
+
+class Frame(Mapping[str, Plane]):
+    """The channels of one image.
+
+    ``frame["Z"]`` is an (H, W) array, row 0 on top: float32, or uint32 where the channel holds ids. ``frame["N"]``, ``"P"``, ``"albedo"``
+    and ``"uv"`` are (H, W, 3) or (H, W, 2) arrays of several channels. Where nothing is hit ``Z`` and ``t`` are infinite and ids are
+    :data:`NO_ID`.
+    """
+
+    _planes: dict[str, Plane]
+    _rgba: npt.NDArray[np.uint8] | None
+    _report: str
+
+    def __init__(self, planes: Mapping[str, Plane], rgba: npt.NDArray[np.uint8] | None = None, report: str = "{}") -> None:
+        self._planes = dict(planes)
+        self._rgba = rgba
+        self._report = report
+
+    @staticmethod
+    def read(path: Path) -> Frame:
+        """The channels of an EXR file that are named like channels of this package."""
+        return Frame(dict(_native.read_exr(os.fspath(path))))
+
+    def __getitem__(self, name: str) -> Plane:
+        if name in self._planes:
+            return self._planes[name]
+        parts = _native.channels_named(name)
+        missing = [part for part in parts if part not in self._planes]
+        if missing:
+            raise KeyError(f"{', '.join(missing)}: not rendered; there are {', '.join(self._planes)}")
+        # of several channels all are float32
+        stacked: npt.NDArray[np.float32] = np.stack([self._planes[part] for part in parts], axis=-1).astype(np.float32, copy=False)
+        return stacked
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._planes)
+
+    def __len__(self) -> int:
+        return len(self._planes)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width, pixels."""
+        any_plane = self._rgba if self._rgba is not None else next(iter(self._planes.values()))
+        return (any_plane.shape[0], any_plane.shape[1])
+
+    @property
+    def rgb(self) -> npt.NDArray[np.uint8]:
+        """(H, W, 3): 8-bit sRGB colour."""
+        return self.rgba[..., :3]
+
+    @property
+    def rgba(self) -> npt.NDArray[np.uint8]:
+        """(H, W, 4): 8-bit sRGB colour; the fourth is coverage."""
+        if self._rgba is None:
+            raise KeyError("the image was rendered without colour; ask for channels R, G and B, or for none")
+        return self._rgba
+
+    @property
+    def ids(self) -> npt.NDArray[np.uint32]:
+        """(H, W): the triangle that each pixel shows; :data:`NO_ID` for none."""
+        return self["triangle.id"].view(np.uint32)
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Times and counts: docs/reference/commands.md, Reports."""
+        report: dict[str, Any] = json.loads(self._report)
+        return report
+
+    def save(self, path: Path) -> None:
+        """Writes all channels as .exr, or the colour as .png.
+
+        Raises:
+            ValueError: the name has another ending.
+            OSError: the file cannot be written.
+        """
+        name = os.fspath(path)
+        ending = os.path.splitext(name)[1].lower()
+        if ending == ".exr":
+            _native.write_exr(name, list(self._planes.items()))
+        elif ending == ".png":
+            _native.write_png(name, self.rgb)
+        else:
+            raise ValueError(f"{name}: images are written as .exr or .png")
+
+    def __repr__(self) -> str:
+        height, width = self.shape
+        return f"<anamorph.Frame {width}x{height}: {', '.join(self._planes)}>"
+
+
+class Comparison(Mapping[str, Any]):
+    """How two frames differ: the numbers that ``anamorph compare --json`` prints, as a mapping."""
+
+    def __init__(self, numbers: Mapping[str, Any]) -> None:
+        self._numbers = dict(numbers)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._numbers[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._numbers)
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+    def __repr__(self) -> str:
+        return f"<anamorph.Comparison {json.dumps(self._numbers)}>"
+
+
+def compare(a: Frame, b: Frame) -> Comparison:
+    """How ``a`` differs from ``b``, in the channels that both have.
+
+    Raises:
+        ValueError: they differ in size, or have no channel in common.
+    """
+    return Comparison(json.loads(_native.compare(list(a.items()), list(b.items()))))

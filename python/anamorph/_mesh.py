@@ -1,0 +1,75 @@
+"""Meshes from arrays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._values import Numbers, array
+
+
+class Mesh:
+    """Triangles from arrays.
+
+    Args:
+        vertices: (N, 3) places, world units; kept in float64.
+        faces: (M, 3) indices of each triangle's corners, counter-clockwise seen from its front.
+        normals: (N, 3) normals of any length; without them each triangle is flat.
+        uvs: (N, 2) texture coordinates; (0, 0) is an image's lower left corner.
+        colors: (N, 3) linear RGB from 0 to 1, interpolated over each triangle.
+        name: the object's name, for ``object.id`` and mattes.
+
+    Raises:
+        ValueError: an array has another shape; a place is not finite; an index has no vertex.
+        TypeError: an array holds no numbers.
+    """
+
+    vertices: npt.NDArray[np.float64]
+    faces: npt.NDArray[np.uint32]
+    normals: npt.NDArray[np.float32] | None
+    uvs: npt.NDArray[np.float32] | None
+    colors: npt.NDArray[np.float32] | None
+    name: str
+
+    def __init__(
+        self,
+        vertices: Numbers,
+        faces: Numbers,
+        normals: Numbers | None = None,
+        uvs: Numbers | None = None,
+        colors: Numbers | None = None,
+        name: str = "mesh",
+    ) -> None:
+        self.vertices = array(vertices, np.float64, 3, "vertices")
+        self.faces = array(faces, np.uint32, 3, "faces")
+        self.normals = None if normals is None else array(normals, np.float32, 3, "normals")
+        self.uvs = None if uvs is None else array(uvs, np.float32, 2, "uvs")
+        self.colors = None if colors is None else array(colors, np.float32, 3, "colors")
+        self.name = name
+
+    @staticmethod
+    def of(other: Any) -> Mesh:
+        """The mesh of a trimesh, an open3d, or any object that has ``vertices`` and ``faces`` (or ``triangles``).
+
+        Vertex normals of open3d and colours of both are taken along; trimesh has normals of vertices always, computed ones too, which
+        are left out.
+        """
+        if isinstance(other, Mesh):
+            return other
+        faces = getattr(other, "faces", getattr(other, "triangles", None))
+        if not hasattr(other, "vertices") or faces is None:
+            kind = type(other).__name__
+            raise TypeError(f"{kind} is no mesh: it has no vertices and faces (or triangles)")
+        normals = getattr(other, "vertex_normals", None) if hasattr(other, "triangles") else None
+        colors = getattr(other, "vertex_colors", None)
+        visual: Any = getattr(other, "visual", None)
+        if getattr(visual, "kind", None) == "vertex":
+            srgb = np.asarray(visual.vertex_colors)[:, :3] / 255.0
+            colors = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+        of_all = [None if a is None or len(a) == 0 else np.asarray(a) for a in (normals, colors)]
+        return Mesh(np.asarray(other.vertices), np.asarray(faces), of_all[0], None, of_all[1])
+
+    def __repr__(self) -> str:
+        return f"<anamorph.Mesh {self.name!r}: {len(self.vertices)} vertices, {len(self.faces)} triangles>"

@@ -1,0 +1,174 @@
+"""Rendering, on a device or by the reference on the CPU."""
+
+from __future__ import annotations
+
+import json
+import threading
+import warnings
+from collections.abc import Sequence
+from types import TracebackType
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._frame import Comparison, Frame
+from ._scene import Scene
+from ._values import Numbers, array, quiet_window_system
+from .camera import Camera
+
+NO_DRIVER = (
+    "no Vulkan, Metal or DirectX 12 adapter: pictures come from the reference on the CPU, which is slow. "
+    "A driver for the CPU is far faster (Debian, Ubuntu: apt-get install mesa-vulkan-drivers)"
+)
+
+
+class Renderer:
+    """A device with a scene on it: what does not change from image to image stays there.
+
+    Args:
+        scene: what is rendered; scenes may also be given to :meth:`render`.
+        adapter: a part of an adapter's name; without it the fastest kind is taken. Without any adapter, and after one warning, the
+            reference renders, in float64 on the CPU, slowly.
+        reference: render by the reference in any case.
+
+    Raises:
+        ValueError: there is no such adapter.
+        RuntimeError: the adapter cannot be used.
+    """
+
+    scene: Scene | None
+    camera: Camera | None
+
+    def __init__(self, scene: Scene | None = None, adapter: str | None = None, reference: bool = False) -> None:
+        with quiet_window_system():
+            self._native = _native.Renderer(adapter, reference)
+        self.scene = scene
+        self.camera = None
+        if self.adapter is None and not reference:
+            warnings.warn(NO_DRIVER, RuntimeWarning, stacklevel=2)
+
+    @property
+    def adapter(self) -> str | None:
+        """The adapter's name; ``None`` if the reference renders."""
+        return self._native.adapter
+
+    def aim(self, camera: Camera) -> None:
+        """Sets the camera of the images to come."""
+        self.camera = camera
+
+    def render(
+        self,
+        channels: Sequence[str] | None = None,
+        size: tuple[int, int] | None = None,
+        samples: int = 1,
+        analytic: bool = False,
+        *,
+        scene: Scene | None = None,
+        camera: Camera | None = None,
+    ) -> Frame:
+        """Renders an image.
+
+        Args:
+            channels: names, such as ``["Z", "triangle.id"]``; without any, those of the camera, and colour.
+            size: width and height, pixels; that of the scene file, or of the camera, where it has one.
+            samples: rays per pixel, 1 to 64. Colour and coverage are averaged; other channels use the pixel's centre.
+            analytic: weight triangles by their visible area in the pixel, not by the number of samples that see them.
+            scene: instead of the renderer's.
+            camera: instead of the one that was aimed; without any, that of the scene file.
+
+        Raises:
+            ValueError: the scene, the camera and the rest cannot be combined; there is no camera, size or such channel.
+            RuntimeError: memory does not suffice, or the device is lost.
+        """
+        scene = scene or self.scene
+        if scene is None:
+            raise ValueError("there is no scene; give one")
+        own = (camera or self.camera or Camera._of_scene())._bind(scene, size)
+        names = list(own.channels if channels is None else channels)
+        color = channels is None or any(name in ("R", "G", "B") for name in names)
+        planes, rgba, report = self._native.render(scene._native, own, names, color, samples, analytic)
+        return Frame(dict(planes), rgba, report)
+
+    def __enter__(self) -> Renderer:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.scene = self.camera = None
+
+
+_default: Renderer | None = None
+_opening = threading.Lock()
+
+
+def _renderer() -> Renderer:
+    """The renderer of calls that name none: opened once."""
+    global _default
+    with _opening:
+        if _default is None:
+            _default = Renderer()
+        return _default
+
+
+def render(
+    scene: Scene,
+    camera: Camera | None = None,
+    size: tuple[int, int] | None = None,
+    channels: Sequence[str] | None = None,
+    samples: int = 1,
+    analytic: bool = False,
+) -> Frame:
+    """Renders an image on the machine's fastest adapter, which stays open for the next call; arguments as of :meth:`Renderer.render`."""
+    return _renderer().render(channels, size, samples, analytic, scene=scene, camera=camera)
+
+
+def check(scene: Scene, camera: Camera | None, frame: Frame) -> Comparison:
+    """How a frame differs from the reference, which finds each pixel's triangle in float64 on the CPU.
+
+    ``wrong_safe`` counts the wrong pixels among the safe ones, whose answer is the same within 1/16 pixel of their centre: it is 0.
+    """
+    height, width = frame.shape
+    own = (camera or Camera._of_scene())._bind(scene, (width, height))
+    return Comparison(json.loads(_native.check(scene._native, own, list(frame.items()))))
+
+
+class Projection(NamedTuple):
+    """Where a camera shows a point."""
+
+    images: npt.NDArray[np.float64]
+    """(K, 2): column and row of each image, pixels; (0, 0) is the upper left corner of the upper left pixel."""
+    t: npt.NDArray[np.float64]
+    """(K,): the ray parameter at the point."""
+    piece: npt.NDArray[np.uint32]
+    """(K,): the camera's piece that owns the image."""
+    degenerate: str | None
+    """Why a whole curve of pixels shows the point (it lies on a slit, or is an eye); else ``None``."""
+
+
+def project(
+    scene: Scene | None, camera: Camera, points: Numbers, size: tuple[int, int] | None = None
+) -> list[Projection]:
+    """All images of each point: every place whose ray, or curve, passes through it.
+
+    Args:
+        scene: for cameras that look at the scene, and its size; else ``None``.
+        camera: the camera.
+        points: (N, 3), world units.
+        size: width and height of the image, pixels.
+    """
+    own = camera._bind(scene or Scene(), size)
+    found = _native.project(own, array(points, np.float64, 3, "points"))
+    return [
+        Projection(
+            np.array([p[:2] for p in places], dtype=np.float64).reshape(-1, 2),
+            np.array([p[2] for p in places], dtype=np.float64),
+            np.array([p[3] for p in places], dtype=np.uint32),
+            degenerate,
+        )
+        for places, degenerate in found
+    ]
+
+

@@ -1,0 +1,121 @@
+"""Scenes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._mesh import Mesh
+from ._values import Numbers, Path, Value, assignment, table
+
+if TYPE_CHECKING:
+    from .camera import Camera
+
+
+class Scene:
+    """Triangles with materials and lights; one that was loaded from a file has a camera, too.
+
+    A new scene is empty and is lit by a headlight, which shines along each pixel's ray.
+    """
+
+    _native: _native.Scene
+
+    def __init__(self) -> None:
+        self._native = _native.Scene()
+
+    @staticmethod
+    def load(path: Path, overrides: Mapping[str, Value] | None = None, frame: float = 0) -> Scene:
+        """Loads a scene file, .toml or .json, and all files that it names.
+
+        Args:
+            path: the scene file.
+            overrides: values that replace those of the file, as in ``{"camera.vfov": 40, "mesh.0.scale": 2}``.
+            frame: where keyframed values are evaluated.
+
+        Raises:
+            ValueError: one line with the file, the line and the key.
+            OSError: a file cannot be read.
+        """
+        scene = Scene.__new__(Scene)
+        changes = [assignment(key, value) for key, value in (overrides or {}).items()]
+        scene._native = _native.Scene.load(os.fspath(path), changes, frame)
+        return scene
+
+    @staticmethod
+    def parse(text: str, folder: Path = ".") -> Scene:
+        """A scene from the text of a scene file in TOML, whose relative paths start from ``folder``."""
+        scene = Scene.__new__(Scene)
+        scene._native = _native.Scene.parse(text, os.fspath(folder))
+        return scene
+
+    def add(self, mesh: Any, texture: Numbers | None = None, **keys: Value) -> None:
+        """Adds triangles after the existing ones.
+
+        Args:
+            mesh: a mesh file (.obj, .gltf, .glb, .ply, .stl, or heights in .asc, .png, .tif), a :class:`Mesh`, or an object with
+                ``vertices`` and ``faces`` (or ``triangles``), such as a mesh of trimesh or open3d.
+            texture: for a mesh of arrays that has uvs: an image, (H, W, 3) or (H, W, 4), uint8, sRGB.
+            keys: the keys of a scene file's ``[[mesh]]``, such as ``translate``, ``rotate``, ``scale``, ``color``, ``two_sided``,
+                ``smooth`` and ``name``.
+
+        Raises:
+            ValueError: a key or a value is wrong; the file or an array is.
+            OSError: the file cannot be read.
+        """
+        if isinstance(mesh, (str, os.PathLike)):
+            if texture is not None:
+                keys = {**keys, "texture": texture}
+            self._native.add_table(table({"file": os.path.abspath(mesh), **keys}), os.getcwd())
+            return
+        own = Mesh.of(mesh)
+        image = None if texture is None else _image(texture)
+        self._native.add_arrays(
+            own.vertices, own.faces, own.normals, own.uvs, own.colors, own.name, table(keys), os.getcwd(), image
+        )
+
+    def add_builtin(self, name: str, **keys: Value) -> None:
+        """Adds a generated mesh: ``teapot``, ``icosphere``, ``box``, ``plane``, ``city`` and others, with the keys of ``[[mesh]]``."""
+        self._native.add_table(table({"builtin": name, **keys}), os.getcwd())
+
+    @property
+    def camera(self) -> Camera | None:
+        """The scene file's camera; ``None`` if the scene has none."""
+        from .camera import Camera
+
+        return Camera._of_scene() if self._native.has_camera else None
+
+    @property
+    def triangle_count(self) -> int:
+        """The number of triangles."""
+        return self._native.triangle_count
+
+    @property
+    def bounds(self) -> npt.NDArray[np.float64] | None:
+        """(2, 3): least and greatest corner of the box around all vertices, world units; ``None`` without vertices."""
+        bounds = self._native.bounds
+        return None if bounds is None else np.array(bounds)
+
+    @property
+    def objects(self) -> list[tuple[str, int]]:
+        """Name and triangle count of each object, in the order of ``object.id``."""
+        return self._native.objects
+
+    @property
+    def missing(self) -> list[str]:
+        """What mesh files refer to and is not there, one line each. The scene was loaded without it."""
+        return self._native.missing
+
+    def __repr__(self) -> str:
+        return f"<anamorph.Scene: {len(self.objects)} objects, {self.triangle_count} triangles>"
+
+
+def _image(texture: Numbers) -> npt.NDArray[np.uint8]:
+    image = np.asarray(texture)
+    if image.ndim != 3 or image.shape[2] not in (3, 4) or image.dtype != np.uint8:
+        raise ValueError(f"texture: an array of shape (H, W, 3) or (H, W, 4) and type uint8, not {image.shape}, {image.dtype}")
+    return image

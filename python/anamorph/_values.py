@@ -1,0 +1,93 @@
+"""Values of scene files: what Python programs give, as JSON or TOML."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Union
+
+import numpy as np
+import numpy.typing as npt
+
+#: What a key of a scene file may be: a number, a truth value, a text, a path, an array, or lists and tables of these.
+Value = Any
+#: Anything that NumPy makes an array of numbers of.
+Numbers = npt.ArrayLike
+Path = Union[str, "os.PathLike[str]"]
+
+
+@contextlib.contextmanager
+def quiet_window_system() -> Iterator[None]:
+    """Vulkan asks for a Wayland display, whose library complains on stderr where this variable is missing; a folder that does not exist is no
+    display either, silently."""
+    variable = "XDG_RUNTIME_DIR"
+    is_missing = not os.environ.get(variable, "").startswith("/")
+    before = os.environ.get(variable)
+    if is_missing:
+        os.environ[variable] = "/nonexistent"
+    try:
+        yield
+    finally:
+        if is_missing and before is None:
+            del os.environ[variable]
+        elif is_missing and before is not None:
+            os.environ[variable] = before
+
+
+def plain(value: Value, key: str) -> Any:
+    """The value in lists, dicts, texts and numbers; infinities as texts, as JSON has none."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, bool) or value is None:
+        return value
+    if isinstance(value, float):
+        if math.isnan(value):
+            raise ValueError(f"{key}: NaN is no value")
+        return value if math.isfinite(value) else ("inf" if value > 0 else "-inf")
+    if isinstance(value, (int, str)):
+        return value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, Mapping):
+        return {str(k): plain(v, f"{key}.{k}") for k, v in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist(), key)
+    if isinstance(value, Sequence):
+        return [plain(v, f"{key}.{k}") for k, v in enumerate(value)]
+    raise TypeError(f"{key}: {type(value).__name__} is no value of a scene; use numbers, texts, lists or dicts of these")
+
+
+def table(keys: Mapping[str, Value]) -> str:
+    """A table of a scene file as JSON. Keys without a value (None) are left out."""
+    return json.dumps({key: plain(value, key) for key, value in keys.items() if value is not None})
+
+
+def assignment(key: str, value: Value) -> str:
+    """``key=value`` as the program's ``--set`` takes it, the value in TOML."""
+    return f"{key}={_toml(plain(value, key), key)}"
+
+
+def _toml(value: Any, key: str) -> str:
+    if value is None:
+        raise ValueError(f"{key}: None is no value; leave the key out")
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(k)} = {_toml(v, key)}" for k, v in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_toml(v, key) for v in value) + "]"
+    return json.dumps(value)
+
+
+def array(values: Numbers, dtype: type[Any], width: int, name: str) -> npt.NDArray[Any]:
+    """An (N, width) array of this type, without a copy where it is one already; wrong shapes and types say so."""
+    given = np.asarray(values)
+    if given.ndim != 2 or given.shape[1] != width:
+        raise ValueError(f"{name}: an array of shape (N, {width}) is needed, not {given.shape}")
+    whole = np.issubdtype(dtype, np.integer)
+    if given.size and not (np.issubdtype(given.dtype, np.integer) if whole else np.issubdtype(given.dtype, np.number)):
+        raise TypeError(f"{name}: {'whole numbers' if whole else 'numbers'} are needed, not {given.dtype}")
+    if whole and given.size and (given.min() < 0 or given.max() > np.iinfo(dtype).max):
+        raise ValueError(f"{name}: indices are 0 and above, not {given.min()} to {given.max()}")
+    return given.astype(dtype, copy=False)

@@ -1,0 +1,30 @@
+//! The native module of the Python package `anamorph`: the facade of the library over arrays. What users see is `anamorph/*.py`.
+
+mod calls;
+mod camera;
+mod frame;
+mod renderer;
+mod scene;
+
+use pyo3::prelude::*;
+
+/// The library's facade, as the package's own modules use it.
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::camera::{Camera, camera_kinds, project};
+    #[pymodule_export]
+    use super::frame::{channels_named, check, compare, read_exr, write_exr, write_png};
+    #[pymodule_export]
+    use super::program;
+    #[pymodule_export]
+    use super::renderer::Renderer;
+    #[pymodule_export]
+    use super::scene::Scene;
+}
+
+/// Runs the program on these arguments, the first of which is its name; its exit code.
+#[pyfunction]
+fn program(py: Python<'_>, arguments: Vec<std::ffi::OsString>) -> u8 {
+    py.detach(|| anamorph::program(arguments))
+}

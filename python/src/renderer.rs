@@ -1,0 +1,62 @@
+//! Rendering to arrays.
+
+use crate::calls::{python_error, run};
+use crate::camera::Camera;
+use crate::frame::{Planes, channels, planes};
+use crate::scene::Scene;
+use anamorph::{Error, RenderOptions};
+use numpy::{PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+use std::sync::{Arc, Mutex};
+
+/// A device, or the reference on the CPU, with what it holds.
+#[pyclass(module = "anamorph._native", frozen)]
+pub struct Renderer {
+    renderer: Arc<Mutex<anamorph::Renderer>>,
+}
+
+#[pymethods]
+impl Renderer {
+    #[new]
+    #[pyo3(signature = (adapter, reference))]
+    fn new(py: Python<'_>, adapter: Option<String>, reference: bool) -> PyResult<Renderer> {
+        let open = move || match (reference, adapter) {
+            (true, _) => Ok(anamorph::Renderer::reference()),
+            (false, Some(adapter)) => anamorph::Renderer::on(adapter),
+            (false, None) => anamorph::Renderer::new(),
+        };
+        Ok(Renderer { renderer: Arc::new(Mutex::new(run(py, open)?)) })
+    }
+
+    /// The adapter's name; `None`: the reference renders.
+    #[getter]
+    fn adapter(&self) -> PyResult<Option<String>> {
+        Ok(lock(&self.renderer).map_err(python_error)?.adapter().map(str::to_owned))
+    }
+
+    /// The planes of the channels, 8-bit sRGB colour (H, W, 4) where it is wanted, and the report as JSON.
+    #[allow(clippy::too_many_arguments, clippy::type_complexity)]
+    #[pyo3(signature = (scene, camera, names, color, samples, analytic))]
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        scene: &Scene,
+        camera: &Camera,
+        names: Vec<String>,
+        color: bool,
+        samples: u32,
+        analytic: bool,
+    ) -> PyResult<(Planes<'py>, Option<Bound<'py, PyArray3<u8>>>, String)> {
+        let options = RenderOptions { channels: channels(&names)?, color, samples, analytic };
+        let (renderer, scene, camera) = (self.renderer.clone(), scene.scene.clone(), camera.camera.clone());
+        let rendered = run(py, move || lock(&renderer)?.render(&scene, &camera, &options))?;
+        let report = rendered.report();
+        let shape = [rendered.frame.height as usize, rendered.frame.width as usize, 4];
+        let rgba = rendered.rgba.map(|bytes| numpy::PyArray1::from_vec(py, bytes).reshape(shape)).transpose()?;
+        Ok((planes(py, rendered.frame)?, rgba, report))
+    }
+}
+
+fn lock(renderer: &Mutex<anamorph::Renderer>) -> anamorph::Result<std::sync::MutexGuard<'_, anamorph::Renderer>> {
+    renderer.lock().map_err(|_| Error::Work("the renderer failed before; open another one".into()))
+}

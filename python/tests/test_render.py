@@ -1,0 +1,173 @@
+"""Rendering to arrays."""
+
+import json
+import subprocess
+import sys
+import threading
+import time
+
+import anamorph as am
+import numpy as np
+import pytest
+
+SIZE = (64, 48)
+
+
+def test_depth_and_ids_of_a_square(square, pinhole):
+    frame = am.render(square, pinhole, size=SIZE, channels=["Z", "t", "triangle.id", "object.id"])
+    assert list(frame) == ["Z", "t", "triangle.id", "object.id"]
+    assert (frame.shape, frame["Z"].shape, frame["Z"].dtype, frame.ids.dtype) == ((48, 64), (48, 64), np.float32, np.uint32)
+    hit = frame.ids != am.NO_ID
+    assert 0.1 < hit.mean() < 0.9
+    assert np.array_equal(hit, np.isfinite(frame["Z"])) and set(frame.ids[hit]) == {0, 1}
+    # t is the distance along the view's axis, as the pinhole's directions are not normalized
+    assert np.abs(frame["t"][hit] - 4).max() < 1e-6
+    assert frame["Z"][hit].min() >= 4 and not frame["object.id"][hit].any()
+    # the lower right triangle is the first
+    row, column = np.argwhere(frame.ids == 0).mean(axis=0)
+    assert row > 24 and column > 32
+
+
+def test_colour_and_vectors(square, pinhole):
+    frame = am.render(square, pinhole, size=SIZE)
+    assert frame.rgb.shape == (48, 64, 3) and frame.rgb.dtype == np.uint8
+    left, right = frame.rgb[24, 22], frame.rgb[24, 42]
+    assert left[0] > 150 > left[2] and right[2] > 150 > right[0]
+    frame = am.render(square, pinhole, size=SIZE, channels=["N", "P", "albedo.R"])
+    assert frame["N"].shape == (48, 64, 3)
+    assert np.allclose(frame["N"][24, 32], [0, 0, 1]) and np.abs(frame["P"][24, 32]).max() < 0.1
+    with pytest.raises(KeyError, match="rendered without colour"):
+        frame.rgb
+    with pytest.raises(KeyError, match="Z: not rendered; there are N.X"):
+        frame["Z"]
+
+
+def test_samples_and_report(square, pinhole):
+    frame = am.render(square, pinhole, size=SIZE, channels=["A"], samples=16)
+    edge = frame["A"][(frame["A"] > 0) & (frame["A"] < 1)]
+    assert len(edge) > 20 and np.allclose(edge * 16 % 1, 0)
+    assert frame.report["triangles"] == 2 and frame.report["frame_ms"]["runs"] == 1
+    json.dumps(frame.report)
+
+
+def test_files_come_back(square, pinhole, tmp_path):
+    frame = am.render(square, pinhole, size=SIZE, channels=["R", "G", "B", "Z", "triangle.id"])
+    frame.save(tmp_path / "a.exr")
+    frame.save(str(tmp_path / "a.png"))
+    again = am.Frame.read(tmp_path / "a.exr")
+    assert list(again) == list(frame)
+    for name in frame:
+        assert np.array_equal(again[name], frame[name])
+    same = am.compare(frame, again)
+    assert same["wrong_triangle"] == 0
+    assert am.check(square, pinhole, frame)["wrong_safe"] == 0
+    with pytest.raises(ValueError, match="written as .exr or .png"):
+        frame.save(tmp_path / "a.jpg")
+    with pytest.raises(OSError, match="nowhere"):
+        frame.save(tmp_path / "nowhere" / "a.exr")
+
+
+def test_a_renderer_keeps_its_scene(square, pinhole):
+    with am.Renderer(square) as renderer:
+        renderer.aim(pinhole)
+        near = renderer.render(["Z"], SIZE)
+        renderer.aim(pinhole.with_(eye=[0, 0, 8]))
+        far = renderer.render(["Z"], SIZE)
+    assert np.isfinite(near["Z"]).sum() > 3 * np.isfinite(far["Z"]).sum()
+    reference = am.Renderer(reference=True)
+    assert reference.adapter is None
+    truth = reference.render(["Z"], SIZE, scene=square, camera=pinhole)
+    assert np.allclose(truth["Z"], near["Z"])
+
+
+def test_cameras_of_rays(square):
+    y, x = np.mgrid[1:-1:5j, -1:1:7j]
+    origins = np.stack([x, y, np.full_like(x, 3)], axis=-1)
+    directions = np.broadcast_to([0.0, 0.0, -2.0], origins.shape).copy()
+    directions[0, 0] = np.nan
+    frame = am.render(square, am.camera.rays(origins, directions), channels=["t", "Z", "P"])
+    assert frame.shape == (5, 7) and np.isinf(frame["t"][0, 0])
+    assert np.allclose(frame["t"][1:-1, 1:-1], 1.5) and np.allclose(frame["Z"][2, 3], 3)
+    assert np.allclose(frame["P"][1:-1, 1:-1, :2], origins[1:-1, 1:-1, :2])
+    # float32, and strides of its own
+    again = am.render(square, am.camera.rays(origins.astype(np.float32)[::-1][::-1], directions), channels=["t"])
+    assert np.array_equal(again["t"], frame["t"])
+    with pytest.raises(ValueError, match=r"directions: .*\(H, W, 3\)"):
+        am.camera.rays(origins, directions[:3])
+    with pytest.raises(ValueError, match="leave the size out"):
+        am.render(square, am.camera.rays(origins, directions), size=(3, 3))
+
+
+def test_rays_and_projection_agree(square):
+    camera = am.camera.fisheye(eye=[0.2, 0.1, 3], target=[0, 0, 0], fov=190)
+    origins, directions = camera.rays(SIZE)
+    assert origins.shape == directions.shape == (48, 64, 3)
+    inside = np.isfinite(directions[..., 0])
+    assert 0.3 < inside.mean() < 0.9
+    row, column = 30, 40
+    point = origins[row, column] + 2.5 * directions[row, column]
+    (found,) = am.project(None, camera, [point], SIZE)
+    assert np.allclose(found.images, [[column + 0.5, row + 0.5]]) and np.allclose(found.t, 2.5)
+    assert found.degenerate is None
+    assert camera.piece_count(SIZE) == 0 and camera.with_(pieces=400).piece_count(SIZE) > 0
+
+
+def test_what_is_wrong_is_said(square, pinhole):
+    with pytest.raises(ValueError, match='^unknown key "fvo" in camera; nearest'):
+        am.render(square, am.Camera("pinhole", {"eye": [0, 0, 4], "target": [0, 0, 0], "vfov": 40, "fvo": 1}), size=SIZE)
+    with pytest.raises(ValueError, match="vfov"):
+        am.render(square, pinhole.with_(vfov=181), size=SIZE)
+    with pytest.raises(ValueError, match="no size"):
+        am.render(square, pinhole)
+    with pytest.raises(ValueError, match="no camera"):
+        am.render(square, size=SIZE)
+    with pytest.raises(ValueError, match='no channel "ZZ"'):
+        am.render(square, pinhole, size=SIZE, channels=["ZZ"])
+    with pytest.raises(ValueError, match="1 to 64"):
+        am.render(square, pinhole, size=SIZE, samples=65)
+    with pytest.raises(ValueError, match="no such adapter; there is"):
+        am.Renderer(adapter="no such adapter")
+    with pytest.raises(TypeError, match="eye.1: object is no value"):
+        am.render(square, pinhole.with_(eye=[0, object(), 4]), size=SIZE)
+    with pytest.raises(ValueError, match="eye.2: NaN"):
+        am.render(square, pinhole.with_(eye=[0, 0, float("nan")]), size=SIZE)
+
+
+def test_other_threads_run_while_it_renders(square, pinhole):
+    renderer = am.Renderer(reference=True)
+    counted = 0
+    done = threading.Event()
+
+    def count():
+        nonlocal counted
+        while not done.is_set():
+            counted += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    renderer.render(["Z"], (400, 300), scene=square, camera=pinhole)
+    done.set()
+    thread.join()
+    assert counted > 1
+
+
+def test_ctrl_c_ends_a_long_call():
+    text = """
+import signal, threading, time, anamorph as am
+scene = am.Scene()
+scene.add_builtin("teapot", level=20)
+cam = am.camera.pinhole(eye=[0, 0, 9], target=[0, 0, 0], vfov=40)
+renderer = am.Renderer(reference=True)
+threading.Timer(1.0, lambda: signal.raise_signal(signal.SIGINT)).start()
+start = time.time()
+try:
+    renderer.render(["Z"], (8000, 8000), scene=scene, camera=cam)
+except KeyboardInterrupt:
+    print("ended after", time.time() - start, flush=True)
+    import os
+    os._exit(0)
+"""
+    out = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=60)
+    assert out.stdout.startswith("ended after"), out
+    assert float(out.stdout.split()[-1]) < 5, out.stdout

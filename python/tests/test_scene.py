@@ -1,0 +1,145 @@
+"""Scenes: files, arrays, and meshes of other packages."""
+
+import subprocess
+import sys
+import types
+
+import anamorph as am
+import numpy as np
+import pytest
+
+SIZE = (40, 30)
+SCENE = """
+image = { width = 40, height = 30 }
+camera = { kind = "pinhole", eye = [0, 0, 4], target = [0, 0, 0], vfov = 30 }
+[[mesh]]
+builtin = "box"
+"""
+
+
+def test_scene_files(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    scene = am.Scene.load(path)
+    assert scene.triangle_count == 12 and scene.objects == [("box", 12)] and scene.missing == []
+    assert np.array_equal(scene.bounds, [[-0.5] * 3, [0.5] * 3])
+    near = am.render(scene, channels=["Z"])
+    assert near.shape == (30, 40)
+    overrides = {"camera.eye": np.array([0.0, 0.0, 8.0]), "mesh.0.scale": 2, "mesh.0.name": "a b"}
+    changed = am.Scene.load(str(path), overrides=overrides)
+    assert changed.objects == [("a b", 12)] and changed.bounds[1, 0] == 1
+    # twice as far and as large: every depth is doubled
+    assert np.allclose(am.render(changed, channels=["Z"])["Z"], 2 * near["Z"])
+    assert am.render(scene, scene.camera, size=(20, 15), channels=["Z"]).shape == (15, 20)
+    assert am.Scene.parse(SCENE).triangle_count == 12
+    with pytest.raises(OSError, match="none.toml"):
+        am.Scene.load(tmp_path / "none.toml")
+    with pytest.raises(ValueError, match="camera.vfov: expected a finite number"):
+        am.Scene.load(path, {"camera.vfov": "wide"})
+
+
+def test_arrays_of_any_kind_give_the_same_picture(pinhole):
+    vertices = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], dtype=np.float64)
+    faces = np.array([[0, 1, 2], [0, 2, 3]])
+
+    def picture(vertices, faces):
+        scene = am.Scene()
+        scene.add(am.Mesh(vertices, faces))
+        return am.render(scene, pinhole, size=SIZE, channels=["triangle.id"]).ids
+
+    expected = picture(vertices, faces)
+    assert len(np.unique(expected)) == 3
+    wide = np.zeros((4, 6))
+    wide[:, ::2] = vertices
+    for same in (vertices.tolist(), vertices.astype(np.float32), np.asfortranarray(vertices), wide[:, ::2]):
+        assert np.array_equal(picture(same, faces), expected)
+    for same in (faces.tolist(), faces.astype(np.uint8), faces.astype(np.uint64), faces[::-1][::-1]):
+        assert np.array_equal(picture(vertices, same), expected)
+
+
+def test_keys_place_and_colour_meshes_of_arrays(square, pinhole):
+    quad = am.Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]], uvs=[[0, 0], [1, 0], [1, 1], [0, 1]])
+    scene = am.Scene()
+    scene.add(quad, translate=[0, 0, 1], scale=0.5, color=[0, 1, 0], name="green")
+    assert scene.objects == [("green", 2)]
+    assert np.array_equal(scene.bounds, [[-0.5, -0.5, 1], [0.5, 0.5, 1]])
+    frame = am.render(scene, pinhole, size=SIZE, channels=["Z", "albedo"])
+    assert np.allclose(frame["albedo"][15, 20], [0, 1, 0]) and np.allclose(frame["Z"][15, 20], 3, atol=0.01)
+    image = np.zeros((2, 2, 3), dtype=np.uint8)
+    image[0, :, 0] = image[1, :, 2] = 255
+    scene = am.Scene()
+    scene.add(quad, texture=image)
+    frame = am.render(scene, pinhole, size=SIZE, channels=["albedo"])
+    # row 0 of an image is on top
+    assert np.allclose(frame["albedo"][10, 20], [1, 0, 0], atol=0.1) and np.allclose(frame["albedo"][20, 20], [0, 0, 1], atol=0.1)
+
+
+def test_meshes_of_other_packages(pinhole):
+    faces = np.array([[0, 1, 2]])
+    vertices = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], dtype=np.float64)
+    like_trimesh = types.SimpleNamespace(
+        vertices=vertices,
+        faces=faces,
+        visual=types.SimpleNamespace(kind="vertex", vertex_colors=np.full((3, 4), [255, 0, 0, 255], dtype=np.uint8)),
+    )
+    like_open3d = types.SimpleNamespace(vertices=vertices, triangles=faces, vertex_normals=[], vertex_colors=[[0, 1, 0]] * 3)
+    for mesh, color in ((like_trimesh, [1, 0, 0]), (like_open3d, [0, 1, 0])):
+        scene = am.Scene()
+        scene.add(mesh, name="of another")
+        assert scene.objects == [("of another", 1)]
+        frame = am.render(scene, pinhole, size=SIZE, channels=["albedo"])
+        assert np.allclose(frame["albedo"][15, 20], color)
+
+
+def test_mesh_files(tmp_path, pinhole):
+    path = tmp_path / "a.ply"
+    path.write_text(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n-1 -1 0 0 0 255\n1 -1 0 0 0 255\n0 1 0 0 0 255\n3 0 1 2\n"
+    )
+    scene = am.Scene()
+    scene.add(path, translate=(0, 0, 1))
+    scene.add_builtin("icosphere", level=1, translate=[9, 9, 9])
+    assert scene.objects == [("a", 1), ("icosphere", 80)]
+    assert np.allclose(am.render(scene, pinhole, size=SIZE, channels=["albedo"])["albedo"][15, 20], [0, 0, 1])
+    with pytest.raises(OSError, match="none.ply"):
+        scene.add(tmp_path / "none.ply")
+    assert len(scene.objects) == 2
+
+
+def test_what_is_wrong_is_said():
+    good = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+
+    def fails(kind, match, *arguments, **keys):
+        scene = am.Scene()
+        with pytest.raises(kind, match=match):
+            scene.add(am.Mesh(*arguments, **keys))
+
+    fails(ValueError, r"vertices: .*\(N, 3\) is needed, not \(3, 2\)", np.zeros((3, 2)), [[0, 1, 2]])
+    fails(ValueError, r"faces: .*\(N, 3\)", good, [0, 1, 2])
+    fails(TypeError, "faces: whole numbers", good, [[0.0, 1.0, 2.0]])
+    fails(TypeError, "vertices: numbers", [["a", "b", "c"]], [[0, 0, 0]])
+    fails(ValueError, "faces: indices are 0 and above, not -1 to 2", good, [[-1, 1, 2]])
+    fails(ValueError, "triangle 0 is .*3 vertices", good, [[0, 1, 3]])
+    fails(ValueError, "vertex 1 lies at .*finite", [[0, 0, 0], [np.nan, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    fails(ValueError, "2 normals for 3 vertices", good, [[0, 1, 2]], normals=[[0, 0, 1]] * 2)
+    fails(ValueError, "from 0 to 1", good, [[0, 1, 2]], colors=[[0, 0, 2]] * 3)
+    with pytest.raises(TypeError, match="dict is no mesh"):
+        am.Scene().add({})
+    with pytest.raises(ValueError, match="unknown key"):
+        am.Scene().add(am.Mesh(good, [[0, 1, 2]]), colour=[1, 0, 0])
+    with pytest.raises(ValueError, match="no texture coordinates"):
+        am.Scene().add(am.Mesh(good, [[0, 1, 2]]), texture=np.zeros((2, 2, 3), dtype=np.uint8))
+    with pytest.raises(ValueError, match="type uint8"):
+        am.Scene().add(am.Mesh(good, [[0, 1, 2]]), texture=np.zeros((2, 2, 3)))
+
+
+def test_the_program_is_in_the_package():
+    def run(*arguments):
+        return subprocess.run([sys.executable, "-m", "anamorph", *arguments], capture_output=True, text=True)
+
+    out = run("--version")
+    assert out.returncode == 0 and out.stdout.startswith("anamorph "), out
+    out = run("render", "none.toml", "-o", "a.png")
+    assert out.returncode == 2 and out.stderr.startswith("error: none.toml") and out.stderr.count("\n") == 1, out
