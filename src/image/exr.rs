@@ -24,7 +24,7 @@ type Flat = AnyChannels<FlatSamples>;
 /// texts in the header. The same input gives the same bytes.
 ///
 /// # Errors
-/// [`Error::Work`] if a plane does not fill the frame, an attribute has a reserved name, or `path`
+/// [`Error::Write`] if a plane does not fill the frame, an attribute has a reserved name, or `path`
 /// cannot be written.
 pub fn write_exr(path: &Path, frame: &Frame, attributes: &[(String, String)]) -> Result<()> {
     write_exr_with(path, frame, Vec::new(), &Attributes { texts: attributes.to_vec(), ..Attributes::default() })

@@ -80,11 +80,12 @@ fn frames_that_cannot_be_written_leave_no_file() {
         let none = Frame { width: 1, height: 1, planes: vec![] };
         let empty = Frame { width: 0, height: 0, planes: vec![(Channel::R, Plane::F32(vec![]))] };
         for frame in [short, twice, none, empty] {
-            assert!(matches!(write_exr(path, &frame, &[]), Err(Error::Work(_))));
+            assert!(matches!(write_exr(path, &frame, &[]), Err(Error::Work(_) | Error::Write(_))));
         }
         for name in ["", "compression", "a\0b", &"x".repeat(300)] {
             let attribute = (name.to_string(), "x".to_string());
-            assert!(matches!(write_exr(path, &sample(2, 2), &[attribute]), Err(Error::Work(_))), "{name}");
+            let written = write_exr(path, &sample(2, 2), &[attribute]);
+            assert!(matches!(written, Err(Error::Work(_) | Error::Write(_))), "{name}");
         }
         assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 0);
     });
@@ -110,12 +111,12 @@ fn other_programs_files_are_read_as_far_as_they_go() {
 #[test]
 fn files_that_are_no_exr_are_input_errors() {
     in_folder(|path| {
-        assert!(read_exr(path).unwrap_err().to_string().contains("cannot be read"));
+        assert!(matches!(read_exr(path), Err(Error::Read(text)) if text.contains("cannot be read")));
         for bytes in [&b""[..], b"v 0 0 0", &[0x76, 0x2f, 0x31, 0x01], &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0]] {
             std::fs::write(path, bytes).unwrap();
             assert!(matches!(read_exr(path), Err(Error::Input(_))));
         }
-        assert!(matches!(read_exr(path.parent().unwrap()), Err(Error::Input(_))));
+        assert!(matches!(read_exr(path.parent().unwrap()), Err(Error::Read(_))));
     });
 }
 
