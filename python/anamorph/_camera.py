@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._values import Value, table
+from ._values import Value, plain, table
 
 if TYPE_CHECKING:
     from ._scene import Scene
@@ -24,15 +24,19 @@ class Camera:
     kind: str
     keys: dict[str, Value]
     _arrays: tuple[Vectors, Vectors, tuple[float, float]] | None
+    _scene: Scene | None
 
     def __init__(self, kind: str, keys: Mapping[str, Value]) -> None:
         self.kind = kind
         self.keys = {key: value for key, value in keys.items() if value is not None}
         self._arrays = None
+        self._scene = None
 
     @classmethod
-    def _of_scene(cls) -> Camera:
-        return cls("", {})
+    def _of_scene(cls, scene: Scene) -> Camera:
+        camera = cls("", {})
+        camera._scene = scene
+        return camera
 
     def with_(self, **changes: Value) -> Camera:
         """The same camera with other values of some keys; ``None`` takes a key out.
@@ -69,15 +73,16 @@ class Camera:
             if size is not None and tuple(size) != (width, height):
                 raise ValueError(f"the camera's rays are {width}x{height}, not {size[0]}x{size[1]}; leave the size out")
             return _native.Camera.of_rays(origins, directions, t_range)
-        if not self.kind:
-            return _native.Camera.of_scene(own, size)
+        if self._scene is not None:
+            return _native.Camera.of_scene(self._scene._native, size)
         return _native.Camera.of_table(table({"kind": self.kind, **self.keys}), os.getcwd(), own, size)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Camera):
             return NotImplemented
         if self._arrays is None or other._arrays is None:
-            return self._arrays is other._arrays and self.kind == other.kind and table(self.keys) == table(other.keys)
+            own, their = [(c.kind, {k: plain(v, k) for k, v in c.keys.items()}) for c in (self, other)]
+            return self._arrays is other._arrays and self._scene is other._scene and own == their
         pairs = zip(self._arrays[:2], other._arrays[:2])
         return self._arrays[2] == other._arrays[2] and all(np.array_equal(a, b, equal_nan=True) for a, b in pairs)
 

@@ -44,7 +44,10 @@ class Frame(Mapping[str, Plane]):
     def __getitem__(self, name: str) -> Plane:
         if name in self._planes:
             return self._planes[name]
-        parts = _native.channels_named(name)
+        try:
+            parts = _native.channels_named(name)
+        except ValueError as unknown:
+            raise KeyError(str(unknown)) from None
         missing = [part for part in parts if part not in self._planes]
         if missing:
             raise KeyError(f"{', '.join(missing)}: not rendered; there are {', '.join(self._planes)}")
@@ -57,6 +60,14 @@ class Frame(Mapping[str, Plane]):
 
     def __len__(self) -> int:
         return len(self._planes)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Frame):
+            return NotImplemented
+        same = (np.array_equal(self[name], other[name], equal_nan=True) for name in self if name in other)
+        return list(self) == list(other) and all(same)
+
+    __hash__ = None  # type: ignore[assignment]
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -83,7 +94,7 @@ class Frame(Mapping[str, Plane]):
 
     @property
     def report(self) -> dict[str, Any]:
-        """Times and counts: docs/reference/commands.md, Reports."""
+        """Times and counts, as the program's ``--report`` writes them."""
         report: dict[str, Any] = json.loads(self._report)
         return report
 

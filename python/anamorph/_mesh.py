@@ -53,23 +53,29 @@ class Mesh:
     def of(other: Any) -> Mesh:
         """The mesh of a trimesh, an open3d, or any object that has ``vertices`` and ``faces`` (or ``triangles``).
 
-        Vertex normals of open3d and colours of both are taken along; trimesh has normals of vertices always, computed ones too, which
-        are left out.
+        Vertex colours, which both hold in sRGB, and vertex normals of open3d are taken along. Those of trimesh are left out: it computes
+        some where a mesh has none. Textures are left out too.
         """
         if isinstance(other, Mesh):
             return other
-        faces = getattr(other, "faces", getattr(other, "triangles", None))
+        is_open3d = not hasattr(other, "faces")
+        faces = getattr(other, "triangles" if is_open3d else "faces", None)
         if not hasattr(other, "vertices") or faces is None:
             kind = type(other).__name__
             raise TypeError(f"{kind} is no mesh: it has no vertices and faces (or triangles)")
-        normals = getattr(other, "vertex_normals", None) if hasattr(other, "triangles") else None
-        colors = getattr(other, "vertex_colors", None)
-        visual: Any = getattr(other, "visual", None)
-        if getattr(visual, "kind", None) == "vertex":
-            srgb = np.asarray(visual.vertex_colors)[:, :3] / 255.0
-            colors = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-        of_all = [None if a is None or len(a) == 0 else np.asarray(a) for a in (normals, colors)]
-        return Mesh(np.asarray(other.vertices), np.asarray(faces), of_all[0], None, of_all[1])
+        normals, srgb = None, None
+        if is_open3d:
+            normals, srgb = _rows(other, "vertex_normals"), _rows(other, "vertex_colors")
+        elif getattr(getattr(other, "visual", None), "kind", None) == "vertex":
+            srgb = np.asarray(other.visual.vertex_colors)[:, :3] / 255.0
+        colors = None if srgb is None else np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+        return Mesh(np.asarray(other.vertices), np.asarray(faces), normals, None, colors)
 
     def __repr__(self) -> str:
         return f"<anamorph.Mesh {self.name!r}: {len(self.vertices)} vertices, {len(self.faces)} triangles>"
+
+
+def _rows(other: Any, name: str) -> npt.NDArray[Any] | None:
+    """An attribute as an array; ``None`` if it has no rows."""
+    values = np.asarray(getattr(other, name, ()))
+    return values if len(values) else None

@@ -85,7 +85,10 @@ class Renderer:
         scene = scene or self.scene
         if scene is None:
             raise ValueError("there is no scene; give one")
-        own = (camera or self.camera or Camera._of_scene())._bind(scene, size)
+        aimed = camera or self.camera or scene.camera
+        if aimed is None:
+            raise ValueError("there is no camera; give one")
+        own = aimed._bind(scene, size)
         names = list(own.channels if channels is None else channels)
         color = channels is None or any(name in ("R", "G", "B") for name in names)
         planes, rgba, report = self._native.render(scene._native, own, names, color, samples, analytic)
@@ -131,7 +134,10 @@ def check(scene: Scene, camera: Camera | None, frame: Frame) -> Comparison:
     ``wrong_safe`` counts the wrong pixels among the safe ones, whose answer is the same within 1/16 pixel of their centre: it is 0.
     """
     height, width = frame.shape
-    own = (camera or Camera._of_scene())._bind(scene, (width, height))
+    seen_by = camera or scene.camera
+    if seen_by is None:
+        raise ValueError("there is no camera; give one")
+    own = seen_by._bind(scene, (width, height))
     return Comparison(json.loads(_native.check(scene._native, own, list(frame.items()))))
 
 

@@ -53,13 +53,14 @@ class Scene:
         scene._native = _native.Scene.parse(text, os.fspath(folder))
         return scene
 
-    def add(self, mesh: Any, texture: Numbers | None = None, **keys: Value) -> None:
+    def add(self, mesh: Any, texture: Numbers | Path | Mapping[str, Value] | bool | None = None, **keys: Value) -> None:
         """Adds triangles after the existing ones.
 
         Args:
             mesh: a mesh file (.obj, .gltf, .glb, .ply, .stl, or heights in .asc, .png, .tif), a :class:`Mesh`, or an object with
                 ``vertices`` and ``faces`` (or ``triangles``), such as a mesh of trimesh or open3d.
-            texture: for a mesh of arrays that has uvs: an image, (H, W, 3) or (H, W, 4), uint8, sRGB.
+            texture: the key ``texture`` of ``[[mesh]]``: an image's file, a table, or a truth value; or, for a mesh of arrays that has
+                uvs, an image: (H, W, 3) or (H, W, 4), uint8, sRGB.
             keys: the keys of a scene file's ``[[mesh]]``, such as ``translate``, ``rotate``, ``scale``, ``color``, ``two_sided``,
                 ``smooth`` and ``name``.
 
@@ -67,13 +68,17 @@ class Scene:
             ValueError: a key or a value is wrong; the file or an array is.
             OSError: the file cannot be read.
         """
+        image = None
+        if texture is None or isinstance(texture, (str, os.PathLike, Mapping, bool)):
+            keys = {**keys, "texture": texture}
+        else:
+            image = _image(texture)
         if isinstance(mesh, (str, os.PathLike)):
-            if texture is not None:
-                keys = {**keys, "texture": texture}
+            if image is not None:
+                raise TypeError("texture: the mesh of a file takes an image's file, not an array; make a Mesh of arrays")
             self._native.add_table(table({"file": os.path.abspath(mesh), **keys}), os.getcwd())
             return
         own = Mesh.of(mesh)
-        image = None if texture is None else _image(texture)
         self._native.add_arrays(
             own.vertices, own.faces, own.normals, own.uvs, own.colors, own.name, table(keys), os.getcwd(), image
         )
@@ -87,7 +92,7 @@ class Scene:
         """The scene file's camera; ``None`` if the scene has none."""
         from .camera import Camera
 
-        return Camera._of_scene() if self._native.has_camera else None
+        return Camera._of_scene(self) if self._native.has_camera else None
 
     @property
     def triangle_count(self) -> int:

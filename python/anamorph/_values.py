@@ -74,10 +74,15 @@ def _toml(value: Any, key: str) -> str:
     if value is None:
         raise ValueError(f"{key}: None is no value; leave the key out")
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{json.dumps(k)} = {_toml(v, key)}" for k, v in value.items()) + "}"
+        return "{" + ", ".join(f"{_text(k)} = {_toml(v, key)}" for k, v in value.items()) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(_toml(v, key) for v in value) + "]"
-    return json.dumps(value)
+    return _text(value)
+
+
+def _text(value: Any) -> str:
+    # TOML has no pairs of surrogates
+    return json.dumps(value, ensure_ascii=False)
 
 
 def array(values: Numbers, dtype: type[Any], width: int, name: str) -> npt.NDArray[Any]:

@@ -1,6 +1,6 @@
 //! Cameras, and where they show points.
 
-use crate::calls::{python_error, run};
+use crate::calls::run;
 use crate::scene::{Scene, rows};
 use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
@@ -23,14 +23,14 @@ impl Camera {
         scene: &Scene,
         size: Option<(u32, u32)>,
     ) -> PyResult<Camera> {
-        let scene = scene.scene.clone();
+        let scene = scene.now();
         Ok(Camera { camera: run(py, move || anamorph::Camera::parse(&table, folder, &scene, size))? })
     }
 
     /// The scene's own.
     #[staticmethod]
     fn of_scene(py: Python<'_>, scene: &Scene, size: Option<(u32, u32)>) -> PyResult<Camera> {
-        let scene = scene.scene.clone();
+        let scene = scene.now();
         let make = move || match size {
             Some((width, height)) => scene.camera_of_size(width, height),
             None => scene.camera(),
@@ -41,6 +41,7 @@ impl Camera {
     /// A ray for each pixel: (H, W, 3) origins and directions.
     #[staticmethod]
     fn of_rays(
+        py: Python<'_>,
         origins: PyReadonlyArray3<'_, f64>,
         directions: PyReadonlyArray3<'_, f64>,
         t_range: (f64, f64),
@@ -50,8 +51,9 @@ impl Camera {
             array.as_array().rows().into_iter().map(|v| [v[0], v[1], v[2]]).collect()
         };
         let range = [t_range.0, t_range.1];
-        let camera = anamorph::Camera::of_rays((shape[1], shape[0]), &vectors(&origins), &vectors(&directions), range);
-        Ok(Camera { camera: camera.map_err(python_error)? })
+        let (origins, directions) = (vectors(&origins), vectors(&directions));
+        let make = move || anamorph::Camera::of_rays((shape[1], shape[0]), &origins, &directions, range);
+        Ok(Camera { camera: run(py, make)? })
     }
 
     #[getter]

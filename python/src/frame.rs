@@ -115,6 +115,6 @@ pub fn check(
     camera: &Camera,
     planes: Vec<(String, Bound<'_, PyAny>)>,
 ) -> PyResult<String> {
-    let (scene, camera, frame) = (scene.scene.clone(), camera.camera.clone(), frame(&planes)?);
+    let (scene, camera, frame) = (scene.now(), camera.camera.clone(), frame(&planes)?);
     run(py, move || anamorph::check(&scene, &camera, &frame).map(|c| c.json()))
 }

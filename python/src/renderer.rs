@@ -1,6 +1,6 @@
 //! Rendering to arrays.
 
-use crate::calls::{python_error, run};
+use crate::calls::run;
 use crate::camera::Camera;
 use crate::frame::{Planes, channels, planes};
 use crate::scene::Scene;
@@ -13,6 +13,7 @@ use std::sync::{Arc, Mutex};
 #[pyclass(module = "anamorph._native", frozen)]
 pub struct Renderer {
     renderer: Arc<Mutex<anamorph::Renderer>>,
+    adapter: Option<String>,
 }
 
 #[pymethods]
@@ -25,13 +26,15 @@ impl Renderer {
             (false, Some(adapter)) => anamorph::Renderer::on(adapter),
             (false, None) => anamorph::Renderer::new(),
         };
-        Ok(Renderer { renderer: Arc::new(Mutex::new(run(py, open)?)) })
+        let renderer = run(py, open)?;
+        let adapter = renderer.adapter().map(str::to_owned);
+        Ok(Renderer { renderer: Arc::new(Mutex::new(renderer)), adapter })
     }
 
     /// The adapter's name; `None`: the reference renders.
     #[getter]
-    fn adapter(&self) -> PyResult<Option<String>> {
-        Ok(lock(&self.renderer).map_err(python_error)?.adapter().map(str::to_owned))
+    fn adapter(&self) -> Option<&str> {
+        self.adapter.as_deref()
     }
 
     /// The planes of the channels, 8-bit sRGB colour (H, W, 4) where it is wanted, and the report as JSON.
@@ -48,7 +51,7 @@ impl Renderer {
         analytic: bool,
     ) -> PyResult<(Planes<'py>, Option<Bound<'py, PyArray3<u8>>>, String)> {
         let options = RenderOptions { channels: channels(&names)?, color, samples, analytic };
-        let (renderer, scene, camera) = (self.renderer.clone(), scene.scene.clone(), camera.camera.clone());
+        let (renderer, scene, camera) = (self.renderer.clone(), scene.now(), camera.camera.clone());
         let rendered = run(py, move || lock(&renderer)?.render(&scene, &camera, &options))?;
         let report = rendered.report();
         let shape = [rendered.frame.height as usize, rendered.frame.width as usize, 4];

@@ -1,16 +1,41 @@
 //! Scenes, and meshes from arrays.
 
-use crate::calls::{python_error, run};
+use crate::calls::run;
 use anamorph::Mesh;
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// A scene. Each change makes a new one inside, so that a call that runs keeps what it has begun with.
-#[pyclass(module = "anamorph._native")]
+/// A scene. A call that runs keeps what it has begun with: a change then makes a new one inside.
+#[pyclass(module = "anamorph._native", frozen)]
 pub struct Scene {
-    pub scene: Arc<anamorph::Scene>,
+    scene: Arc<Mutex<Arc<anamorph::Scene>>>,
+}
+
+impl Scene {
+    fn of(scene: anamorph::Scene) -> Scene {
+        Scene { scene: Arc::new(Mutex::new(Arc::new(scene))) }
+    }
+
+    /// As it is now.
+    pub fn now(&self) -> Arc<anamorph::Scene> {
+        self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Adds what `make` makes, on a thread of its own.
+    fn add(
+        &self,
+        py: Python<'_>,
+        make: impl FnOnce() -> anamorph::Result<anamorph::Placed> + Send + 'static,
+    ) -> PyResult<()> {
+        let scene = self.scene.clone();
+        run(py, move || {
+            let placed = make()?;
+            let mut scene = scene.lock().unwrap_or_else(PoisonError::into_inner);
+            Arc::make_mut(&mut scene).add_placed(placed)
+        })
+    }
 }
 
 /// Name and triangle count of each object.
@@ -20,7 +45,7 @@ type Objects = Vec<(String, usize)>;
 impl Scene {
     #[new]
     fn new() -> Scene {
-        Scene { scene: Arc::new(anamorph::Scene::new()) }
+        Scene::of(anamorph::Scene::new())
     }
 
     #[staticmethod]
@@ -29,31 +54,25 @@ impl Scene {
             let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
             anamorph::Scene::load(path, &overrides, frame)
         };
-        Ok(Scene { scene: Arc::new(run(py, load)?) })
+        Ok(Scene::of(run(py, load)?))
     }
 
     #[staticmethod]
     fn parse(py: Python<'_>, text: String, folder: PathBuf) -> PyResult<Scene> {
-        Ok(Scene { scene: Arc::new(run(py, move || anamorph::Scene::parse(&text, folder))?) })
+        Ok(Scene::of(run(py, move || anamorph::Scene::parse(&text, folder))?))
     }
 
     /// Adds the mesh of a `[[mesh]]` table.
-    fn add_table(&mut self, py: Python<'_>, table: String, folder: PathBuf) -> PyResult<()> {
-        let scene = self.scene.clone();
-        let add = move || {
-            let mut scene = scene;
-            Arc::make_mut(&mut scene).add_table(&table, folder)?;
-            Ok(scene)
-        };
-        self.scene = run(py, add)?;
-        Ok(())
+    fn add_table(&self, py: Python<'_>, table: String, folder: PathBuf) -> PyResult<()> {
+        self.add(py, move || anamorph::Placed::of_table(&table, folder))
     }
 
     /// Adds a mesh of arrays with the keys of a `[[mesh]]` table, and an image of 8-bit sRGB colours (H, W, 3), or (H, W, 4).
     #[allow(clippy::too_many_arguments)]
     #[pyo3(signature = (positions, triangles, normals, uvs, colors, name, table, folder, texture))]
     fn add_arrays(
-        &mut self,
+        &self,
+        py: Python<'_>,
         positions: PyReadonlyArray2<'_, f64>,
         triangles: PyReadonlyArray2<'_, u32>,
         normals: Option<PyReadonlyArray2<'_, f32>>,
@@ -64,50 +83,54 @@ impl Scene {
         folder: PathBuf,
         texture: Option<PyReadonlyArray3<'_, u8>>,
     ) -> PyResult<()> {
-        let mut mesh = Mesh::new(rows(&positions), rows(&triangles)).map_err(python_error)?.named(name);
-        if let Some(normals) = normals {
-            mesh = mesh.with_normals(rows(&normals)).map_err(python_error)?;
-        }
-        if let Some(uvs) = uvs {
-            mesh = mesh.with_uvs(rows(&uvs)).map_err(python_error)?;
-        }
-        if let Some(colors) = colors {
-            mesh = mesh.with_colors(rows(&colors)).map_err(python_error)?;
-        }
-        if let Some(texture) = texture {
-            let (pixels, shape) = (texture.as_array(), texture.as_array().raw_dim());
-            let bytes: Vec<u8> = pixels.iter().copied().collect();
-            mesh = mesh.with_texture(shape[1], shape[0], &bytes).map_err(python_error)?;
-        }
-        let mut scene = self.scene.clone();
-        Arc::make_mut(&mut scene).add_with(mesh, &table, folder).map_err(python_error)?;
-        self.scene = scene;
-        Ok(())
+        // copied while Python's lock is held, so that no other thread changes them
+        let (positions, triangles) = (rows(&positions), rows(&triangles));
+        let (normals, uvs, colors) = (normals.as_ref().map(rows), uvs.as_ref().map(rows), colors.as_ref().map(rows));
+        let texture = texture.map(|texture| {
+            let shape = texture.as_array().raw_dim();
+            (shape[1], shape[0], texture.as_array().iter().copied().collect::<Vec<u8>>())
+        });
+        self.add(py, move || {
+            let mut mesh = Mesh::new(positions, triangles)?.named(name);
+            if let Some(normals) = normals {
+                mesh = mesh.with_normals(normals)?;
+            }
+            if let Some(uvs) = uvs {
+                mesh = mesh.with_uvs(uvs)?;
+            }
+            if let Some(colors) = colors {
+                mesh = mesh.with_colors(colors)?;
+            }
+            if let Some((width, height, bytes)) = texture {
+                mesh = mesh.with_texture(width, height, &bytes)?;
+            }
+            anamorph::Placed::of_mesh(mesh, &table, folder)
+        })
     }
 
     #[getter]
     fn has_camera(&self) -> bool {
-        self.scene.has_camera()
+        self.now().has_camera()
     }
 
     #[getter]
     fn triangle_count(&self) -> usize {
-        self.scene.triangle_count()
+        self.now().triangle_count()
     }
 
     #[getter]
     fn bounds(&self) -> Option<[[f64; 3]; 2]> {
-        self.scene.bounds()
+        self.now().bounds()
     }
 
     #[getter]
     fn objects(&self) -> Objects {
-        self.scene.objects().map(|(name, count)| (name.to_owned(), count)).collect()
+        self.now().objects().map(|(name, count)| (name.to_owned(), count)).collect()
     }
 
     #[getter]
     fn missing(&self) -> Vec<String> {
-        self.scene.missing().collect()
+        self.now().missing().collect()
     }
 }
 

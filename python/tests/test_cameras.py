@@ -43,6 +43,7 @@ def test_every_function_has_the_keys_of_its_kind(kind):
 def test_cameras_are_values():
     a = am.camera.pinhole(eye=np.array([0, 0, 4]), target=(0, 0, 0), vfov=40)
     assert a == am.camera.pinhole(eye=[0, 0, 4], target=[0, 0, 0], vfov=40) != a.with_(vfov=41)
+    assert a == am.camera.pinhole(eye=[0, 0, 4], target=[0, 0, 0], vfov=40.0)
     assert a.with_(vfov=41).with_(vfov=40) == a and "vfov" not in a.with_(vfov=None).keys
     rays = am.camera.rays(np.zeros((2, 3, 3)), np.ones((2, 3, 3)))
     assert rays == am.camera.rays(np.zeros((2, 3, 3)), np.ones((2, 3, 3))) != am.camera.rays(np.ones((2, 3, 3)), np.ones((2, 3, 3)))

@@ -42,7 +42,7 @@ impl Mesh {
     /// Reads a mesh file, .obj, .gltf, .glb, .ply or .stl, with its materials and images.
     ///
     /// # Errors
-    /// [`Error::Input`], one line with the file and what is wrong with it.
+    /// [`Error::Read`] if it cannot be read, [`Error::Input`] with what is wrong with it.
     pub fn read(path: impl AsRef<Path>) -> Result<Mesh> {
         let spec = MeshSpec::of(MeshSource::File(path.as_ref().to_owned()));
         Ok(Mesh { mesh: load_mesh(&spec, &mut Images::of(ImagesRead::All))?, name: spec.called() })
@@ -110,7 +110,7 @@ impl Mesh {
     }
 
     /// The mesh with an image on all of it: 8-bit sRGB of `width x height` pixels, three (RGB) or four (RGBA) bytes each, row by row from the
-    /// top. It needs texture coordinates. Its opacity is not used.
+    /// top. It replaces the colours of materials and vertices, and needs texture coordinates. Its opacity is not used.
     ///
     /// # Errors
     /// [`Error::Input`] if the bytes are not those of such an image, or the mesh has no texture coordinates.
@@ -119,6 +119,7 @@ impl Mesh {
             return Err(Error::input("the mesh has no texture coordinates; give uvs, or leave the texture out"));
         }
         let texture = Texture::new(Arc::new(Texels::of_srgb8(width, height, srgb8)?));
+        self.mesh.clear_colors();
         for material in &mut self.mesh.materials {
             (material.texture, material.diffuse) = (Some(texture.clone()), [1.0; 3]);
         }

@@ -12,7 +12,7 @@ pub use self::camera::{Camera, camera_kinds, project};
 pub use self::job::Job;
 pub use self::mesh::Mesh;
 pub use self::renderer::{RenderOptions, Rendered, Renderer, check, reference};
-pub use self::scene::Scene;
+pub use self::scene::{Placed, Scene};
 pub use crate::camera::project::{Degenerate, Image, Images};
 pub use crate::image::compare::{Comparison, Difference, Matched, Measure, Quantiles};
 pub use crate::image::frame::{Channel, Frame, NO_ID, Plane};

@@ -20,6 +20,37 @@ pub struct Scene {
     has_camera: bool,
 }
 
+/// Triangles in the world, to be added to a scene: [`Scene::add_placed`].
+#[derive(Debug, Clone)]
+pub struct Placed {
+    mesh: crate::geometry::mesh::Mesh,
+    objects: Vec<Object>,
+}
+
+impl Placed {
+    /// A mesh with the keys of a scene file's `[[mesh]]` that say where it is and what it looks like, such as `translate` and `color`: a table
+    /// in TOML, or in JSON where it begins with a brace. Relative paths in it start from `folder`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a wrong key or value, [`Error::Read`] for a file that cannot be read.
+    pub fn of_mesh(mesh: Mesh, table: &str, folder: impl AsRef<Path>) -> Result<Placed> {
+        let spec = file::look_of(table, folder.as_ref())?;
+        let own = MeshSpec { name: spec.name.clone().or(Some(mesh.name)), ..spec };
+        let (mesh, objects) = placed(load_dressed(&own, mesh.mesh, &mut Images::of(ImagesRead::All))?, &own)?;
+        Ok(Placed { mesh, objects })
+    }
+
+    /// The mesh of a scene file's `[[mesh]]`, given as in [`Placed::of_mesh`].
+    ///
+    /// # Errors
+    /// As [`Placed::of_mesh`].
+    pub fn of_table(table: &str, folder: impl AsRef<Path>) -> Result<Placed> {
+        let spec = file::mesh_of(table, folder.as_ref())?;
+        let (mesh, objects) = placed(load_unplaced(&spec, &mut Images::of(ImagesRead::All))?, &spec)?;
+        Ok(Placed { mesh, objects })
+    }
+}
+
 impl Default for Scene {
     fn default() -> Scene {
         Scene::new()
@@ -61,27 +92,12 @@ impl Scene {
         self.append(mesh.mesh, vec![added])
     }
 
-    /// Adds a mesh with the keys of a scene file's `[[mesh]]` that say where it is and what it looks like, such as `translate` and `color`:
-    /// a table in TOML, or in JSON where it begins with a brace. Relative paths in it start from `folder`.
+    /// Adds triangles that have been placed.
     ///
     /// # Errors
-    /// As [`Scene::add`], and [`Error::Input`] for a wrong key.
-    pub fn add_with(&mut self, mesh: Mesh, table: &str, folder: impl AsRef<Path>) -> Result<()> {
-        let spec = file::look_of(table, folder.as_ref())?;
-        let own = MeshSpec { name: spec.name.clone().or(Some(mesh.name)), ..spec };
-        let dressed = load_dressed(&own, mesh.mesh, &mut Images::of(ImagesRead::All))?;
-        let (mesh, objects) = placed(dressed, &own)?;
-        self.append(mesh, objects)
-    }
-
-    /// Adds the mesh of a scene file's `[[mesh]]`, given as in [`Scene::add_with`].
-    ///
-    /// # Errors
-    /// As [`Scene::add`], [`Error::Input`] for a wrong key or file, and [`Error::Read`] for a file that cannot be read.
-    pub fn add_table(&mut self, table: &str, folder: impl AsRef<Path>) -> Result<()> {
-        let spec = file::mesh_of(table, folder.as_ref())?;
-        let (mesh, objects) = placed(load_unplaced(&spec, &mut Images::of(ImagesRead::All))?, &spec)?;
-        self.append(mesh, objects)
+    /// As [`Scene::add`].
+    pub fn add_placed(&mut self, placed: Placed) -> Result<()> {
+        self.append(placed.mesh, placed.objects)
     }
 
     fn append(&mut self, mesh: crate::geometry::mesh::Mesh, added: Vec<Object>) -> Result<()> {

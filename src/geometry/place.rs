@@ -155,14 +155,15 @@ pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
     let mut meshes = meshes.into_iter();
     let mut all = meshes.next().unwrap_or_default();
     has.give(&mut all);
-    meshes.for_each(|mesh| append(&mut all, mesh));
+    meshes.for_each(|mesh| append_as(has, &mut all, mesh));
     Ok(all)
 }
 
 /// Appends `mesh` to `all` with all that it has, as [`merge`] does. The caller has called [`check_counts`].
 pub fn append_with_all(all: &mut Mesh, mesh: Mesh) {
-    Attributes::of(&mesh).give(all);
-    append(all, mesh);
+    let has = Attributes::of(all).or(Attributes::of(&mesh));
+    has.give(all);
+    append_as(has, all, mesh);
 }
 
 /// What the corners of a mesh may have.
@@ -209,6 +210,11 @@ impl Attributes {
 /// fit a u32.
 pub fn append(all: &mut Mesh, mesh: Mesh) {
     let has = if all.triangles.is_empty() { Attributes::of(&mesh) } else { Attributes::of(all) };
+    append_as(has, all, mesh);
+}
+
+/// Appends `mesh` to `all` with what `all` then has.
+fn append_as(has: Attributes, all: &mut Mesh, mesh: Mesh) {
     let [position, normal, uv, color, material] =
         [all.positions.len(), all.normals.len(), all.uvs.len(), all.colors.len(), all.materials.len()]
             .map(|count| count as u32);
@@ -321,6 +327,12 @@ mod tests {
         assert_eq!(all.colors_of(1), [[1.0; 3], [0.5; 3], [0.5; 3]]);
         assert_eq!(all.material_of, [0, 1, 2]);
         assert!(merge(vec![triangle(false); 2]).unwrap().corner_normals.is_empty());
+        // a first mesh without triangles hides nothing of the others
+        let all = merge(vec![Mesh::default(), triangle(false), triangle(true)]).unwrap();
+        assert_eq!(
+            (all.corner_normals, all.corner_colors),
+            (vec![none, [0, 0, NO_NORMAL]], vec![[NO_COLOR; 3], [NO_COLOR, 0, 0]])
+        );
         assert_eq!(merge(Vec::new()).unwrap(), Mesh::default());
     }
 

@@ -5,12 +5,13 @@ mod element;
 mod tests;
 
 use super::mesh::{Material, Mesh, Missing, NO_NORMAL, NO_UV, check_memory};
-use super::texture::{Images, Texture, linear_of_srgb};
+use super::texture::{Images, ImagesRead, Texture, linear_of_srgb};
 use crate::input::{Error, Result};
 use element::{Face, STRIP_END, Skipped, Vertex};
 use glam::Vec2;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// Most triangles a mesh may have.
@@ -20,11 +21,11 @@ const MAX_TRIANGLES: usize = 1 << 28;
 /// stay, so that ids are file order.
 ///
 /// Of vertices `x y z`, `nx ny nz`, `red green blue` and `s t` (or `u v`, `texture_u texture_v`) are read, of faces `vertex_indices` (or
-/// `vertex_index`), `texcoord`, `texnumber` and `red green blue`. Colours are sRGB, from 0 to 255, of floats from 0 to 1. Images are those of
+/// `vertex_index`), `texcoord`, `texnumber` and `red green blue`. Colours are sRGB: floats from 0 to 1, `ushort` from 0 to 65535, other integers from 0 to 255. Images are those of
 /// the comments `TextureFile`, beside the file. Those that do not exist are left out, and listed in [`Mesh::missing`].
 ///
 /// # Errors
-/// [`Error::Input`] naming the file, and the line of a text: it cannot be read, is damaged, has no faces or more than 2^28 triangles; a
+/// [`Error::Read`] if it cannot be read; [`Error::Input`] naming the file, and the line of a text: it is damaged, has no faces or more than 2^28 triangles; a
 /// vertex or colour is not finite, an index has no vertex, a face has fewer than 3; an image exists and cannot be read. [`Error::Work`] if the
 /// mesh does not fit the free memory.
 pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
@@ -35,10 +36,16 @@ pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
         Wrong::File(text) => Error::input(format!("{name}: {text}")),
         Wrong::Memory(e) => e.at(&name),
     })?;
-    if images.read.reads(false) && !mesh.corner_uvs.is_empty() {
+    if images.read != ImagesRead::None && !mesh.corner_uvs.is_empty() {
         let folder = path.parent().unwrap_or(Path::new(""));
         for (material, file) in mesh.materials.iter_mut().zip(&textures) {
             let file = folder.join(file);
+            if !images.read.reads(false) {
+                // the colour that it has with its image
+                crate::input::files::note(&file);
+                material.diffuse = if file.is_file() { [1.0; 3] } else { material.diffuse };
+                continue;
+            }
             match images.find(&file)? {
                 Some(texels) => (material.texture, material.diffuse) = (Some(Texture::new(texels)), [1.0; 3]),
                 None => {
@@ -59,20 +66,31 @@ enum Wrong {
     Memory(Error),
 }
 
-impl From<ParseError> for Wrong {
-    fn from(e: ParseError) -> Wrong {
-        let text = e.to_string();
-        // the innermost cause, without the lines that quote the text
-        let cause = text.rsplit("Error: ").next().unwrap_or(&text);
-        let cause = cause.strip_prefix(&format!("Line {}: ", e.line().unwrap_or(0))).unwrap_or(cause);
-        let cause = match cause.lines().next().unwrap_or_default().trim_end_matches('.') {
-            grammar if grammar.starts_with("error at ") => "this is not a line of numbers".to_owned(),
-            cause => cause.to_owned(),
-        };
-        match e.line() {
-            Some(line) => Wrong::Line(line, cause),
-            None => Wrong::File(cause),
+fn first_line(text: &str) -> &str {
+    text.lines().next().unwrap_or_default().trim_end_matches('.')
+}
+
+/// What a header says that is none.
+fn wrong_header(e: &ParseError) -> Wrong {
+    match e.line() {
+        Some(line) => Wrong::Line(line, "this is no line of a PLY header; write the file again".into()),
+        None => Wrong::File("its header has no end, or is no text; write the file again".into()),
+    }
+}
+
+/// What is wrong with an element of a text, or of a binary file, which has no lines.
+fn wrong_element(e: &ParseError, name: &str, encoding: Encoding) -> Wrong {
+    let text = e.to_string();
+    if e.kind() == ErrorKind::UnexpectedEof {
+        return Wrong::File(format!("ends within its {name} elements; is it cut short?"));
+    }
+    match e.line() {
+        Some(line) if encoding == Encoding::Ascii => {
+            let what =
+                "this is no line of the numbers that its header says (digits on both sides of a point, and no nan)";
+            Wrong::Line(line, format!("{what}; it is one of its {name} elements"))
         }
+        _ => Wrong::File(format!("its {name} elements cannot be read: {}", first_line(&text))),
     }
 }
 
@@ -82,7 +100,7 @@ fn parse(bytes: &[u8]) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
         return Err(Wrong::File("is no PLY file: it does not begin with the line ply".into()));
     }
     let mut reader = Reader::new(bytes);
-    let header = Parser::<Skipped>::new().read_header(&mut reader)?;
+    let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(|e| wrong_header(&e))?;
     check_sizes(&header, bytes.len())?;
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     let mut has = Attributes::default();
@@ -93,15 +111,19 @@ fn parse(bytes: &[u8]) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
                 vertices = read::<Vertex>(&mut reader, element, &header)?;
             }
             "face" | "tristrips" => {
-                faces = read::<Face>(&mut reader, element, &header)?;
-                faces.iter_mut().for_each(|face| face.is_strip = name == "tristrips");
+                let mut own = read::<Face>(&mut reader, element, &header)?;
+                own.iter_mut().for_each(|face| face.is_strip = name == "tristrips");
+                faces.extend(own);
             }
             _ => drop(read::<Skipped>(&mut reader, element, &header)?),
         }
-        if !vertices.is_empty() && !faces.is_empty() {
-            break;
-        }
     }
+    let triangles: usize = faces.iter().map(|face| face.corners.len().saturating_sub(2)).sum();
+    if triangles > MAX_TRIANGLES {
+        return Err(Wrong::File(format!("{triangles} triangles, at most 2^28 are possible; split the file")));
+    }
+    let what = format_args!("{triangles} triangles");
+    check_memory(triangles as u64, vertices.len() as u64, what, "use fewer").map_err(Wrong::Memory)?;
     if faces.is_empty() {
         return Err(Wrong::File("has no faces; points alone are not rendered".into()));
     }
@@ -118,7 +140,8 @@ fn read<E: PropertyAccess>(
     element: &ElementDef,
     header: &Header,
 ) -> std::result::Result<Vec<E>, Wrong> {
-    Ok(Parser::<E>::new().read_payload_for_element(reader, element, header)?)
+    let read = Parser::<E>::new().read_payload_for_element(reader, element, header);
+    read.map_err(|e| wrong_element(&e, &element.name, header.encoding))
 }
 
 /// Refuses what a header promises beyond the file's bytes, or beyond memory.
@@ -175,12 +198,9 @@ fn assemble(vertices: &[Vertex], faces: &[Face], has: Attributes, textures: usiz
         }
         // the corners of each triangle, by their places in the face
         let triangles = if face.is_strip { strip(&face.corners) } else { fan(corners.len() as u32) };
-        if mesh.triangles.len() + triangles.len() > MAX_TRIANGLES {
-            return Err(Wrong::File("more than 2^28 triangles; split the file".into()));
-        }
         if uvs_of_faces {
             let (pairs, _) = face.texcoords.as_chunks::<2>();
-            if pairs.len() != corners.len() {
+            if !face.texcoords.is_empty() && pairs.len() != corners.len() {
                 let (count, corners) = (face.texcoords.len(), corners.len());
                 return Err(Wrong::File(format!(
                     "face {k} has a texcoord of {count} numbers; give 2 for each of {corners} vertices"
@@ -188,7 +208,8 @@ fn assemble(vertices: &[Vertex], faces: &[Face], has: Attributes, textures: usiz
             }
             let first = mesh.uvs.len() as u32;
             mesh.uvs.extend(pairs.iter().map(|uv| Vec2::from(uv.map(|x| x as f32))));
-            mesh.corner_uvs.extend(triangles.iter().map(|t| t.map(|c| first + c)));
+            let uv_of = |c: u32| if face.texcoords.is_empty() { NO_UV } else { first + c };
+            mesh.corner_uvs.extend(triangles.iter().map(|t| t.map(uv_of)));
         }
         if colors_of_faces {
             let color = linear(face.color.unwrap_or([1.0; 3]), || format!("face {k}"))?;
@@ -229,7 +250,7 @@ fn drop_unusable(mesh: &mut Mesh) {
             *corner = NO_NORMAL;
         }
     }
-    for corner in mesh.corner_uvs.iter_mut().flatten() {
+    for corner in mesh.corner_uvs.iter_mut().flatten().filter(|c| **c != NO_UV) {
         if !mesh.uvs[*corner as usize].is_finite() {
             *corner = NO_UV;
         }

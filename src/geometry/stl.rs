@@ -18,7 +18,7 @@ const TRIANGLE: usize = 50;
 /// Reads an STL file. Corners in the same place become one vertex. Triangles keep their order; the normals of the file are not used.
 ///
 /// # Errors
-/// [`Error::Input`] naming the file, and the line of a text: it cannot be read, is cut short or has no triangles, more than 2^28 of them, or
+/// [`Error::Read`] if it cannot be read; [`Error::Input`] naming the file, and the line of a text: it is cut short or has no triangles, more than 2^28 of them, or
 /// a corner that is not finite; [`Error::Work`] if the triangles do not fit the free memory.
 pub fn load(path: &Path) -> Result<Mesh> {
     let name = path.display();
@@ -37,7 +37,9 @@ fn parse(bytes: &[u8], name: &str) -> Result<Mesh> {
     if triangles > MAX_TRIANGLES {
         return Err(wrong(format!("{triangles} triangles, at most 2^28 are possible; split the file")));
     }
-    check_memory(triangles as u64, 3 * triangles as u64, format_args!("{name}: {triangles} triangles"), "use fewer")?;
+    // of a closed mesh every second triangle adds a vertex
+    let (count, vertices) = (triangles as u64, triangles as u64 / 2 + 2);
+    check_memory(count, vertices, format_args!("{name}: {triangles} triangles"), "use fewer")?;
     let mut mesh = Mesh {
         materials: vec![Material::default()],
         material_of: vec![0; triangles],
@@ -60,10 +62,12 @@ fn parse(bytes: &[u8], name: &str) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// Programs write `solid` at the start of binary files, too, whose length is that of their triangles.
+/// Programs write `solid` at the start of binary files, too, which are as long as their triangles.
 fn is_text(bytes: &[u8]) -> bool {
-    let is_as_long = binary_count(bytes).is_some_and(|count| bytes.len() == HEADER + TRIANGLE * count);
-    !is_as_long && bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+    let holds_all = |count: usize| HEADER + TRIANGLE * count <= bytes.len();
+    // a text has no zero byte
+    let is_binary = bytes.contains(&0) && binary_count(bytes).is_some_and(holds_all);
+    !is_binary && bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
 fn binary_count(bytes: &[u8]) -> Option<usize> {
@@ -153,7 +157,7 @@ mod tests {
             assert_eq!(mesh.positions[3], DVec3::new(0.5, 2.0, 3.0));
         }
         // some programs append their own
-        let longer = [binary(b"", &triangles), vec![1, 2, 3]].concat();
+        let longer = [binary(b"solid", &triangles), vec![1, 2, 3]].concat();
         assert_eq!(parse(&longer, "a.stl").unwrap().triangles.len(), 2);
     }
 
