@@ -67,7 +67,7 @@ impl Scene {
     /// values are evaluated at `frame`.
     ///
     /// # Errors
-    /// [`Error::Input`], one line with the file, the line and the key.
+    /// [`Error::Input`], one line with the file, the line and the key; [`Error::Read`] for a file that cannot be read.
     pub fn load(path: impl AsRef<Path>, overrides: &[&str], frame: f64) -> Result<Scene> {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
         Ok(Scene { scene: crate::scene::Scene::load(path.as_ref(), &overrides, frame)?, has_camera: true })
@@ -76,7 +76,7 @@ impl Scene {
     /// A scene from the text of a scene file in TOML, whose relative paths start from `folder`. It needs a camera, and may have no mesh.
     ///
     /// # Errors
-    /// [`Error::Input`], one line with the line and the key.
+    /// [`Error::Input`], one line with the line and the key; [`Error::Read`] for a file that cannot be read.
     pub fn parse(toml: &str, folder: impl AsRef<Path>) -> Result<Scene> {
         let scene = crate::scene::Scene::from_file(file::parse_text(toml, folder.as_ref())?)?;
         Ok(Scene { scene, has_camera: true })

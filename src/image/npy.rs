@@ -15,7 +15,7 @@ use crate::input::{Error, Result};
 /// Writes `data` in C order as little-endian f64.
 ///
 /// # Errors
-/// [`Error::Work`] if `data` does not fill `shape` or `path` cannot be written.
+/// [`Error::Work`] if `data` does not fill `shape`, [`Error::Write`] if `path` cannot be written.
 pub fn write_npy_f64(path: &Path, shape: &[u64], data: &[f64]) -> Result<()> {
     let count = shape.iter().try_fold(1u64, |count, side| count.checked_mul(*side));
     if count != Some(data.len() as u64) {
@@ -69,7 +69,7 @@ const MAX_ROWS: u64 = 1 << 32;
 /// Reads an f32 or f64 array in C order, shape N x `C`, row by row.
 ///
 /// # Errors
-/// [`Error::Input`] naming the file: not there, another shape or type, or cut short.
+/// [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or cut short.
 pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
     rows_of(open(path)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
@@ -77,12 +77,12 @@ pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
 /// Reads matrices, row by row, from an f32 or f64 array in C order of shape N x 3 x 4, or N x 4 x 4 with the last row 0, 0, 0, 1.
 ///
 /// # Errors
-/// [`Error::Input`] naming the file: it does not exist, has another shape or type, ends early, or a fourth row is another.
+/// [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, it ends early, or a fourth row is another.
 pub fn read_npy_affines(path: &Path) -> Result<Vec<DAffine3>> {
     affines_of(open(path)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-fn open(path: &Path) -> Result<File> {
+pub(super) fn open(path: &Path) -> Result<File> {
     files::open(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))
 }
 

@@ -13,7 +13,7 @@ use crate::input::{Error, Result};
 /// Writes `srgb8`, three (RGB) or four (RGBA) bytes per pixel, row 0 on top.
 ///
 /// # Errors
-/// [`Error::Work`] if the bytes do not fit the size or `path` cannot be written.
+/// [`Error::Work`] if the bytes do not fit the size, [`Error::Write`] if `path` cannot be written.
 pub fn write_png(path: &Path, width: u32, height: u32, srgb8: &[u8]) -> Result<()> {
     let pixels = u64::from(width) * u64::from(height);
     let color = match srgb8.len() as u64 {
@@ -39,7 +39,7 @@ pub fn write_png(path: &Path, width: u32, height: u32, srgb8: &[u8]) -> Result<(
 /// Writes an image of `size` from its strips of whole rows, top to bottom: three bytes (RGB) per pixel.
 ///
 /// # Errors
-/// Those of `next`; [`Error::Work`] if strips are not those of the image, or `path` cannot be written.
+/// Those of `next`; [`Error::Work`] if strips are not those of the image, [`Error::Write`] if `path` cannot be written.
 pub fn write_png_strips(
     path: &Path,
     (width, height): (u32, u32),

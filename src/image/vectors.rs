@@ -1,5 +1,6 @@
 //! One vector per pixel from a .npy or EXR file: a ray map's origins and directions, a table of places.
 
+use std::fs::File;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -7,7 +8,6 @@ use glam::{DVec2, DVec3};
 use super::exr::read_planes;
 use super::npy::read_npy_vectors;
 use crate::image::frame::Channel;
-use crate::input::files;
 use crate::input::{Error, Result};
 
 /// Reads width, height and one vector per pixel, row by row from the top: .npy of f32 or f64 in C order
@@ -30,7 +30,9 @@ pub fn read_pairs(path: &Path) -> Result<(u32, u32, Vec<DVec2>)> {
 fn read<const N: usize>(path: &Path, channels: [Channel; N], holds: &str) -> Result<(u32, u32, Vec<[f64; N]>)> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
-        Some("npy") => read_npy(path).map_err(|why| Error::input(format!("{}: {why}", path.display()))),
+        Some("npy") => {
+            read_npy(super::npy::open(path)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+        }
         Some("exr") => {
             let (width, height, planes) = read_planes(path, channels, holds)?;
             let at = |k: usize| planes.each_ref().map(|plane| f64::from(plane[k]));
@@ -40,8 +42,7 @@ fn read<const N: usize>(path: &Path, channels: [Channel; N], holds: &str) -> Res
     }
 }
 
-fn read_npy<const N: usize>(path: &Path) -> std::result::Result<(u32, u32, Vec<[f64; N]>), String> {
-    let file = files::open(path).map_err(|e| format!("cannot be read: {e}; check the path"))?;
+fn read_npy<const N: usize>(file: File) -> std::result::Result<(u32, u32, Vec<[f64; N]>), String> {
     let (width, height, numbers) = read_npy_vectors(file, N as u64)?;
     Ok((width, height, numbers.chunks_exact(N).map(|n| std::array::from_fn(|k| n[k])).collect()))
 }
