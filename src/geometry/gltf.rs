@@ -16,14 +16,11 @@ use gltf::scene::Transform;
 use gltf::texture::{Info, WrappingMode};
 use gltf::{Document, Node, Primitive, Semantic};
 
-use crate::geometry::mesh::{DIELECTRIC, Material, Mesh, Missing, NO_COLOR, NO_NORMAL, NO_UV};
+use crate::geometry::mesh::{DIELECTRIC, MAX_TRIANGLES, Material, Mesh, Missing, NO_COLOR, NO_NORMAL, NO_UV};
 use crate::geometry::place::{transformed_normal, world_normal_from_object};
 use crate::geometry::texture::{Images, ImagesRead, Texels, Texture, Wrap, decode};
 use crate::input::{Error, Result};
 use source::{FileAccess, Found, Source};
-
-/// Most triangles a mesh may have.
-const MAX_TRIANGLES: usize = 1 << 28;
 
 /// Where the files that a glTF file names may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,6 +8,9 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::fmt;
 
+/// Most triangles a mesh, or a scene, may have.
+pub const MAX_TRIANGLES: usize = 1 << 28;
+
 /// Marks a corner without a normal in [`Mesh::corner_normals`].
 pub const NO_NORMAL: u32 = u32::MAX;
 

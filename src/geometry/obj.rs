@@ -16,14 +16,11 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use crate::geometry::lex;
-use crate::geometry::mesh::{Material, Mesh, Missing, NO_NORMAL, NO_UV};
+use crate::geometry::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_NORMAL, NO_UV};
 use crate::geometry::texture::{Images, ImagesRead};
 use crate::input::{Error, Result};
 use chunk::{Chunk, Counts, DanglingIndices, Reader, Texcoords};
 pub use mtl::Mapped;
-
-/// Most triangles a mesh may have.
-const MAX_TRIANGLES: usize = 1 << 28;
 
 /// Bytes a chunk has at least (but for the last one): small enough to balance cores, large enough that the cost
 /// of a chunk does not show. Results do not depend on it.

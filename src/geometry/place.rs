@@ -3,11 +3,8 @@
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::geometry::mesh::{Mesh, NO_COLOR, NO_NORMAL, NO_UV, check_memory};
+use crate::geometry::mesh::{MAX_TRIANGLES, Mesh, NO_COLOR, NO_NORMAL, NO_UV, check_memory};
 use crate::input::{Error, Result};
-
-/// Most triangles a scene may have.
-const MAX_TRIANGLES: usize = 1 << 28;
 
 /// Places `mesh`: world = R (scale * p) + translate with R = Rz Ry Rx, right-handed, `rotate_deg` in degrees about
 /// the world's x, y and z axes; multiples of 90 degrees are exact.

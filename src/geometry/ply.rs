@@ -4,7 +4,7 @@ mod element;
 #[cfg(test)]
 mod tests;
 
-use super::mesh::{Material, Mesh, Missing, NO_NORMAL, NO_UV, check_memory};
+use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_NORMAL, NO_UV, check_memory};
 use super::texture::{Images, ImagesRead, Texture, linear_of_srgb};
 use crate::input::{Error, Result};
 use element::{Face, STRIP_END, Skipped, Vertex};
@@ -13,9 +13,6 @@ use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
 use std::io::ErrorKind;
 use std::path::Path;
-
-/// Most triangles a mesh may have.
-const MAX_TRIANGLES: usize = 1 << 28;
 
 /// Reads a PLY file. Its faces are fan-triangulated from their first vertex, triangle strips (`tristrips`) cut up; zero-area triangles
 /// stay, so that ids are file order.
@@ -279,13 +276,13 @@ fn fan(corners: u32) -> Vec<[u32; 3]> {
     (2..corners).map(|c| [0, c - 1, c]).collect()
 }
 
-/// Every second triangle of a strip is turned, so that all face the same side.
+/// Every second triangle of a strip has its corners in reverse, so that all face the same side.
 fn strip(corners: &[i64]) -> Vec<[u32; 3]> {
     let mut triangles = Vec::new();
     let mut first = 0;
     for part in corners.split(|k| *k == STRIP_END) {
-        let turned = |k: u32| if k.is_multiple_of(2) { [k, k + 1, k + 2] } else { [k + 1, k, k + 2] };
-        triangles.extend((0..part.len().saturating_sub(2) as u32).map(|k| turned(k).map(|c| first + c)));
+        let ordered = |k: u32| if k.is_multiple_of(2) { [k, k + 1, k + 2] } else { [k + 1, k, k + 2] };
+        triangles.extend((0..part.len().saturating_sub(2) as u32).map(|k| ordered(k).map(|c| first + c)));
         first += part.len() as u32 + 1;
     }
     triangles

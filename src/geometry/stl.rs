@@ -1,14 +1,11 @@
 //! STL: triangles alone, binary or text. Neither says which it is: <https://en.wikipedia.org/wiki/STL_(file_format)>.
 
 use super::lex::{Lines, Tokens, parse_f64, quoted};
-use super::mesh::{Material, Mesh, check_memory};
+use super::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
 use crate::input::{Error, Result};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;
-
-/// Most triangles a mesh may have.
-const MAX_TRIANGLES: usize = 1 << 28;
 
 /// Bytes before the triangles of a binary file: a text, and their number.
 const HEADER: usize = 84;

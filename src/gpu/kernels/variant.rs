@@ -178,7 +178,6 @@ impl Variant {
             if textured {
                 let kinds = [RaysKind::Pieces, RaysKind::Field, RaysKind::Curves { degree: 3 }];
                 list.extend(kinds.map(|rays| Variant { masked: true, colored: false, ..variant(rays, false, None) }));
-                // with colours, too
                 let slabbed = Variant { masked: true, ..variant(RaysKind::Pieces, true, None) };
                 let seen = Variant { masked: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
                 list.extend([slabbed, seen, seen.after_bounce()]);
