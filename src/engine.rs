@@ -47,7 +47,7 @@ use frames::Timed;
 use pages::PageStore;
 use planned::{Planned, Planner};
 use resident::Resident;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 /// Capacities of the queues between stages.
@@ -244,6 +244,7 @@ impl Engine {
             planes_copy: None,
             shown: Arc::downgrade(&clustered),
             moving: run.moving.then(|| Arc::unwrap_or_clone(clustered)),
+            bind_groups: Mutex::default(),
             is_partly_uploaded: false,
             is_lost: false,
             is_aimed: false,

@@ -7,10 +7,11 @@ use super::resident::Job;
 use super::steps::{FrameInputs, Step, StepScope, passes, steps};
 use crate::engine::rival::{ChunkScopes, Target};
 use crate::engine::stage::Stages;
-use crate::gpu::buffers::{Buffers, readback};
+use crate::gpu::buffers::{BindGroups, Buffers, readback};
 use crate::gpu::layout::COUNTERS;
 use crate::gpu::recorder::{Recorded, Recorder};
 use crate::input::Result;
+use std::sync::PoisonError;
 
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 
@@ -50,18 +51,20 @@ impl Frames {
         };
         let mut recorder = Recorder::new(gpu, passes(steps) + steps.iter().map(by_rival).sum::<u32>());
         let mut copies = Copies::new(readback(gpu, STATUS_BYTES * self.resident.job_count().max(1) as u64));
+        let mut groups = self.bind_groups.lock().unwrap_or_else(PoisonError::into_inner);
+        groups.rewind();
         for step in steps {
-            self.encode(&mut recorder, step, &mut copies)?;
+            self.encode(&mut recorder, step, &mut copies, &mut groups)?;
         }
         Ok((copies, recorder.submit(gpu)?))
     }
 
-    fn encode(&self, recorder: &mut Recorder, step: &Step, copies: &mut Copies) -> Result<()> {
+    fn encode(&self, recorder: &mut Recorder, step: &Step, copies: &mut Copies, groups: &mut BindGroups) -> Result<()> {
         let (gpu, resident) = (&*self.gpu, &self.resident);
         match step {
             Step::Pass { name, at, dispatches } => {
                 let mut pass = recorder.compute(name);
-                self.stages_of(at.bounce).encode(gpu, &mut pass, &self.scopes(*at), dispatches)?;
+                self.stages_of(at.bounce).encode(gpu, &mut pass, &self.scopes(*at), dispatches, groups)?;
             }
             Step::Clear { buffer, at, from, bytes } => {
                 if let Some(buffer) = self.scopes(*at).iter().find_map(|s| s.get(buffer)) {

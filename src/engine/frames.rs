@@ -17,14 +17,14 @@ use crate::engine::plan::{LeftOut, Plan, SceneContents, SceneExtent, Wanted};
 use crate::engine::rival::Rival;
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
-use crate::gpu::buffers::wait;
+use crate::gpu::buffers::{BindGroups, wait};
 use crate::gpu::kernels::{LightsKind, Method, Variant};
 use crate::image::frame::Frame;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::labels::Labels;
 use glam::{DMat3, DVec3};
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::time::Instant;
 
 /// Everything that is on the device for frames of one scene; as many of them may be kept as it has memory for.
@@ -43,6 +43,8 @@ pub struct Frames {
     pub(super) plan: Arc<Plan>,
     pub(super) wanted: Wanted,
     pub(super) resident: Resident,
+    /// Of the last frame.
+    pub(super) bind_groups: Mutex<BindGroups>,
     /// The scene's caustics, where the frame shows them.
     pub(super) caustics: Option<Arc<DeviceCaustics>>,
     /// The order of the camera's pixels, where it is not their own.
@@ -136,7 +138,7 @@ impl Frames {
     fn prefer_trace(&mut self) -> Result<bool> {
         let frames = self.timed.frame_ms.len() as u64 + 1;
         let trace = self.resident.trace_cost(&self.plan);
-        let saved = self.timed.raster_cost.saturating_sub(trace + trace / 8);
+        let saved = self.resident.raster_cost(self.timed.raster_cost).saturating_sub(trace + trace / 8);
         let is_open =
             self.plan.variant.method == Method::Auto && matches!(self.resident.bvh, BvhState::None | BvhState::Built);
         if !is_open || saved == 0 || saved * frames < self.resident.build_cost() {
@@ -414,8 +416,8 @@ impl Frames {
         let milliseconds = |cost: u64| cost as f64 / 1e4;
         let trace = milliseconds(self.resident.trace_cost(&self.plan));
         let trace = format!("tracing every pixel is rated {trace:.1}");
-        let raster =
-            format!("its lists are rated {:.1}", milliseconds(self.timed.raster_cost.max(counts.raster_cost())));
+        let raster = self.resident.raster_cost(self.timed.raster_cost.max(counts.raster_cost()));
+        let raster = format!("raster is rated {:.1}", milliseconds(raster));
         let (name, why) = match (self.plan.variant.method, counts.taken_over > 0) {
             (Method::Auto, _) if self.resident.bvh == BvhState::Preferred => {
                 ("trace", format!("{raster} in the first frame, {trace}"))

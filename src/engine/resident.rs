@@ -45,6 +45,7 @@ pub struct Resident {
     /// Some rays are always traced.
     always_traces: bool,
     pub bvh: BvhState,
+    costs: &'static Costs,
     /// Triangles without area.
     pub without_area: usize,
     /// Shadow casters: all triangles but the camera's own, which are the last ones.
@@ -107,6 +108,7 @@ impl Resident {
             traces: plan.variant.traces(),
             always_traces,
             bvh: BvhState::None,
+            costs: if gpu.has.software { &Costs::SOFTWARE } else { &Costs::GPU },
             shadow_casters: None,
             facets: camera.optics.as_ref().and_then(|o| o.facets()).map_or(0, |f| f.triangles.len()),
             alpha_masks: Default::default(),
@@ -128,13 +130,18 @@ impl Resident {
 
     /// What tracing a frame costs: each chunk has a hierarchy of its own.
     pub fn trace_cost(&self, plan: &Plan) -> u64 {
-        self.chunks.len() as u64 * plan.bands.iter().map(|band| trace_cost(plan, band)).sum::<u64>()
+        self.chunks.len() as u64 * plan.bands.iter().map(|band| self.costs.trace(plan, band)).sum::<u64>()
+    }
+
+    /// What raster costs in a frame whose lists cost so much.
+    pub fn raster_cost(&self, lists: u64) -> u64 {
+        if lists == 0 { 0 } else { self.costs.stages + lists }
     }
 
     /// What building them would cost.
     pub fn build_cost(&self) -> u64 {
         let slots: u64 = self.chunks.iter().map(|chunk| u64::from(chunk.slots)).sum();
-        if self.bvh == BvhState::None { u64::from(BUILD_COST) * slots } else { 0 }
+        if self.bvh == BvhState::None { self.costs.triangle * slots } else { 0 }
     }
 
     /// Puts the triangles on the device, anew where they were there before.
@@ -308,9 +315,9 @@ impl Resident {
             BvhState::GivenUp => return f32::MAX,
             BvhState::Preferred => return 0.0,
             BvhState::Built => 0,
-            BvhState::None => u64::from(BUILD_COST) * u64::from(chunk.slots),
+            BvhState::None => self.costs.triangle * u64::from(chunk.slots),
         };
-        (trace_cost(plan, band) + build) as f32
+        (self.costs.trace(plan, band) + build).saturating_sub(self.costs.stages) as f32
     }
 
     /// First cluster and count of one batch.
@@ -383,13 +390,25 @@ impl Resident {
     }
 }
 
-/// What tracing a pixel costs, in the units of [`crate::gpu::layout::CULL_COST`], and building a hierarchy, a triangle.
-const TRACE_COST: u32 = 16;
-const BUILD_COST: u32 = 15;
+/// What things cost besides raster's lists, in the units of [`crate::gpu::layout::CULL_COST`]. Measurements are in `bench_results/lab.md`.
+struct Costs {
+    /// The stages of raster, however little they do.
+    stages: u64,
+    /// Tracing a pixel.
+    pixel: u64,
+    /// Building a hierarchy on the CPU, a triangle.
+    triangle: u64,
+}
 
-/// What tracing the rays of a band costs.
-fn trace_cost(plan: &Plan, band: &Band) -> u64 {
-    u64::from(TRACE_COST) * u64::from(band.rows) * u64::from(plan.width)
+impl Costs {
+    const SOFTWARE: Costs = Costs { stages: 0, pixel: 16, triangle: 15 };
+    /// An NVIDIA H200 does in 0.1 ns what a software adapter does in 0.1 µs.
+    const GPU: Costs = Costs { stages: 1_900_000, pixel: 2, triangle: 15_000 };
+
+    /// Tracing the rays of a band.
+    fn trace(&self, plan: &Plan, band: &Band) -> u64 {
+        self.pixel * u64::from(band.rows) * u64::from(plan.width)
+    }
 }
 
 /// The hierarchies that trace follows.

@@ -132,6 +132,8 @@ impl Frames {
         if let Some(rounds) = short.rounds {
             self.resident.raster_rounds = self.resident.raster_rounds.max(rounds);
         }
+        // they hold the lists that are to be replaced
+        self.bind_groups = Default::default();
         self.resident.grow(&self.gpu, &self.camera, &self.plan, short.need)
     }
 }

@@ -172,32 +172,98 @@ impl Binder {
         Binder { kernel, layout }
     }
 
-    /// Binds every buffer by its name, from the first of `scopes` that has it, and textures; a name on the left of `renamed` is
-    /// looked up as the one on its right.
+    /// Binds every buffer by its name, from the first of `scopes` that has it, and textures.
     pub fn bind(
         &self,
         gpu: &Gpu,
         scopes: &[&Buffers],
-        renamed: &[(&str, &str)],
         textures: &[(&str, &wgpu::TextureView)],
     ) -> Result<wgpu::BindGroup> {
-        let mut entries = Vec::with_capacity(self.kernel.bindings.len());
-        for (k, b) in self.kernel.bindings.iter().enumerate() {
+        let bound = self.resources(scopes, &[], textures).collect::<Result<Vec<_>>>()?;
+        Ok(self.group(gpu, &bound))
+    }
+
+    /// What is bound, in the order of the bindings.
+    fn resources<'a>(
+        &'a self,
+        scopes: &'a [&'a Buffers],
+        renamed: &'a [(&str, &str)],
+        textures: &'a [(&str, &'a wgpu::TextureView)],
+    ) -> impl Iterator<Item = Result<Resource>> {
+        self.kernel.bindings.iter().map(move |b| {
             let name = renamed.iter().find(|r| r.0 == b.name).map_or(b.name, |r| r.1);
             let own = || textures.iter().find(|t| t.0 == name).map(|t| t.1);
             let shared = || scopes.iter().find_map(|s| s.textures.get(name)).map(|t| &t.view);
-            let texture = || own().or_else(shared).map(wgpu::BindingResource::TextureView);
-            let buffer = scopes.iter().find_map(|s| s.get(name)).map(wgpu::Buffer::as_entire_binding);
-            let resource = buffer
+            let texture = || own().or_else(shared).cloned().map(Resource::Texture);
+            let buffer = scopes.iter().find_map(|s| s.get(name)).cloned().map(Resource::Buffer);
+            buffer
                 .or_else(texture)
-                .ok_or_else(|| Error::work(format!("kernel {}: no buffer or texture {name}", self.kernel.name)))?;
-            entries.push(wgpu::BindGroupEntry { binding: k as u32, resource });
+                .ok_or_else(|| Error::work(format!("kernel {}: no buffer or texture {name}", self.kernel.name)))
+        })
+    }
+
+    fn group(&self, gpu: &Gpu, bound: &[Resource]) -> wgpu::BindGroup {
+        let entries: Vec<wgpu::BindGroupEntry> = (0..)
+            .zip(bound)
+            .map(|(binding, resource)| {
+                let resource = match resource {
+                    Resource::Buffer(buffer) => buffer.as_entire_binding(),
+                    Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
+                };
+                wgpu::BindGroupEntry { binding, resource }
+            })
+            .collect();
+        let (label, layout) = (Some(self.kernel.name), &self.layout);
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
+    }
+}
+
+#[derive(PartialEq)]
+enum Resource {
+    Buffer(wgpu::Buffer),
+    Texture(wgpu::TextureView),
+}
+
+/// The bind groups of a frame in their order, for the next frame: most bind the same again.
+#[derive(Default)]
+pub struct BindGroups {
+    groups: Vec<BoundGroup>,
+    /// How many this frame has taken.
+    taken: usize,
+}
+
+struct BoundGroup {
+    pipeline: Pipeline,
+    bound: Vec<Resource>,
+    group: wgpu::BindGroup,
+}
+
+impl BindGroups {
+    /// The next one of a frame: binds every buffer and texture by its name, from the first of `scopes` that has it; a name on the left of
+    /// `renamed` is looked up as the one on its right.
+    pub fn next(
+        &mut self,
+        gpu: &Gpu,
+        pipeline: &Pipeline,
+        scopes: &[&Buffers],
+        renamed: &[(&str, &str)],
+    ) -> Result<&wgpu::BindGroup> {
+        let bound = pipeline.0.binder.resources(scopes, renamed, &[]).collect::<Result<Vec<_>>>()?;
+        let at = self.taken;
+        self.taken += 1;
+        let is_same = |there: &BoundGroup| Arc::ptr_eq(&there.pipeline.0, &pipeline.0) && there.bound == bound;
+        if !self.groups.get(at).is_some_and(is_same) {
+            let group = pipeline.0.binder.group(gpu, &bound);
+            let new = BoundGroup { pipeline: pipeline.clone(), bound, group };
+            self.groups.splice(at..(at + 1).min(self.groups.len()), [new]);
         }
-        Ok(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(self.kernel.name),
-            layout: &self.layout,
-            entries: &entries,
-        }))
+        Ok(&self.groups[at].group)
+    }
+
+    /// The next group is the first of a frame. What the last frame did not take is forgotten.
+    pub fn rewind(&mut self) {
+        self.groups.truncate(self.taken);
+        self.taken = 0;
     }
 }
 
@@ -240,12 +306,7 @@ impl Pipeline {
 
     /// Binds every buffer by its name, from the first of `scopes` that has it.
     pub fn bind(&self, gpu: &Gpu, scopes: &[&Buffers]) -> Result<wgpu::BindGroup> {
-        self.bind_renamed(gpu, scopes, &[])
-    }
-
-    /// A name on the left of `renamed` is looked up as the one on its right.
-    pub fn bind_renamed(&self, gpu: &Gpu, scopes: &[&Buffers], renamed: &[(&str, &str)]) -> Result<wgpu::BindGroup> {
-        self.0.binder.bind(gpu, scopes, renamed, &[])
+        self.0.binder.bind(gpu, scopes, &[])
     }
 
     /// With textures.
@@ -255,7 +316,7 @@ impl Pipeline {
         scopes: &[&Buffers],
         textures: &[(&str, &wgpu::TextureView)],
     ) -> Result<wgpu::BindGroup> {
-        self.0.binder.bind(gpu, scopes, &[], textures)
+        self.0.binder.bind(gpu, scopes, textures)
     }
 }
 

@@ -35,8 +35,8 @@ pub struct Gpu {
     pub has: AdapterFeatures,
     /// Snippets that kernels are compiled with instead of those of the same names: tests plant errors by them.
     pub replaced: Vec<&'static Snippet>,
-    /// Kernels are compiled with wgpu's checks, see [`Gpu::without_checks`].
-    checked: bool,
+    /// What wgpu adds to kernels, see [`Gpu::with_checks`].
+    checks: wgpu::ShaderRuntimeChecks,
     /// Writes the kernels' sources.
     pub(super) dump: Option<Dump>,
     pub(super) pipelines: Pipelines,
@@ -49,17 +49,19 @@ pub struct Gpu {
 pub struct AdapterFeatures {
     /// f64 and 64-bit integers: rechecks, depths and shading in the adapter's own f64; without them in 32-bit words.
     pub f64: bool,
-    /// And f64 takes at most some times as long as f32: on CPUs. GPUs that are made for pictures do an f64 operation at 1/16 to 1/64 of the rate.
-    pub fast_f64: bool,
+    /// A CPU runs the kernels: a subgroup is one of its threads, and f64 takes it at most some times as long as f32.
+    pub software: bool,
     /// Its f64 failed the test at opening: see [`super::exact`].
     #[serde(skip)]
     pub f64_is_wrong: bool,
     /// 64-bit atomic minimum and maximum: one dispatch for the depth test instead of two.
     pub atomics64: bool,
-    /// Subgroups of at least as many threads as a tile has columns: `raster` goes tile by tile, and `small` draws small triangles.
+    /// Subgroups of at least as many threads as a tile has columns: `raster` can go tile by tile, and `small` draw small triangles.
     pub lanes: bool,
     /// Some subgroups have more threads than that.
     pub wide: bool,
+    /// Raster rather goes pair by pair where the adapter has f64 and 64-bit atomics too: so more of a GPU's threads are busy.
+    pub by_pair: bool,
     /// Times of single stages.
     pub timestamps: bool,
     /// Clip distances: rivals clip at the edges of a camera's pieces.
@@ -74,14 +76,20 @@ impl AdapterFeatures {
             && limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS_BY_TILE;
         AdapterFeatures {
             f64: int64 && features.contains(wgpu::Features::SHADER_F64),
-            fast_f64: info.device_type == wgpu::DeviceType::Cpu,
+            software: info.device_type == wgpu::DeviceType::Cpu,
             f64_is_wrong: false,
             atomics64: int64 && features.contains(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX),
             lanes,
             wide: lanes && info.subgroup_max_size > LANES,
+            by_pair: info.device_type != wgpu::DeviceType::Cpu,
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
             clip_distances: features.contains(wgpu::Features::CLIP_DISTANCES),
         }
+    }
+
+    /// Raster goes tile by tile.
+    pub fn by_tile(self) -> bool {
+        self.lanes && !(self.by_pair && self.f64 && self.atomics64)
     }
 
     /// The features that these abilities need.
@@ -95,6 +103,13 @@ impl AdapterFeatures {
         features.set(wgpu::Features::CLIP_DISTANCES, self.clip_distances);
         features
     }
+}
+
+/// All checks, but on a GPU a count of each loop's rounds, which would end it after 2^64 of them: it takes a tenth of the time of raster and
+/// trace on an NVIDIA H200, and the loops of all kernels go over lists, levels and rows, or have a largest number of rounds. Without it
+/// lavapipe of Mesa 22.3.6 loses pixels in `small`.
+fn default_checks(has: AdapterFeatures) -> wgpu::ShaderRuntimeChecks {
+    wgpu::ShaderRuntimeChecks { force_loop_bounding: has.software, ..wgpu::ShaderRuntimeChecks::checked() }
 }
 
 /// Backends whose adapters are opened where this build has them, the best one of an adapter first: of all that wgpu drives, Vulkan
@@ -210,7 +225,7 @@ impl Gpu {
             limits,
             has,
             replaced: Vec::new(),
-            checked: true,
+            checks: default_checks(has),
             dump,
             pipelines: Pipelines::default(),
             failed,
@@ -222,23 +237,19 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// Compiles kernels from here on as they stand: without the bounds of indices and loops that wgpu adds to them. No kernel
-    /// should need any; the tests render the same frames both ways.
+    /// Compiles kernels from here on with these checks. No kernel should need any; the tests render the same frames with all and none.
     ///
     /// # Safety
     ///
-    /// A kernel that reads or writes beyond a buffer, or does not end, does so.
-    pub unsafe fn without_checks(&mut self) {
-        self.checked = false;
+    /// Without checks, a kernel that reads or writes beyond a buffer, divides by 0 or does not end does so.
+    pub unsafe fn with_checks(&mut self, checks: wgpu::ShaderRuntimeChecks) {
+        self.checks = checks;
     }
 
-    /// A module, with or without wgpu's checks.
+    /// A module, with those checks.
     pub(super) fn create_module(&self, descriptor: wgpu::ShaderModuleDescriptor<'_>) -> wgpu::ShaderModule {
-        if self.checked {
-            return self.device.create_shader_module(descriptor);
-        }
-        // SAFETY: whoever asked to do without checks vouches for the kernels
-        unsafe { self.device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) }
+        // SAFETY: every loop of the kernels ends, see [`default_checks`]; for fewer checks, whoever asked vouches
+        unsafe { self.device.create_shader_module_trusted(descriptor, self.checks) }
     }
 
     /// The first error that the device reported, if any.

@@ -89,7 +89,7 @@ impl Draw {
     }
 
     pub fn bind(&self, gpu: &Gpu, scopes: Scopes) -> Result<wgpu::BindGroup> {
-        self.binder.bind(gpu, scopes, &[], &[])
+        self.binder.bind(gpu, scopes, &[])
     }
 
     /// With a texture.
@@ -99,7 +99,7 @@ impl Draw {
         scopes: Scopes,
         texture: (&'static str, &wgpu::TextureView),
     ) -> Result<wgpu::BindGroup> {
-        self.binder.bind(gpu, scopes, &[], &[texture])
+        self.binder.bind(gpu, scopes, &[texture])
     }
 }
 

@@ -20,8 +20,8 @@ pub enum Without {
     F64,
     /// Subgroups of eight threads: raster goes pair by pair.
     Lanes,
-    /// Raster bounds t in f32, and recheck finds it.
-    FastF64,
+    /// Tile by tile, raster bounds t in f32, and recheck finds it.
+    F64Depths,
 }
 
 type Slot = OnceLock<Option<Mutex<Engine>>>;
@@ -36,7 +36,9 @@ pub fn engine(camera: &Camera, without: Without) -> Option<MutexGuard<'static, E
         gpu.has.f64 &= without != Without::F64;
         gpu.has.atomics64 &= without != Without::Int64Atomics;
         gpu.has.lanes &= !matches!(without, Without::Lanes | Without::Int64Atomics);
-        gpu.has.fast_f64 &= without != Without::FastF64;
+        if without == Without::F64Depths {
+            (gpu.has.by_pair, gpu.has.software) = (false, false);
+        }
     };
     let slot = ENGINES[2 * without as usize + usize::from(field)].get_or_init(|| engine_on(less).map(Mutex::new));
     if slot.is_none() {

@@ -297,7 +297,9 @@ impl Bench {
         reals.flat_map(|r| atomics.clone().map(move |a| (r, a))).collect()
     }
 
+    /// The kernels of a variant, for subgroups as wide as the adapter's.
     pub fn stages(&mut self, variant: Variant, planes: &[Channel]) -> (&Gpu, &Stages) {
+        let variant = Variant { wide: variant.by_tile && self.gpu.has.wide, ..variant };
         let found = self.stages.iter().position(|s| s.variant == variant && s.planes == planes);
         let at = found.unwrap_or_else(|| {
             self.stages.push(Stages::new(&self.gpu, variant, planes).unwrap());

@@ -4,7 +4,7 @@ use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::{Arithmetic, Capacities, Engine, RunOptions};
+use anamorph::internals::engine::{Arithmetic, Capacities, Counts, Engine, RunOptions};
 use anamorph::internals::geometry::generate::icosphere;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::image::frame::Channel;
@@ -59,7 +59,9 @@ fn check(engine: &mut Engine, what: &str) {
             there.iter().for_each(|camera| frames.aim(camera).unwrap_or_else(|e| panic!("{name}: {e}")));
             let aimed = frames.finish().unwrap();
             assert!(words(&aimed.frame) == words(&expected.frame) && aimed.srgb8 == expected.srgb8, "{name}");
-            assert_eq!((&aimed.counts, &aimed.left_out), (&expected.counts, &expected.left_out), "{name}");
+            // the order in which a GPU takes triangles says how many of them f32 proves to be behind another
+            let counts = [&aimed, expected].map(|frame| Counts { rechecked: 0, ..frame.counts });
+            assert_eq!((counts[0], &aimed.left_out), (counts[1], &expected.left_out), "{name}");
         }
     }
 }

@@ -181,9 +181,10 @@ impl Case {
             atomics64: true,
             lanes: true,
             wide: false,
+            by_pair: false,
             timestamps: false,
             clip_distances: false,
-            fast_f64: true,
+            software: true,
             f64_is_wrong: false,
         };
         let planner = Planner { name: "test".into(), has, limit: self.limit, table_limit: self.limit };

@@ -14,13 +14,14 @@ use common::{FORWARD, camera, scene};
 /// Bytes in lists whose layout depends on how raster goes over pairs.
 #[derive(Clone, Copy)]
 struct Lists {
-    /// A pair: itself; for tile by tile its unsorted copy and its rank; and for small triangles one that is left.
+    /// A pair: itself; tile by tile its unsorted copy and its rank; and where small triangles are drawn by themselves, one that is left.
     pair: f64,
     /// A tile: its run of pairs and its entry among the busy tiles.
     tile: f64,
 }
 
-const BY_TILE: Lists = Lists { pair: 8.0 + 8.0 + 4.0 + 8.0, tile: 8.0 + 8.0 };
+const BY_TILE: Lists = Lists { pair: 8.0 + 8.0 + 4.0, tile: 8.0 + 8.0 };
+const BY_TILE_WITH_SMALL: Lists = Lists { pair: BY_TILE.pair + 8.0, ..BY_TILE };
 const BY_PAIR: Lists = Lists { pair: 8.0, tile: 0.0 };
 
 /// Rows of a triangle and of its cluster and triangle group, and its share of the lists as they are at first: 2 pairs, 28 items of 8 for 64
@@ -41,7 +42,11 @@ fn pixel(lists: Lists) -> f64 {
 fn engines() -> Option<Vec<(Engine, Lists)>> {
     let (any, by_pair) = (engine_on(|_| {})?, engine_on(|gpu| gpu.has.lanes = false)?);
     let has = any.gpu.has;
-    let lists = if has.lanes && has.f64 && has.atomics64 { BY_TILE } else { BY_PAIR };
+    let lists = match has.by_tile() {
+        true if has.f64 && has.atomics64 => BY_TILE_WITH_SMALL,
+        true => BY_TILE,
+        false => BY_PAIR,
+    };
     Some(vec![(any, lists), (by_pair, BY_PAIR)])
 }
 

@@ -89,7 +89,7 @@ fn trace_gives_the_bytes_of_raster() {
             // in two dispatches, and by what costs less: of a crowd alone
             let (all, methods) = match *what {
                 "crowd" => (
-                    &[Without::Nothing, Without::Int64Atomics, Without::FastF64][..],
+                    &[Without::Nothing, Without::Int64Atomics, Without::F64Depths][..],
                     &[Method::Trace, Method::Auto][..],
                 ),
                 _ => (&[Without::Nothing][..], &[Method::Trace][..]),
@@ -114,7 +114,7 @@ fn every_method_gives_the_same_bytes_at_any_size_and_far_away() {
         let scene = scene(scaled(&crowd(), scale, DVec3::X * to));
         let camera = eye(to, scale);
         let Some(raster) = render_with(&scene, &camera, Without::Nothing, &by(Method::Raster)) else { return };
-        for (without, method) in [(Without::Nothing, Method::Trace), (Without::FastF64, Method::Raster)] {
+        for (without, method) in [(Without::Nothing, Method::Trace), (Without::F64Depths, Method::Raster)] {
             let other = render_with(&scene, &camera, without, &by(method)).unwrap();
             assert_same(&format!("{scale} at {to}, {without:?}, {method:?}"), &raster, &other);
         }
@@ -128,7 +128,7 @@ fn what_is_behind_the_ends_of_t_is_left_out() {
     let camera = camera(pinhole(DVec3::new(0.1, 0.2, 3.0), DVec3::ZERO, 40.0), SIZE, [2.3, 3.1]);
     let scene = scene(crowd());
     let Some(raster) = render_with(&scene, &camera, Without::Nothing, &by(Method::Raster)) else { return };
-    for (without, method) in [(Without::Nothing, Method::Trace), (Without::FastF64, Method::Raster)] {
+    for (without, method) in [(Without::Nothing, Method::Trace), (Without::F64Depths, Method::Raster)] {
         let other = render_with(&scene, &camera, without, &by(method)).unwrap();
         assert_same("a thin slice", &raster, &other);
     }

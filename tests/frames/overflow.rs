@@ -49,7 +49,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
 fn lists_of_one_item_grow_to_the_identical_image() {
     let scene = crowd();
     for (name, camera) in cameras() {
-        for without in [Without::Nothing, Without::Int64Atomics, Without::FastF64] {
+        for without in [Without::Nothing, Without::Int64Atomics, Without::F64Depths] {
             let Some(ample) =
                 render_with(&scene, &camera, without, &RunOptions { method: Method::Raster, ..Default::default() })
             else {

@@ -24,11 +24,12 @@ const SIZE: (u32, u32) = (101, 77);
 const LAVAPIPE_BINDING: u64 = 128 << 20;
 const HAS_ALL: AdapterFeatures = AdapterFeatures {
     f64: true,
-    fast_f64: true,
+    software: true,
     f64_is_wrong: false,
     atomics64: true,
     lanes: true,
     wide: false,
+    by_pair: false,
     timestamps: true,
     clip_distances: true,
 };
@@ -37,9 +38,10 @@ const HAS_NONE: AdapterFeatures = AdapterFeatures {
     atomics64: false,
     lanes: false,
     wide: false,
+    by_pair: false,
     timestamps: false,
     clip_distances: false,
-    fast_f64: true,
+    software: true,
     f64_is_wrong: false,
 };
 

@@ -46,11 +46,12 @@ depth = 2"#;
 
 const HAS: AdapterFeatures = AdapterFeatures {
     f64: true,
-    fast_f64: true,
+    software: true,
     f64_is_wrong: false,
     atomics64: true,
     lanes: true,
     wide: false,
+    by_pair: false,
     timestamps: true,
     clip_distances: true,
 };

@@ -61,7 +61,7 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &KernelI
     run(gpu, |pass| {
         let mut dispatches = vec![split(), stage::bin::bin(variant)];
         dispatches.extend(variant.by_tile.then(|| sort(tiles as u32)).into_iter().flatten());
-        stages.encode(gpu, pass, &[&buffers], &dispatches)
+        stages.encode(gpu, pass, &[&buffers], &dispatches, &mut Default::default())
     });
 
     let counters = read(gpu, &buffers, "counters");

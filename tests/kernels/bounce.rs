@@ -52,7 +52,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &KernelInputs, 
     buffers.upload(gpu, "bounced_hi", &vec![POISON; numbers + SPARE]).unwrap();
     buffers.upload(gpu, "bounced_lo", &vec![POISON; numbers + SPARE]).unwrap();
     buffers.upload(gpu, "bounced_paths", &vec![[POISON; 8]; w * h + SPARE]).unwrap();
-    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::bounce::bounce()]));
+    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::bounce::bounce()], &mut Default::default()));
     let words = |name: &str, from: usize| {
         let words = read(gpu, &buffers, name);
         assert_poisoned(&words, from, &format!("{}, {name}", case.name));

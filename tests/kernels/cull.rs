@@ -32,7 +32,15 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &KernelInputs) -> Kept {
     let steps = input.cull_steps;
     let zeros: Vec<(u32, u32)> = (1..=steps).chain([Counter::Work.index()]).map(|k| (k, 0)).collect();
     counters(gpu, &mut buffers, &zeros);
-    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &stage::cull::cull(input.params.cluster_count, steps)));
+    run(gpu, |pass| {
+        stages.encode(
+            gpu,
+            pass,
+            &[&buffers],
+            &stage::cull::cull(input.params.cluster_count, steps),
+            &mut Default::default(),
+        )
+    });
 
     // nothing but the lists' own items and the counters of its steps may have changed
     let counters = read(gpu, &buffers, "counters");

@@ -48,7 +48,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &KernelInputs, levels: &[Le
     };
     let before: Vec<Cell> = (0..tiles).map(cell).collect();
     buffers.upload(gpu, "cells", &before).unwrap();
-    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &stage::fit::fit(levels)));
+    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &stage::fit::fit(levels), &mut Default::default()));
     let words = read(gpu, &buffers, "nodes");
     assert_poisoned(&words, node_words * count, &format!("{}, nodes", case.name));
     let nodes = bytemuck::cast_slice(&words[..node_words * count]).to_vec();

@@ -104,7 +104,7 @@ fn run(gpu: &Gpu, case: &Case, optics: bool) -> Vec<u32> {
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_compute_pass(&Default::default());
     let stages = Stages::new(gpu, variant(optics), &PLANES).unwrap();
-    stages.encode(gpu, &mut pass, &[&b], &[stage::gather::gather(PIXELS as u32)]).unwrap();
+    stages.encode(gpu, &mut pass, &[&b], &[stage::gather::gather(PIXELS as u32)], &mut Default::default()).unwrap();
     drop(pass);
     let bytes = 4 * case.planes.len() as u64;
     let list = readback(gpu, bytes);

@@ -29,7 +29,7 @@ fn run_kernel(
     words.resize(before.len() + SPARE, [POISON; 2]);
     buffers.upload(gpu, "visibility", &words).unwrap();
     for step in 0..raster_steps(stages.variant) {
-        run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::meet::meet(step)]));
+        run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::meet::meet(step)], &mut Default::default()));
     }
     let words = read(gpu, &buffers, "visibility");
     assert_poisoned(&words, 2 * before.len(), &format!("{}, visibility", case.name));

@@ -442,7 +442,7 @@ const PLANTED: [Planted; 45] = [
 fn engine(by: Dispatching, replaced: Option<&'static Snippet>) -> Option<Engine> {
     let engine = engine_on(|gpu| {
         gpu.has.lanes &= by != Dispatching::ByPair;
-        gpu.has.fast_f64 &= by != Dispatching::Bounded;
+        (gpu.has.by_pair, gpu.has.software) = (false, by == Dispatching::ByTile);
         gpu.replaced.extend(replaced);
     })?;
     if by != Dispatching::ByPair && !engine.gpu.has.lanes {

@@ -121,7 +121,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by): Mode, jobs:
                 let rechecked = stages.variant.rechecks().then(|| recheck(step));
                 let dispatches: Vec<_> =
                     stage::raster::raster(stages.variant, step, 1).into_iter().chain(rechecked).collect();
-                stages.encode(gpu, pass, &[&buffers, &shared], &dispatches)
+                stages.encode(gpu, pass, &[&buffers, &shared], &dispatches, &mut Default::default())
             });
             assert_poisoned(
                 &read(gpu, &buffers, "recheck_items"),

@@ -54,7 +54,9 @@ fn run_kernel(
     let words = visibility.words.len() * planes.len();
     let start = planes.iter().flat_map(|&c| vec![before(c, input); visibility.words.len()]);
     buffers.upload(gpu, "planes", &start.chain(vec![POISON; SPARE]).collect::<Vec<_>>()).unwrap();
-    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::shade::shade(pixels(input))]));
+    run(gpu, |pass| {
+        stages.encode(gpu, pass, &[&buffers], &[stage::shade::shade(pixels(input))], &mut Default::default())
+    });
     let out = read(gpu, &buffers, "planes");
     assert_poisoned(&out, words, &format!("{}, planes", case.name));
     out[..words].to_vec()

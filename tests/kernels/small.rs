@@ -59,7 +59,7 @@ fn draw(bench: &mut Bench, case: &Case, variant: Variant, input: &KernelInputs, 
         dispatches.extend(sort(tiles as u32));
         dispatches.extend(stage::raster::raster(variant, 0, 1));
         dispatches.push(recheck(0));
-        stages.encode(gpu, pass, &[&buffers, shared], &dispatches)
+        stages.encode(gpu, pass, &[&buffers, shared], &dispatches, &mut Default::default())
     });
     let counted = read(gpu, &buffers, "counters");
     let demand = counted[Counter::Large.index() as usize];

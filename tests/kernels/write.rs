@@ -104,7 +104,9 @@ fn check(bench: &mut Bench, rng: &mut Rng, case: &Case, input: &KernelInputs, pl
     let mut buffers = upload(gpu, input);
     buffers.upload(gpu, "planes", &words).unwrap();
     buffers.upload(gpu, "srgb8", &vec![POISON; pixels + SPARE]).unwrap();
-    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::write::write(pixels as u32)]));
+    run(gpu, |pass| {
+        stages.encode(gpu, pass, &[&buffers], &[stage::write::write(pixels as u32)], &mut Default::default())
+    });
     let out = read(gpu, &buffers, "srgb8");
     assert_poisoned(&out, pixels, "srgb8");
     assert_eq!(read(gpu, &buffers, "planes")[..words.len()], words, "write has changed what it reads");

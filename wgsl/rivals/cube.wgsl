@@ -1,6 +1,10 @@
 // cube: triangles onto the six faces of a cube around the eye, three beside each other in two rows.
 // Needs: Drawn, ID_MASK, drawn, file_normal, is_back_face, on_face, triangle_at, vertex
-// Binds: cube
+// Binds: cube, params
+
+// Of the scene's size: what is nearer to the plane through the eye that is parallel to a face is not drawn there. Clipped at that plane
+// itself, triangles would have corners infinitely far away, and some adapters do not draw these.
+const NEAR: f32 = 1.52587890625e-5;
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -18,7 +22,8 @@ fn cube_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) face:
     let v2 = vertex(triangle.z);
     let m = select(select(v2, v1, index % 3u == 1u), v0, index % 3u == 0u) - cube.eye;
     let on = on_face(face, m);
-    return Corner(vec4<f32>(on.x, -on.y, 0.5 * on.z, on.z), m, file_normal(triangle, v0, v1, v2), triangle.w, face);
+    let before = on.z - NEAR * params.scene_size;
+    return Corner(vec4<f32>(on.x, -on.y, 0.5 * before, on.z), m, file_normal(triangle, v0, v1, v2), triangle.w, face);
 }
 
 @fragment

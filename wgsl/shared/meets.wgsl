@@ -9,24 +9,21 @@ const T_TOLERANCE: f32 = 1e-6;
 // The part of [range.x, range.y] (t >= 0) where a t with q + t d within +-(r0 + t r1) in every component may lie;
 // empty when .x > .y.
 fn slab(q: vec3<f32>, d: vec3<f32>, r0: vec3<f32>, r1: vec3<f32>, range: vec2<f32>) -> vec2<f32> {
-    var lo = range.x;
-    var hi = range.y;
-    for (var k = 0u; k < 3u; k++) {
-        for (var s = 0u; s < 2u; s++) {
-            // t a <= b
-            let flip = select(1.0, -1.0, s == 1u);
-            let a = flip * d[k] - r1[k];
-            let b = r0[k] - flip * q[k];
-            if a > 0.0 {
-                hi = min(hi, b / a * select(1.0 - T_TOLERANCE, 1.0 + T_TOLERANCE, b > 0.0));
-            } else if a < 0.0 {
-                lo = max(lo, b / a * select(1.0 + T_TOLERANCE, 1.0 - T_TOLERANCE, b < 0.0));
-            } else if b < 0.0 {
-                hi = -1.0;
-            }
-        }
-    }
-    return vec2<f32>(lo, hi);
+    // t a <= b, on either side of each component
+    return side_of_slab(d - r1, r0 - q, side_of_slab(-d - r1, r0 + q, range));
+}
+
+fn side_of_slab(a: vec3<f32>, b: vec3<f32>, range: vec2<f32>) -> vec2<f32> {
+    let t = b / a;
+    let more = t * (1.0 + T_TOLERANCE);
+    let less = t * (1.0 - T_TOLERANCE);
+    let zero = vec3<f32>(0.0);
+    let most = select(vec3<f32>(range.y), select(less, more, b > zero), a > zero);
+    let least = select(vec3<f32>(range.x), select(more, less, b < zero), a < zero);
+    let none = any((a == zero) & (b < zero));
+    let hi = min(range.y, min(most.x, min(most.y, most.z)));
+    let lo = max(range.x, max(least.x, max(least.y, least.z)));
+    return vec2<f32>(lo, select(hi, -1.0, none));
 }
 
 // Half-size of the bundle about its central ray at t, component by component; convex in t.

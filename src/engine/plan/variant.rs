@@ -21,7 +21,7 @@ pub fn variant(
     let variant = Variant {
         f64: run.arithmetic != Arithmetic::Single,
         atomics64: has.atomics64,
-        f64_depths: has.fast_f64 && has.f64 && has.atomics64,
+        f64_depths: has.software && has.f64 && has.atomics64,
         by_tile: false,
         wide: false,
         method: method(camera, contents, wanted, has, run).0,
@@ -51,7 +51,7 @@ pub fn variant(
         samples: wanted.samples(),
         analytic: wanted.analytic && wanted.samples() > 1,
     };
-    let variant = if has.lanes { Variant { wide: has.wide, ..variant }.with_tiles() } else { variant };
+    let variant = if has.by_tile() { Variant { wide: has.wide, ..variant }.with_tiles() } else { variant };
     if wanted.channels.contains(&Channel::Certified) { variant } else { variant.with_small() }
 }
 

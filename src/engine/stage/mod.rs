@@ -38,12 +38,13 @@ pub mod trace;
 pub mod write;
 
 use crate::gpu::Gpu;
-use crate::gpu::buffers::{Buffers, Pipeline};
+use crate::gpu::buffers::{BindGroups, Buffers, Pipeline};
 use crate::gpu::kernels::{Kernel, Method, OpticsKind, Variant};
 use crate::gpu::layout::{CULL_QUEUES, Counter, GROUP, NONE, Step};
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
-use std::collections::BTreeMap;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
 /// Generates the ids of kernels, their list, and how each is made, from one table.
@@ -255,7 +256,8 @@ impl Stages {
         for number in Number::every() {
             steps.upload_uniform(gpu, number.name(), &Step { value: number.value() })?;
         }
-        let kernels = KernelId::ALL.into_iter().filter_map(|id| {
+        // all at once: a GPU's driver takes a tenth of a second and more for a kernel
+        let kernels = KernelId::ALL.into_par_iter().filter_map(|id| {
             let kernel = id.kernel(variant, planes)?;
             let pipeline = if id.is_lazy() { OnceLock::new() } else { Pipeline::new(gpu, kernel).into() };
             Some((id, pipeline))
@@ -265,7 +267,9 @@ impl Stages {
 
     /// Compiles what dispatches take, where it is not yet.
     pub fn compile(&self, gpu: &Gpu, dispatches: &[Dispatch]) -> Result<()> {
-        dispatches.iter().try_for_each(|d| self.pipeline(gpu, d.kernel).map(|_| ()))
+        let is_left = |id: &KernelId| self.kernels.get(id).and_then(OnceLock::get).is_none();
+        let left: BTreeSet<KernelId> = dispatches.iter().map(|d| d.kernel).filter(is_left).collect();
+        left.into_par_iter().try_for_each(|id| self.pipeline(gpu, id).map(|_| ()))
     }
 
     /// Encodes dispatches in their order.
@@ -275,29 +279,30 @@ impl Stages {
         pass: &mut wgpu::ComputePass,
         scopes: Scopes,
         dispatches: &[Dispatch],
+        groups: &mut BindGroups,
     ) -> Result<()> {
         let scopes: Vec<&Buffers> = scopes.iter().copied().chain([&self.steps]).collect();
         for Dispatch { kernel, step, threads, renamed } in dispatches {
             if let Threads::Counted(number) = threads {
                 if self.variant.method == Method::Auto && number.is_of_raster() {
                     let choose = self.pipeline(gpu, KernelId::Choose)?;
-                    let group = choose.bind_renamed(gpu, &scopes, &[("step", number.name())])?;
+                    let group = groups.next(gpu, choose, &scopes, &[("step", number.name())])?;
                     pass.set_pipeline(choose.raw());
-                    pass.set_bind_group(0, &group, &[]);
+                    pass.set_bind_group(0, group, &[]);
                     pass.dispatch_workgroups(1, 1, 1);
                 }
                 let args = self.pipeline(gpu, KernelId::Args)?;
-                let group =
-                    args.bind_renamed(gpu, &scopes, &[("step", number.name()), ("counters", number.counted_in())])?;
+                let renamed = [("step", number.name()), ("counters", number.counted_in())];
+                let group = groups.next(gpu, args, &scopes, &renamed)?;
                 pass.set_pipeline(args.raw());
-                pass.set_bind_group(0, &group, &[]);
+                pass.set_bind_group(0, group, &[]);
                 pass.dispatch_workgroups(1, 1, 1);
             }
             let kernel = self.pipeline(gpu, *kernel)?;
             let renamed = [&[("step", step.name())][..], renamed].concat();
-            let group = kernel.bind_renamed(gpu, &scopes, &renamed)?;
+            let group = groups.next(gpu, kernel, &scopes, &renamed)?;
             pass.set_pipeline(kernel.raw());
-            pass.set_bind_group(0, &group, &[]);
+            pass.set_bind_group(0, group, &[]);
             match (threads, scopes.iter().find_map(|s| s.get("indirect"))) {
                 (Threads::Items(items), _) => dispatch_items(gpu, pass, *items),
                 (Threads::Counted(_), Some(indirect)) => pass.dispatch_workgroups_indirect(indirect, 0),

@@ -64,8 +64,13 @@ impl Provenance {
     }
 }
 
-/// The commit that is checked out, `-dirty` where more than results differs from it.
+/// The commit that is checked out, `-dirty` where more than results differs from it. Elsewhere what `ANAMORPH_COMMIT` said when this program
+/// was built: it may run where it was carried alone.
 fn commit() -> Option<String> {
+    checked_out().or_else(|| option_env!("ANAMORPH_COMMIT").map(str::to_owned))
+}
+
+fn checked_out() -> Option<String> {
     let git = |args: &[&str]| {
         let output = Command::new("git").args(args).output().ok().filter(|o| o.status.success())?;
         Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())

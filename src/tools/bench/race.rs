@@ -53,6 +53,9 @@ pub struct Rules {
     pub draws_max: Option<u64>,
     /// How long a technique's first frame may take, ms, to be repeated, where it is not within twice this engine's.
     pub first_ms_max: f64,
+    /// How long each arm renders before its first timed frame, and before each, ms: a GPU that has nothing to do slows its clock down, and
+    /// does not raise it at once.
+    pub warm_ms: [f64; 2],
 }
 
 impl Rules {
@@ -63,6 +66,7 @@ impl Rules {
             yardstick: None,
             draws_max: is_software.then_some(if quick { 500_000 } else { 8_000_000 }),
             first_ms_max: if quick { 1500.0 } else { 10_000.0 },
+            warm_ms: if is_software { [0.0; 2] } else { [200.0, 20.0] },
         }
     }
 }
@@ -139,7 +143,7 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
         row.describe(&truth.0, &truth.1);
         entries.push(Entry { row, arm: None, runner: Some(Runner::Yardstick(yardstick)), times: Vec::new() });
     }
-    let control_ms = time(&engines.computing, &all, &mut entries, rules.runs)?;
+    let control_ms = time(&engines.computing, &all, &mut entries, rules)?;
 
     let mut judge = Judge { scene: &truth.0, camera: &truth.1, judgement: None, each: case.stiffness.is_some() };
     let filtered = case.filtered.map(|samples| box_filtered(&truth.0, &truth.1, samples));
@@ -175,15 +179,20 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
 }
 
 /// Times all arms, alternating; returns the median time of an empty kernel between them, ms.
-fn time(engine: &Engine, scenes: &Scenes, entries: &mut [Entry], runs: u32) -> Result<f64> {
+fn time(engine: &Engine, scenes: &Scenes, entries: &mut [Entry], rules: &Rules) -> Result<f64> {
     let mut control = Vec::new();
-    for k in 0..runs {
+    let [first_ms, each_ms] = rules.warm_ms;
+    entries.iter_mut().for_each(|entry| entry.warm(scenes, 0, first_ms));
+    for k in 0..rules.runs {
         let mut order: Vec<usize> = (0..entries.len()).collect();
         if k % 2 == 1 {
             order.reverse();
         }
         control.push(engine.empty_frame()?);
-        order.into_iter().for_each(|at| entries[at].time(scenes, k + 1));
+        order.into_iter().for_each(|at| {
+            entries[at].warm(scenes, k + 1, each_ms);
+            entries[at].time(scenes, k + 1);
+        });
     }
     Ok(Times::of(&control).median)
 }
@@ -230,6 +239,16 @@ impl<'a> Entry<'a> {
             }
             Err(e) => self.row.refused = Some(e.to_string()),
         }
+    }
+
+    /// Frames that are not timed, for so long.
+    fn warm(&mut self, scenes: &Scenes, k: u32, ms: f64) {
+        let started = Instant::now();
+        let timed = self.times.len();
+        while self.runner.is_some() && self.row.refused.is_none() && started.elapsed().as_secs_f64() * 1e3 < ms {
+            self.time(scenes, k);
+        }
+        self.times.truncate(timed);
     }
 
     /// One more frame, unless it is not repeated.

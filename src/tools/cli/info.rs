@@ -109,7 +109,7 @@ fn about(info: &wgpu::AdapterInfo, limits: &wgpu::Limits, has: AdapterFeatures, 
                 "one dispatch, 64-bit atomics (--no-int64: two)",
                 "two dispatches, 32-bit atomics",
             ),
-            mapping: match has.lanes && has.f64 && has.atomics64 {
+            mapping: match has.by_tile() {
                 true if has.wide => "tile by tile, a column a thread, several tiles a subgroup",
                 true => "tile by tile, a column a thread",
                 false => "pair by pair",
