@@ -3,7 +3,7 @@
 use super::changes::Dirty;
 use super::frames::Frames;
 use super::readback::{Copies, is_read};
-use super::resident::Job;
+use super::resident::{BvhState, Job};
 use super::steps::{FrameInputs, Step, StepScope, passes, steps};
 use crate::engine::rival::{ChunkScopes, Target};
 use crate::engine::stage::Stages;
@@ -26,6 +26,7 @@ impl Frames {
             batches: resident.batches as usize,
             raster_rounds: resident.raster_rounds,
             samples_by_tile: resident.samples_by_tile(&self.plan),
+            prefers_trace: resident.bvh == BvhState::Preferred,
             by_rival: self.rival.is_some(),
             gathers: self.caustics.is_some(),
             keeps: self.planes_copy.is_some(),

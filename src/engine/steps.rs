@@ -45,6 +45,8 @@ pub struct FrameInputs<'a> {
     pub raster_rounds: u32,
     /// As [`super::resident::Resident::samples_by_tile`].
     pub samples_by_tile: bool,
+    /// Raster is left out where there is trace too.
+    pub prefers_trace: bool,
     /// A rival finds what is seen.
     pub by_rival: bool,
     /// Caustics are added.
@@ -233,6 +235,10 @@ impl StepList<'_> {
             self.steps.push(Step::Rival { band: at.band });
             return;
         }
+        let method = match variant.method {
+            Method::Auto if inputs.prefers_trace => Method::Trace,
+            method => method,
+        };
         for step in 0..raster_steps(variant) {
             for at in self.jobs(at) {
                 if step > 0 && alone && variant.leaves_all_to_recheck() {
@@ -243,12 +249,12 @@ impl StepList<'_> {
                 if step > 0 && alone {
                     // its pairs are still there, and it leaves its items to recheck again
                     self.clear("counters", at, counter_at(Counter::RecheckItems), Some(4));
-                } else if variant.rasters() {
+                } else if method != Method::Trace {
                     self.add_pairs(at);
                 } else {
                     self.clear("counters", at, 0, Some(counter_at(PERSISTENT_FROM)));
                 }
-                match variant.method {
+                match method {
                     Method::Raster => self.pass("raster", at, raster(variant, step, inputs.raster_rounds)),
                     Method::Trace => self.pass("trace", at, [trace(inputs.traced(at), step)]),
                     Method::Auto => {

@@ -135,7 +135,7 @@ fn each_input(mut check: impl FnMut(&str, &FrameInputs)) {
             let bounces = bounces(camera.optics.as_deref());
             // one list; batches of one chunk of triangles; chunks, of which one is empty
             for (jobs, batches) in [(vec![5], 1), (vec![5, 4], 2), (vec![5, 3, 0], 1)] {
-                for samples_by_tile in [false, variant.samples_by_tile()] {
+                for (samples_by_tile, prefers_trace) in [(false, false), (variant.samples_by_tile(), true)] {
                     let inputs = FrameInputs {
                         plan: &plan,
                         bounces: &bounces,
@@ -143,6 +143,7 @@ fn each_input(mut check: impl FnMut(&str, &FrameInputs)) {
                         batches,
                         raster_rounds: 2,
                         samples_by_tile,
+                        prefers_trace,
                         by_rival: false,
                         gathers: wanted.srgb8,
                         keeps: true,

@@ -114,7 +114,8 @@ fn no_holes(engine: &mut Engine, samples: u32) -> Result<(), String> {
     for place in sample_offsets(samples) {
         let scene = scene(slab_on_rays(&camera.with_sample_offset(place.x, place.y), STEP));
         let wanted = Wanted { samples, sample_ids: true, ..centres(&[Channel::TriangleId]) };
-        let seen = frame(engine, &scene, &camera, &wanted);
+        let run = RunOptions { method: Method::Raster, ..RunOptions::default() };
+        let seen = engine.render(&scene, &camera, &wanted, &run).unwrap();
         // with a pixel's border that other samples may look beyond
         let inside = |k: usize| {
             let [x, y] = [k as u32 % SIZE.0, k as u32 / SIZE.0];
