@@ -1,12 +1,16 @@
-# What a person types: make demo, make gallery, make test, make check, make test-adapters, make agreement.
+# What a person types: make demo, make gallery, make wheel, make test, make check, make test-adapters, make agreement.
 
-.PHONY: demo gallery agreement test test-adapters check rust driver
+.PHONY: demo gallery agreement wheel test test-rust test-python test-adapters check rust driver venv
 
 BUILD := $(or $(CARGO_TARGET_DIR),target)
 RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 ICDS := /usr/share/vulkan/icd.d/*.json /usr/local/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json
 DRIVER := mesa-vulkan-drivers libvulkan1
 COMPILER := g++
+PYTHON := python3-venv
+# A virtual environment, and the wheel that it is tested in.
+VENV := $(BUILD)/venv
+TESTED := $(BUILD)/tested-wheel
 # Installs packages, by sudo where that asks for no password.
 install = as=; [ "$$(id -u)" = 0 ] || as="sudo -n"; command -v apt-get >/dev/null && $$as true 2>/dev/null && \
 	$$as apt-get update -qq && $$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $(1) >/dev/null
@@ -27,9 +31,22 @@ gallery: rust driver
 agreement: rust driver
 	@cargo run --release --locked --quiet --features internals --example agreement -- out/agreement $(MODELS)
 
+# The Python package as a wheel, into target/wheels.
+wheel: rust venv
+	@$(VENV)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(BUILD)/wheels
+
 # All tests; installs a software Vulkan driver first where there is none and apt-get may.
-test: rust driver
+test: test-rust test-python
+
+test-rust: rust driver
 	cargo test --locked --features internals
+
+# Of the Python package, as a wheel that is built in a hurry and installed.
+test-python: rust driver venv
+	@rm -rf $(TESTED)
+	@$(VENV)/bin/maturin build --profile hurried --locked --manifest-path python/Cargo.toml --out $(TESTED)
+	@$(VENV)/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps $(TESTED)/*.whl
+	$(VENV)/bin/pytest --quiet -c python/pyproject.toml python/tests
 
 # Every example on every software adapter of the machine, also on SwiftShader where chromium is installed: an hour.
 test-adapters: rust driver
@@ -50,6 +67,13 @@ rust:
 		{ echo "rustc $$have is too old; install $(RUST) or newer: rustup update"; exit 1; }
 	@command -v c++ >/dev/null || { $(call install,$(COMPILER)); } || \
 		{ echo "no C++ compiler found; install one (Debian, Ubuntu: apt-get install $(COMPILER))"; exit 1; }
+
+# What the Python package is built and tested with.
+venv:
+	@python3 -c "import ensurepip, venv" 2>/dev/null || { $(call install,$(PYTHON)); } || \
+		{ echo "no Python with venv found; install it (Debian, Ubuntu: apt-get install $(PYTHON))"; exit 1; }
+	@[ -x $(VENV)/bin/pip ] || python3 -m venv $(VENV)
+	@$(VENV)/bin/pip install --quiet --disable-pip-version-check "maturin>=1.16,<2" "numpy>=1.23" mypy pytest
 
 # A Vulkan driver; where there is none and apt-get may, Mesa's software one is installed.
 driver:

@@ -13,6 +13,7 @@ of them is up. Angles are in degrees. Triangles are numbered through all meshes 
 """
 
 from . import camera
+from ._cast import Hits, RayCaster, cast
 from ._frame import NO_ID, Comparison, Frame, compare
 from ._mesh import Mesh
 from ._render import Projection, Renderer, check, project, render
@@ -24,11 +25,14 @@ __all__ = [
     "Camera",
     "Comparison",
     "Frame",
+    "Hits",
     "Mesh",
     "Projection",
+    "RayCaster",
     "Renderer",
     "Scene",
     "camera",
+    "cast",
     "check",
     "compare",
     "project",

@@ -2,6 +2,7 @@
 
 mod calls;
 mod camera;
+mod cast;
 mod frame;
 mod renderer;
 mod scene;
@@ -13,6 +14,8 @@ use pyo3::prelude::*;
 mod _native {
     #[pymodule_export]
     use super::camera::{Camera, camera_kinds, project};
+    #[pymodule_export]
+    use super::cast::{cast, cast_all, meets_any};
     #[pymodule_export]
     use super::frame::{channels_named, check, compare, read_exr, write_exr, write_png};
     #[pymodule_export]

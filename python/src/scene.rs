@@ -1,7 +1,7 @@
 //! Scenes, and meshes from arrays.
 
 use crate::calls::run;
-use anamorph::Mesh;
+use anamorph::{Caster, Mesh};
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -11,11 +11,27 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[pyclass(module = "anamorph._native", frozen)]
 pub struct Scene {
     scene: Arc<Mutex<Arc<anamorph::Scene>>>,
+    /// For rays, of the scene as it was then.
+    caster: Arc<Mutex<Option<(Arc<anamorph::Scene>, Arc<Caster>)>>>,
 }
 
 impl Scene {
     fn of(scene: anamorph::Scene) -> Scene {
-        Scene { scene: Arc::new(Mutex::new(Arc::new(scene))) }
+        Scene { scene: Arc::new(Mutex::new(Arc::new(scene))), caster: Arc::default() }
+    }
+
+    /// What gives the caster of the scene as it is now, made when it is first needed.
+    pub fn caster(&self) -> impl FnOnce() -> Arc<Caster> + Send + 'static {
+        let (scene, kept) = (self.now(), self.caster.clone());
+        move || {
+            let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some((_, caster)) = kept.as_ref().filter(|(of, _)| Arc::ptr_eq(of, &scene)) {
+                return caster.clone();
+            }
+            let caster = Arc::new(Caster::new(&scene));
+            *kept = Some((scene, caster.clone()));
+            caster
+        }
     }
 
     /// As it is now.

@@ -2,6 +2,7 @@
 
 mod batch;
 mod camera;
+mod caster;
 mod job;
 mod mesh;
 mod renderer;
@@ -9,6 +10,7 @@ mod scene;
 
 pub use self::batch::Batch;
 pub use self::camera::{Camera, camera_kinds, project};
+pub use self::caster::{Caster, RayHit};
 pub use self::job::Job;
 pub use self::mesh::Mesh;
 pub use self::renderer::{RenderOptions, Rendered, Renderer, check, reference};

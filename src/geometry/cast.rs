@@ -4,10 +4,15 @@
 //! for the edge from its smaller to its larger vertex. For a ray that may hit a vertex, coverage is tested with a ray beside it
 //! ([`Aim`]). The relative error of depths is at most 1e-9.
 
+mod corners;
+mod exactly;
+
+pub use exactly::ExactCaster;
+
 use super::bvh::{Aabb, Bvh};
-use super::exact::{self, Exact};
 use super::mesh::Mesh;
 use super::texture::Texture;
+use corners::Corners;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -45,10 +50,6 @@ pub struct Caster<'a> {
     bvh: Bvh,
 }
 
-/// Error of an edge value or of a numerator of t, against the sum of its terms' magnitudes: at most seven roundings of half an epsilon
-/// (two differences, two of the cross product, the dot product's product and two sums), and less than half as much again because the
-/// magnitudes are rounded too.
-const TERM_ROUNDING: f64 = 5.0 * f64::EPSILON;
 /// Relative error of t.
 const T_ROUNDING: f64 = 1.0 / (1_u64 << 30) as f64;
 /// Relative error of a box's bounds of t: three roundings of half an epsilon, doubled.
@@ -94,14 +95,10 @@ impl<'a> Caster<'a> {
     /// The ray and one triangle, at any t, if it shows that face and has no hole there.
     fn meet(&self, aim: &Aim, id: u32) -> Option<Hit> {
         let corners = Corners::new(self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]));
-        let sign = corners.sign(&aim.perturbed)?;
-        let t = corners.depth(&aim.ray)?;
+        let sign = corners.sign(&aim.perturbed, |_, _, _| 1.0)?;
+        let t = corners.depth(&aim.ray, T_ROUNDING)?;
         let hit = Hit { t, triangle: id, bary: corners.weights(&aim.ray, sign) };
-        let material = self.mesh.material_of.get(id as usize).and_then(|m| self.mesh.materials.get(*m as usize));
-        let shows = sign * corners.parity < 0.0 || material.is_none_or(|m| m.two_sided);
-        let mask = material.and_then(|m| m.texture.as_ref()).filter(|t| t.has_alpha_mask());
-        let is_there = |mask: &Texture| self.mesh.uv_at(id, hit.bary).is_none_or(|uv| mask.is_there(uv));
-        (shows && mask.is_none_or(is_there)).then_some(hit)
+        shows(self.mesh, &hit, sign * corners.parity).then_some(hit)
     }
 
     /// Of all places `of` the mesh that a line meets on either side of its origin, the nearest; `t` is the distance. The two rays start
@@ -149,6 +146,15 @@ impl<'a> Caster<'a> {
     }
 }
 
+/// Whether the triangle of a hit shows that face, and has no hole there; `facing` is below 0 at its front.
+fn shows(mesh: &Mesh, hit: &Hit, facing: f64) -> bool {
+    let material = mesh.material_of.get(hit.triangle as usize).and_then(|m| mesh.materials.get(*m as usize));
+    let shows = facing < 0.0 || material.is_none_or(|m| m.two_sided);
+    let mask = material.and_then(|m| m.texture.as_ref()).filter(|t| t.has_alpha_mask());
+    let is_there = |mask: &Texture| mesh.uv_at(hit.triangle, hit.bary).is_none_or(|uv| mask.is_there(uv));
+    shows && mask.is_none_or(is_there)
+}
+
 /// The nearer hit; the lower id among equals.
 fn nearer(best: Option<Hit>, hit: Hit) -> Option<Hit> {
     best.filter(|b| (b.t, b.triangle) <= (hit.t, hit.triangle)).or(Some(hit))
@@ -185,91 +191,6 @@ fn span(aim: &Aim, b: &Aabb, range: [f64; 2]) -> Option<f64> {
         (Some(a), Some(b)) => Some(a.min(b)),
         (a, b) => a.or(b),
     }
-}
-
-/// A triangle's corners in ascending order by x, y and z, so that both triangles at an edge compute one value.
-struct Corners {
-    v: [DVec3; 3],
-    /// Place of each in the triangle as given.
-    slot: [usize; 3],
-    /// -1 where the order is an odd permutation of the given one, else 1.
-    parity: f64,
-}
-
-/// The edge opposite to each corner, from its smaller to its larger end, and its sign in the cycle 0, 1, 2.
-const OPPOSITE: [(usize, usize, f64); 3] = [(1, 2, 1.0), (0, 2, -1.0), (0, 1, 1.0)];
-
-impl Corners {
-    fn new(given: [DVec3; 3]) -> Corners {
-        let mut slot = [0, 1, 2];
-        slot.sort_by(|a, b| given[*a].to_array().partial_cmp(&given[*b].to_array()).expect("positions are finite"));
-        let even = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].contains(&slot);
-        Corners { v: slot.map(|k| given[k]), slot, parity: if even { 1.0 } else { -1.0 } }
-    }
-
-    /// The sign of all edge values of a ray that meets the triangle.
-    fn sign(&self, ray: &Ray) -> Option<f64> {
-        let side = |k: usize| {
-            let (i, j, sense) = OPPOSITE[k];
-            let (value, bound) = edge(ray, self.v[i], self.v[j]);
-            if value.abs() > bound { sense * value.signum() } else { sense * exact_side(ray, self.v[i], self.v[j]) }
-        };
-        let first = side(0);
-        (side(1) == first && side(2) == first).then_some(first)
-    }
-
-    /// `t = N . (v - P) / (N . D)`; `None` where the ray is parallel to the plane.
-    fn depth(&self, ray: &Ray) -> Option<f64> {
-        let [a, b, c] = self.v;
-        let (e1, e2) = (b - a, c - a);
-        let normal = e1.cross(e2);
-        let size = cross_size(e1.abs(), e2.abs());
-        let (above, below) = (normal.dot(a - ray.origin), normal.dot(ray.direction));
-        let bounds = [size.dot((a - ray.origin).abs()), size.dot(ray.direction.abs())].map(|s| TERM_ROUNDING * s);
-        if bounds[0] < 0.25 * T_ROUNDING * above.abs() && bounds[1] < 0.25 * T_ROUNDING * below.abs() {
-            return Some(above / below);
-        }
-        let moment = exact::cross(b, c);
-        let volume = exact::dot(&moment, a);
-        let normal = exact::sum(exact::sum(exact::cross(a, b), &moment), &exact::cross(c, a));
-        let below = exact::dot(&normal, ray.direction).value();
-        (below != 0.0).then(|| volume.minus(&exact::dot(&normal, ray.origin)).value() / below)
-    }
-
-    /// Weights of the second and third corner as given. A perturbed ray may be inside where this one is outside, by rounding.
-    fn weights(&self, ray: &Ray, sign: f64) -> [f64; 2] {
-        let e = OPPOSITE.map(|(i, j, sense)| {
-            let (value, bound) = edge(ray, self.v[i], self.v[j]);
-            let value = if value.abs() > bound { value } else { exact_edge(ray, self.v[i], self.v[j]).value() };
-            (sign * sense * value).max(0.0)
-        });
-        let sum = e[0] + e[1] + e[2];
-        let mut weights = [0.0; 3];
-        (0..3).for_each(|k| weights[self.slot[k]] = if sum == 0.0 { 1.0 / 3.0 } else { e[k] / sum });
-        [weights[1], weights[2]]
-    }
-}
-
-/// `((from - P) x (to - from)) . D` and a bound of its error.
-fn edge(ray: &Ray, from: DVec3, to: DVec3) -> (f64, f64) {
-    let (p, edge) = (from - ray.origin, to - from);
-    (p.cross(edge).dot(ray.direction), TERM_ROUNDING * cross_size(p.abs(), edge.abs()).dot(ray.direction.abs()))
-}
-
-fn exact_edge(ray: &Ray, from: DVec3, to: DVec3) -> Exact {
-    let Ray { origin: p, direction: d } = *ray;
-    let moment = exact::dot(&exact::cross(from, to), d);
-    moment.minus(&exact::dot(&exact::cross(p, to), d)).plus(&exact::dot(&exact::cross(p, from), d))
-}
-
-/// The sign of an edge value, 1 for 0.
-fn exact_side(ray: &Ray, from: DVec3, to: DVec3) -> f64 {
-    if exact_edge(ray, from, to).sign() < 0 { -1.0 } else { 1.0 }
-}
-
-/// `a x b` with every term's magnitude added up.
-fn cross_size(a: DVec3, b: DVec3) -> DVec3 {
-    DVec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x)
 }
 
 /// The weights of the second and third corner where a triangle is nearest to a place.

@@ -69,6 +69,11 @@ impl Exact {
         x
     }
 
+    /// `self * other`.
+    pub fn by(&self, other: &Exact) -> Exact {
+        other.0.iter().fold(Exact::default(), |sum, &c| sum.plus(&self.times(c)))
+    }
+
     /// -1, 0 or 1: the largest term outweighs all others.
     pub fn sign(&self) -> i8 {
         self.0.last().map_or(0, |&c| if c > 0.0 { 1 } else { -1 })

@@ -9,6 +9,7 @@ mod camera_truth;
 mod casting;
 mod chain;
 mod curve_roots;
+mod exact_casting;
 mod exported;
 mod glc_family;
 mod graph;

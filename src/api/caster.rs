@@ -1,0 +1,141 @@
+//! Rays cast at a scene.
+
+use super::Scene;
+use crate::geometry::cast::{ExactCaster, Hit, Ray};
+use crate::geometry::mesh::Mesh;
+use crate::input::{Error, Result};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// A scene's triangles, indexed for rays from anywhere. All it needs is a CPU.
+///
+/// Which triangles a ray meets, and in which order, is decided without rounding. A ray that goes into a closed surface, or out of it, through
+/// an edge or a vertex meets one triangle there; one that only touches it meets none, or two at the same t. It meets what it would meet
+/// with its origin moved by (e, e², e³), for an e smaller than all numbers. A triangle without area, or in whose plane the ray lies, is never met. One-sided triangles are met at
+/// their front, and what an alpha mask leaves out is not met.
+#[derive(Debug)]
+pub struct Caster {
+    caster: ExactCaster,
+    mesh: Arc<Mesh>,
+    /// For each object the first triangle after it.
+    ends: Vec<u32>,
+}
+
+/// What a ray `origin + t * direction` meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RayHit {
+    /// The ray parameter, to within 2^-40 of itself.
+    pub t: f64,
+    /// Its id in the scene.
+    pub triangle: u32,
+    /// The object that it is of, by its place in [`Scene::objects`].
+    pub object: u32,
+    /// Weights of its second and third vertex.
+    pub bary: [f64; 2],
+    /// Where on the triangle, world units.
+    pub point: [f64; 3],
+    /// The triangle's unit normal; its vertices are counter-clockwise seen from where it points.
+    pub normal: [f64; 3],
+}
+
+impl Caster {
+    /// Indexes the triangles of a scene as it is now.
+    pub fn new(scene: &Scene) -> Caster {
+        let mesh = scene.scene.mesh.clone();
+        let ends = scene.scene.objects.iter().scan(0, |end, object| {
+            *end += object.triangles as u32;
+            Some(*end)
+        });
+        Caster { ends: ends.collect(), caster: ExactCaster::new(mesh.clone()), mesh }
+    }
+
+    /// For each ray, given as origin and direction, the first hit with t in `t_range`, ends included; among those at the same t that of the
+    /// lowest id. The rays run on all cores.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a ray that is not finite or has no direction, or a range that is none.
+    pub fn first(&self, rays: &[[[f64; 3]; 2]], t_range: [f64; 2]) -> Result<Vec<Option<RayHit>>> {
+        check_range(t_range)?;
+        rays.par_iter()
+            .enumerate()
+            .map(|(k, ray)| {
+                let ray = checked(k, ray)?;
+                Ok(self.caster.first(&ray, t_range).map(|hit| self.described(hit)))
+            })
+            .collect()
+    }
+
+    /// For each ray all hits, in the order along it; those at the same t by id.
+    ///
+    /// # Errors
+    /// As [`Caster::first`].
+    pub fn all(&self, rays: &[[[f64; 3]; 2]], t_range: [f64; 2]) -> Result<Vec<Vec<RayHit>>> {
+        check_range(t_range)?;
+        rays.par_iter()
+            .enumerate()
+            .map(|(k, ray)| {
+                let ray = checked(k, ray)?;
+                Ok(self.caster.all(&ray, t_range).into_iter().map(|hit| self.described(hit)).collect())
+            })
+            .collect()
+    }
+
+    /// For each ray whether it meets anything.
+    ///
+    /// # Errors
+    /// As [`Caster::first`].
+    pub fn meets_any(&self, rays: &[[[f64; 3]; 2]], t_range: [f64; 2]) -> Result<Vec<bool>> {
+        check_range(t_range)?;
+        rays.par_iter().enumerate().map(|(k, ray)| Ok(self.caster.meets_any(&checked(k, ray)?, t_range))).collect()
+    }
+
+    /// Whether nothing is rounded in finding what a ray meets: all coordinates of it and of the scene but 0 have sizes from 1e-30 to 1e30.
+    pub fn is_certain(&self, [origin, direction]: &[[f64; 3]; 2]) -> bool {
+        let ray = Ray { origin: DVec3::from_array(*origin), direction: DVec3::from_array(*direction) };
+        self.caster.is_exact(&ray)
+    }
+
+    fn described(&self, hit: Hit) -> RayHit {
+        let [a, b, c] = self.mesh.triangles[hit.triangle as usize].map(|k| self.mesh.positions[k as usize]);
+        let [u, v] = hit.bary;
+        let place = (1.0 - u - v) * a + u * b + v * c;
+        RayHit {
+            t: hit.t,
+            triangle: hit.triangle,
+            object: self.ends.partition_point(|end| *end <= hit.triangle) as u32,
+            bary: hit.bary,
+            point: place.to_array(),
+            normal: unit_normal(a, b, c).to_array(),
+        }
+    }
+}
+
+/// Also of triangles whose sides, multiplied, leave the range of f64.
+fn unit_normal(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
+    let (e1, e2) = (b - a, c - a);
+    let size = |v: DVec3| v.abs().max_element();
+    (e1 / size(e1)).cross(e2 / size(e2)).normalize_or_zero()
+}
+
+fn check_range([from, to]: [f64; 2]) -> Result<()> {
+    if from <= to {
+        Ok(())
+    } else {
+        Err(Error::input(format!("t_range is {from} to {to}; give the smaller end first")))
+    }
+}
+
+fn checked(k: usize, [origin, direction]: &[[f64; 3]; 2]) -> Result<Ray> {
+    let ray = Ray { origin: DVec3::from_array(*origin), direction: DVec3::from_array(*direction) };
+    match () {
+        _ if !ray.origin.is_finite() => {
+            Err(Error::input(format!("ray {k}: its origin is {}; use finite numbers", ray.origin)))
+        }
+        _ if !ray.direction.is_finite() || ray.direction == DVec3::ZERO => Err(Error::input(format!(
+            "ray {k}: its direction is {}; use finite numbers that are not all 0",
+            ray.direction
+        ))),
+        _ => Ok(ray),
+    }
+}

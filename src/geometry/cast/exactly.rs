@@ -1,0 +1,162 @@
+//! Rays from anywhere, cast at a mesh without any rounding in what they meet: for users who ask for points, not pixels.
+//!
+//! Which triangles a ray meets is decided as if its origin were moved by (e, e^2, e^3) for an e smaller than all numbers: a ray that goes
+//! into a closed surface, or out of it, through an edge or a vertex meets one triangle there. In which order it meets them, and whether t lies
+//! in a range, is decided by exact fractions. Weights and t itself are rounded.
+
+use super::corners::Corners;
+use super::{Aim, Hit, Ray, shows, span};
+use crate::geometry::bvh::{Aabb, Bvh};
+use crate::geometry::exact::Exact;
+use crate::geometry::mesh::Mesh;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::cmp::Ordering;
+use std::sync::Arc;
+
+/// Relative error of t.
+const T_ROUNDING: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Sizes of the coordinates, but for 0, whose products are exact: those of six, the last of an expansion's terms included, are far from the
+/// ends of f64.
+const EXACT_SIZES: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
+
+/// A mesh indexed for such rays.
+#[derive(Debug)]
+pub struct ExactCaster {
+    mesh: Arc<Mesh>,
+    bvh: Bvh,
+    /// All coordinates have such sizes.
+    is_exact: bool,
+}
+
+impl ExactCaster {
+    /// Indexes the mesh: finite positions, indices in range. A triangle without area is never met.
+    pub fn new(mesh: Arc<Mesh>) -> ExactCaster {
+        let boxed = |(id, t): (usize, &[u32; 3])| {
+            let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
+            (a != b && b != c && c != a).then(|| (id as u32, Aabb::around(&[a, b, c])))
+        };
+        let items: Vec<(u32, Aabb)> = mesh.triangles.par_iter().enumerate().filter_map(boxed).collect();
+        let is_exact = mesh.positions.par_iter().all(|p| has_exact_products(*p));
+        ExactCaster { bvh: Bvh::build(&items), is_exact, mesh }
+    }
+
+    /// The first hit with t in `range` (ends included): of those at the same t the one of the lowest id.
+    pub fn first(&self, ray: &Ray, range: [f64; 2]) -> Option<Hit> {
+        let mut best: Option<Met> = None;
+        self.each(ray, range, |met| {
+            if best.as_ref().is_none_or(|b| met.compare(b, ray).is_lt()) {
+                best = Some(met);
+            }
+            best.as_ref().map_or(f64::INFINITY, |b| past(b.hit.t))
+        });
+        best.map(|met| met.hit)
+    }
+
+    /// Whether there is one.
+    pub fn meets_any(&self, ray: &Ray, range: [f64; 2]) -> bool {
+        let mut found = false;
+        self.each(ray, range, |_| {
+            found = true;
+            f64::NEG_INFINITY
+        });
+        found
+    }
+
+    /// All of them, in the order along the ray; those at the same t by id.
+    pub fn all(&self, ray: &Ray, range: [f64; 2]) -> Vec<Hit> {
+        let mut all = Vec::new();
+        self.each(ray, range, |met| {
+            all.push(met);
+            f64::INFINITY
+        });
+        all.sort_unstable_by(|a, b| a.compare(b, ray));
+        all.into_iter().map(|met| met.hit).collect()
+    }
+
+    /// Whether nothing was rounded in what such a ray meets.
+    pub fn is_exact(&self, ray: &Ray) -> bool {
+        self.is_exact && has_exact_products(ray.origin) && has_exact_products(ray.direction)
+    }
+
+    /// Every visible triangle that the ray meets with t in `range`, mostly near to far. `visit` returns the largest t still of interest.
+    fn each(&self, ray: &Ray, range: [f64; 2], mut visit: impl FnMut(Met) -> f64) {
+        let aim = Aim { ray: *ray, perturbed: *ray };
+        let mut limit = f64::INFINITY;
+        self.bvh.walk(
+            |b| span(&aim, b, [-past(-range[0]), past(range[1])]),
+            |id| {
+                let met = self.meet(ray, id).filter(|met| met.is_within(range, ray));
+                limit = met.map_or(limit, |met| limit.min(visit(met)));
+                limit
+            },
+        );
+    }
+
+    fn meet(&self, ray: &Ray, id: u32) -> Option<Met> {
+        let corners = Corners::new(self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]));
+        let sign = corners.sign(ray, beside)?;
+        let hit = Hit { t: corners.depth(ray, T_ROUNDING)?, triangle: id, bary: corners.weights(ray, sign) };
+        shows(&self.mesh, &hit, sign * corners.parity).then_some(Met { hit, corners })
+    }
+}
+
+/// A triangle that a ray meets.
+struct Met {
+    hit: Hit,
+    corners: Corners,
+}
+
+impl Met {
+    /// The order along the ray, and by id.
+    fn compare(&self, other: &Met, ray: &Ray) -> Ordering {
+        let [a, b] = [self.hit.t, other.hit.t];
+        let by_t = if (a - b).abs() > T_ROUNDING * (a.abs() + b.abs()) {
+            a.total_cmp(&b)
+        } else {
+            let [own, others] = [self, other].map(|met| met.corners.exact_depth(ray));
+            compare_fractions(&own, &others)
+        };
+        by_t.then(self.hit.triangle.cmp(&other.hit.triangle))
+    }
+
+    fn is_within(&self, range: [f64; 2], ray: &Ray) -> bool {
+        let t = self.hit.t;
+        let compare_end = |end: f64| {
+            if end.is_infinite() || (t - end).abs() > T_ROUNDING * (t.abs() + end.abs()) {
+                return t.total_cmp(&end);
+            }
+            let own = self.corners.exact_depth(ray);
+            compare_fractions(&own, &[Exact::product(end, 1.0), Exact::product(1.0, 1.0)])
+        };
+        compare_end(range[0]).is_ge() && compare_end(range[1]).is_le()
+    }
+}
+
+/// `a[0] / a[1]` and `b[0] / b[1]`; no denominator is 0.
+fn compare_fractions(a: &[Exact; 2], b: &[Exact; 2]) -> Ordering {
+    let difference = a[0].by(&b[1]).minus(&b[0].by(&a[1])).sign();
+    (difference * a[1].sign() * b[1].sign()).cmp(&0)
+}
+
+/// The sign of `((from - P) x (to - from)) . D` where that is 0, for the origin moved by (e, e^2, e^3): of the first component of
+/// `D x (to - from)` that is not 0. 0 if all are: the ray is parallel to the edge.
+fn beside(ray: &Ray, from: DVec3, to: DVec3) -> f64 {
+    let d = ray.direction;
+    let component = |j: usize, k: usize| {
+        let [a, b] = [(d[j], k), (d[k], j)];
+        let part = |(d, at): (f64, usize)| Exact::product(d, to[at]).minus(&Exact::product(d, from[at]));
+        part(a).minus(&part(b)).sign()
+    };
+    [(1, 2), (2, 0), (0, 1)].into_iter().map(|(j, k)| component(j, k)).find(|sign| *sign != 0).map_or(0.0, f64::from)
+}
+
+/// The largest exact t whose computed value may be as small as `t`.
+fn past(t: f64) -> f64 {
+    t + 2.0 * T_ROUNDING * t.abs()
+}
+
+fn has_exact_products(v: DVec3) -> bool {
+    v.to_array().iter().all(|x| *x == 0.0 || EXACT_SIZES.contains(&x.abs()))
+}
