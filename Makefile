@@ -1,6 +1,6 @@
-# What a person types: make demo, make gallery, make wheel, make test, make check, make test-adapters, make agreement.
+# What a person types: make demo, make gallery, make wheel, make test, make test-python, make check, make test-adapters, make agreement.
 
-.PHONY: demo gallery agreement wheel test test-rust test-python test-adapters check rust driver venv
+.PHONY: demo gallery agreement wheel test test-python test-adapters check rust driver venv
 
 BUILD := $(or $(CARGO_TARGET_DIR),target)
 RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
@@ -35,16 +35,17 @@ agreement: rust driver
 wheel: rust venv
 	@$(VENV)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(BUILD)/wheels
 
-# All tests; installs a software Vulkan driver first where there is none and apt-get may.
-test: test-rust test-python
-
-test-rust: rust driver
+# All tests in Rust; installs a software Vulkan driver first where there is none and apt-get may.
+test: rust driver
 	cargo test --locked --features internals
 
-# Of the Python package, as a wheel that is built in a hurry and installed.
+# Those of the Python package: a wheel that is built in a hurry, and installed.
 test-python: rust driver venv
 	@rm -rf $(TESTED)
 	@$(VENV)/bin/maturin build --profile hurried --locked --manifest-path python/Cargo.toml --out $(TESTED)
+	@$(VENV)/bin/maturin generate-stubs --profile hurried --manifest-path python/Cargo.toml --out $(TESTED)
+	@cmp $(TESTED)/anamorph/_native.pyi python/anamorph/_native.pyi || \
+		{ echo "the native module's types have changed: cp $(TESTED)/anamorph/_native.pyi python/anamorph"; exit 1; }
 	@$(VENV)/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps $(TESTED)/*.whl
 	$(VENV)/bin/pytest --quiet -c python/pyproject.toml python/tests
 

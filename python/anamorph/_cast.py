@@ -102,7 +102,8 @@ class RayCaster:
     def intersects_any(self, ray_origins: Numbers, ray_directions: Numbers) -> Bools:
         """(N,): whether each ray meets a triangle."""
         from_, along, shape = _rays(ray_origins, ray_directions)
-        return _native.meets_any(self.scene._native, from_, along, [0.0, math.inf]).reshape(shape)
+        met: Bools = _native.meets_any(self.scene._native, from_, along, [0.0, math.inf])
+        return met.reshape(shape)
 
     def intersects_id(
         self,
@@ -131,7 +132,10 @@ class RayCaster:
 
     def _hits(self, origins: Numbers, directions: Numbers, multiple: bool) -> Hits:
         hits = cast(self.scene, origins, directions, all=multiple)
-        return hits if multiple else Hits(*(column[hits.triangle >= 0] for column in hits))
+        if multiple:
+            return hits
+        columns: list[npt.NDArray[Any]] = [column[hits.triangle >= 0] for column in hits]
+        return Hits(*columns)
 
 
 def _rays(origins: Numbers, directions: Numbers) -> tuple[Floats, Floats, tuple[int, ...]]:

@@ -116,7 +116,8 @@ def test_a_closed_mesh_is_crossed_in_and_out(aim: str) -> None:
     facing = np.sign((hits.normal * (targets - origins)[hits.ray]).sum(axis=1))
     assert (np.bincount(hits.ray, facing, minlength=len(origins)) == 0).all()
     first = np.r_[True, hits.ray[1:] != hits.ray[:-1]]
-    assert (np.diff(hits.t)[~first[1:]] >= 0).all()
+    # in order but for the rounding of t
+    assert (np.diff(hits.t)[~first[1:]] >= -(2.0**-39) * hits.t[1:][~first[1:]]).all()
     # the first of all is the first
     alone = am.cast(scene, origins, targets - origins)
     assert (alone.triangle[hits.ray[first]] == hits.triangle[first]).all() and ((alone.triangle >= 0) == (counts > 0)).all()

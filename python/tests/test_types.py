@@ -3,6 +3,7 @@
 import doctest
 import importlib
 import inspect
+import os
 import pkgutil
 import subprocess
 import sys
@@ -11,7 +12,7 @@ import anamorph as am
 
 
 def test_types_are_right():
-    out = subprocess.run([sys.executable, "-m", "mypy", "--strict", "-p", "anamorph"], capture_output=True, text=True)
+    out = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", os.devnull, "-p", "anamorph"], capture_output=True, text=True)
     assert out.returncode == 0, out.stdout + out.stderr
 
 

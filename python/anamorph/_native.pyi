@@ -1,0 +1,152 @@
+"""
+The library's facade, as the package's own modules use it.
+"""
+
+from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
+from os import PathLike
+from typing import Any, SupportsFloat, SupportsIndex, final
+
+__all__ = ["Camera", "Renderer", "Scene", "camera_kinds", "cast", "cast_all", "channels_named", "check", "compare", "meets_any", "program", "project", "read_exr", "write_exr", "write_png"]
+
+@final
+class Camera:
+    """
+    A camera for an image of one size.
+    """
+    @property
+    def channels(self, /) -> list[str]:
+        """
+        The names of its channels.
+        """
+    @property
+    def height(self, /) -> int: ...
+    @property
+    def kind(self, /) -> str: ...
+    @staticmethod
+    def of_rays(origins: Incomplete, directions: Incomplete, t_range: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex]) -> Camera:
+        """
+        A ray for each pixel: (H, W, 3) origins and directions.
+        """
+    @staticmethod
+    def of_scene(scene: Scene, size: tuple[SupportsIndex, SupportsIndex] | None) -> Camera:
+        """
+        The scene's own.
+        """
+    @staticmethod
+    def of_table(table: str, folder: str | PathLike[str], scene: Scene, size: tuple[SupportsIndex, SupportsIndex] | None) -> Camera:
+        """
+        Of the keys of a scene file's `[camera]`, as JSON; for an image of the scene's size, or of this one.
+        """
+    @property
+    def piece_count(self, /) -> int: ...
+    def rays(self, /) -> tuple[Incomplete, Incomplete]:
+        """
+        Origins and directions of the rays through the pixels' centres, (H, W, 3) each; NaN where a pixel has none.
+        """
+    @property
+    def width(self, /) -> int: ...
+
+@final
+class Renderer:
+    """
+    A device, or the reference on the CPU, with what it holds.
+    """
+    def __new__(cls, /, adapter: str | None, reference: bool) -> Renderer: ...
+    @property
+    def adapter(self, /) -> str | None:
+        """
+        The adapter's name; `None`: the reference renders.
+        """
+    def render(self, /, scene: Scene, camera: Camera, names: SupportsGetItem[int, str], color: bool, samples: SupportsIndex, analytic: bool) -> tuple[list[tuple[str, Any]], Incomplete | None, str]:
+        """
+        The planes of the channels, 8-bit sRGB colour (H, W, 4) where it is wanted, and the report as JSON.
+        """
+
+@final
+class Scene:
+    """
+    A scene. A call that runs keeps what it has begun with: a change then makes a new one inside.
+    """
+    def __new__(cls, /) -> Scene: ...
+    def add_arrays(self, /, positions: Incomplete, triangles: Incomplete, normals: Incomplete | None, uvs: Incomplete | None, colors: Incomplete | None, name: str, table: str, folder: str | PathLike[str], texture: Incomplete | None) -> None:
+        """
+        Adds a mesh of arrays with the keys of a `[[mesh]]` table, and an image of 8-bit sRGB colours (H, W, 3), or (H, W, 4).
+        """
+    def add_table(self, /, table: str, folder: str | PathLike[str]) -> None:
+        """
+        Adds the mesh of a `[[mesh]]` table.
+        """
+    @property
+    def bounds(self, /) -> list[list[float]] | None: ...
+    @property
+    def has_camera(self, /) -> bool: ...
+    @staticmethod
+    def load(path: str | PathLike[str], overrides: SupportsGetItem[int, str], frame: SupportsFloat | SupportsIndex) -> Scene: ...
+    @property
+    def missing(self, /) -> list[str]: ...
+    @property
+    def objects(self, /) -> list[tuple[str, int]]: ...
+    @staticmethod
+    def parse(text: str, folder: str | PathLike[str]) -> Scene: ...
+    @property
+    def triangle_count(self, /) -> int: ...
+
+def camera_kinds() -> list[tuple[str, str]]:
+    """
+    The kinds of cameras and their help: a line, the keys, the formula.
+    """
+
+def cast(scene: Scene, origins: Incomplete, directions: Incomplete, t_range: SupportsLenAndGetItem[SupportsFloat | SupportsIndex]) -> tuple[tuple[Incomplete, Incomplete, Incomplete, Incomplete, Incomplete, Incomplete], Incomplete]:
+    """
+    The first hit of each ray, and whether it is certain; of one that meets nothing t is infinite, the ids are -1, and the rest is NaN.
+    """
+
+def cast_all(scene: Scene, origins: Incomplete, directions: Incomplete, t_range: SupportsLenAndGetItem[SupportsFloat | SupportsIndex]) -> tuple[tuple[Incomplete, Incomplete, Incomplete, Incomplete, Incomplete, Incomplete], Incomplete, Incomplete]:
+    """
+    All hits of all rays, how many each ray has, and whether they are certain.
+    """
+
+def channels_named(name: str) -> list[str]:
+    """
+    The names of the channels that a name stands for: several of `N`, `P`, `albedo` and `uv`.
+    """
+
+def check(scene: Scene, camera: Camera, planes: SupportsGetItem[int, tuple[str, Any]]) -> str:
+    """
+    Compares a frame with the reference; the comparison as JSON.
+    """
+
+def compare(a: SupportsGetItem[int, tuple[str, Any]], b: SupportsGetItem[int, tuple[str, Any]]) -> str:
+    """
+    Compares two frames; the comparison as JSON.
+    """
+
+def meets_any(scene: Scene, origins: Incomplete, directions: Incomplete, t_range: SupportsLenAndGetItem[SupportsFloat | SupportsIndex]) -> Incomplete:
+    """
+    Whether each ray meets anything.
+    """
+
+def program(arguments: SupportsGetItem[int, str]) -> int:
+    """
+    Runs the program on these arguments, the first of which is its name; its exit code.
+    """
+
+def project(camera: Camera, points: Incomplete) -> list[tuple[list[tuple[float, float, float, int]], str | None]]:
+    """
+    Of each of the (N, 3) points: its images, and why it has a whole curve of them, if it has.
+    """
+
+def read_exr(path: str | PathLike[str]) -> list[tuple[str, Any]]:
+    """
+    The channels of an EXR.
+    """
+
+def write_exr(path: str | PathLike[str], planes: SupportsGetItem[int, tuple[str, Any]]) -> None:
+    """
+    Writes planes as EXR.
+    """
+
+def write_png(path: str | PathLike[str], srgb8: Incomplete) -> None:
+    """
+    Writes (H, W, 3) or (H, W, 4) sRGB bytes as PNG.
+    """

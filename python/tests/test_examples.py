@@ -1,0 +1,71 @@
+"""The worked examples run, on little."""
+
+from __future__ import annotations
+
+import importlib.util
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+EXAMPLES = pathlib.Path(__file__).parent.parent / "examples"
+
+
+def run(name: str, *arguments: object) -> str:
+    command = [sys.executable, "-W", "error", str(EXAMPLES / name), *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def needs(module: str) -> None:
+    if importlib.util.find_spec(module) is None:
+        pytest.skip(f"{module} is not installed")
+
+
+def test_every_example_is_run() -> None:
+    text = pathlib.Path(__file__).read_text()
+    for example in EXAMPLES.glob("*.py"):
+        assert f'run("{example.name}"' in text, example.name
+
+
+def test_lidar(tmp_path: pathlib.Path) -> None:
+    said = run("lidar.py", tmp_path / "lidar.ply", "--turns", 1, "--steps", 60)
+    head, rows = (tmp_path / "lidar.ply").read_bytes().split(b"end_header\n")
+    points = int(said.split()[2])
+    assert said.startswith(f"{60 * 32} pulses") and points > 300 and len(rows) == 16 * points and b"int triangle" in head
+
+
+def test_inside() -> None:
+    said = run("inside.py", "--rays", 2000)
+    assert "closed, as far as 2000 rays tell" in said
+    # of a ball of radius 1/2 or 1, as icospheres are
+    volume = float(said.split("about ")[1].split("\n")[0])
+    assert min(abs(volume / (4 / 3 * np.pi * r**3) - 1) for r in (0.5, 1)) < 0.06
+    opened = int(said.split("a cone without its base: ")[1].split()[0])
+    assert 100 < opened < 2000
+
+
+def test_pushbroom(tmp_path: pathlib.Path) -> None:
+    run("pushbroom.py", tmp_path / "strip.png", tmp_path / "heights.npy", "--size", 40, 120)
+    heights = np.load(tmp_path / "heights.npy")
+    assert heights.shape == (120, 40) and np.isfinite(heights).mean() > 0.9 and (tmp_path / "strip.png").stat().st_size > 1000
+
+
+def test_panorama(tmp_path: pathlib.Path) -> None:
+    run("panorama.py", tmp_path, "--frames", 2, "--size", 96, 32)
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["0000.png", "0001.png"]
+
+
+def test_pieces(tmp_path: pathlib.Path) -> None:
+    needs("matplotlib")
+    said = run("pieces.py", tmp_path / "pieces.png", "--size", 90, 30)
+    wrong = [float(line.split()[-4].rstrip("%")) for line in said.splitlines()]
+    assert len(wrong) == 6 and wrong[-1] < wrong[0] / 4 and (tmp_path / "pieces.png").exists()
+
+
+def test_views() -> None:
+    needs("torch")
+    assert run("views.py", "--views", 4, "--side", 16).startswith("4 views, ")
