@@ -1,8 +1,8 @@
 //! What users of the library see, used as they use it: by public names alone. Without an adapter all of it goes by the reference.
 
 use anamorph::{
-    Batch, BatchEvent, BatchOptions, Camera, Channel, Error, Job, Mesh, NO_ID, RenderOptions, Rendered, Renderer,
-    Result, Scene, Shard,
+    Batch, BatchEvent, BatchOptions, Camera, Caster, Channel, Error, Job, Mesh, NO_ID, RenderOptions, Rendered,
+    Renderer, Result, Scene, Shard,
 };
 use std::fs;
 use std::path::Path;
@@ -230,4 +230,27 @@ fn what_is_wrong_is_said_in_one_line() {
     let picture = renderer.render(&scene, &camera, &RenderOptions { color: false, ..options() }).unwrap();
     fails(picture.write_png("never.png"), "without colour");
     assert!(!Path::new("never.png").exists());
+}
+
+#[test]
+fn rays_are_cast_at_a_scene() {
+    let (positions, triangles) = tetrahedron();
+    let mut scene = Scene::new();
+    scene.add(Mesh::new(positions.clone(), triangles.clone()).unwrap().named("one")).unwrap();
+    scene.add(Mesh::new(positions, triangles).unwrap().named("two")).unwrap();
+    let caster = Caster::new(&scene);
+    let [hit, miss] = [[[0.1, 0.1, 5.0], [0.0, 0.0, -2.0]], [[9.0, 0.1, 5.0], [0.0, 0.0, -2.0]]];
+    let first = caster.first(&[hit, miss], [0.0, f64::INFINITY]).unwrap();
+    let met = first[0].unwrap();
+    // both meshes lie in one place: the lower id is first
+    let length = met.normal.iter().map(|x| x * x).sum::<f64>();
+    assert!(first[1].is_none() && met.object == 0 && met.triangle < 4 && (length - 1.0).abs() < 1e-15, "{met:?}");
+    assert!((met.point[2] - (5.0 - 2.0 * met.t)).abs() < 1e-12 && caster.is_certain(&hit));
+    let all = caster.all(&[hit, miss], [0.0, f64::INFINITY]).unwrap();
+    assert_eq!((all[0].len(), all[1].len(), all[0][0]), (4, 0, met));
+    assert_eq!([0, 1, 2, 3].map(|k| all[0][k].object), [0, 1, 0, 1]);
+    assert_eq!(caster.meets_any(&[hit, miss], [0.0, 1.0]).unwrap(), [false, false]);
+    let error = caster.first(&[hit, [[0.0; 3]; 2]], [0.0, 1.0]).unwrap_err();
+    assert!(error.to_string().starts_with("ray 1: its direction is") && error.exit_code() == 2, "{error}");
+    assert!(caster.all(&[hit], [1.0, f64::NAN]).is_err());
 }

@@ -1,4 +1,4 @@
-"""An eye goes round a teapot: frames of an animation in which the panorama opens from one view to all sides.
+"""An eye goes round a teapot: frames of an animation in which its way grows from a twelfth of a turn to all of it.
 
     python panorama.py frames
 """

@@ -45,7 +45,7 @@ figure, axes = pyplot.subplots(figsize=(6, 4), layout="constrained")
 axes.loglog(numbers, off, "o-", label="median distance of the points shown, of the object's size")
 axes.loglog(numbers, wrong, "s-", label="share of pixels that show another triangle")
 axes.set_xlabel("pieces")
-axes.legend()
+axes.legend(loc="upper right")
 figure.savefig(arguments.plot, dpi=120)
 for row in zip(numbers, off, wrong):
     print("{:4} pieces: {:.2e} of the size, {:.2%} of the pixels".format(*row))

@@ -11,9 +11,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[pyclass(module = "anamorph._native", frozen)]
 pub struct Scene {
     scene: Arc<Mutex<Arc<anamorph::Scene>>>,
-    /// For rays, of the scene as it was then.
-    caster: Arc<Mutex<Option<(Arc<anamorph::Scene>, Arc<Caster>)>>>,
+    /// The last that was needed.
+    caster: Arc<Mutex<Option<CasterOf>>>,
 }
+
+/// A scene as it was, and its caster.
+type CasterOf = (Arc<anamorph::Scene>, Arc<Caster>);
 
 impl Scene {
     fn of(scene: anamorph::Scene) -> Scene {

@@ -64,7 +64,9 @@ impl Bvh {
     pub fn walk(&self, near: impl Fn(&Aabb) -> Option<f64>, mut visit: impl FnMut(u32) -> f64) {
         let at = |level: usize, k: usize| Some((near(self.levels[level].get(k)?)?, level, k));
         let mut limit = f64::INFINITY;
-        let mut todo: Vec<(f64, usize, usize)> = at(self.levels.len() - 1, 0).into_iter().collect();
+        // one more a level at most, and the one that is taken
+        let mut todo: Vec<(f64, usize, usize)> = Vec::with_capacity(self.levels.len() + 1);
+        todo.extend(at(self.levels.len() - 1, 0));
         while let Some((distance, level, k)) = todo.pop() {
             if distance > limit {
                 continue;

@@ -82,14 +82,18 @@ impl<'a> Caster<'a> {
     /// Every visible hit with t in `range`, mostly near to far. `visit` returns the largest t still of interest.
     fn each(&self, aim: &Aim, range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
         let mut limit = f64::INFINITY;
-        self.bvh.walk(
-            |b| span(aim, b, [-past(-range[0]), past(range[1])]),
-            |id| {
-                let hit = self.meet(aim, id).filter(|hit| range[0] <= hit.t && hit.t <= range[1]);
-                limit = hit.map_or(limit, |hit| limit.min(visit(hit)));
-                limit
-            },
-        );
+        let rays = [&aim.ray, &aim.perturbed].map(BoxRay::new);
+        let ends = [-past(-range[0]), past(range[1])];
+        // where either ray may be
+        let near = |b: &Aabb| {
+            let [own, perturbed] = rays.each_ref().map(|ray| ray.enter(b, ends));
+            own.zip(perturbed).map(|(a, b)| a.min(b)).or(own).or(perturbed)
+        };
+        self.bvh.walk(near, |id| {
+            let hit = self.meet(aim, id).filter(|hit| range[0] <= hit.t && hit.t <= range[1]);
+            limit = hit.map_or(limit, |hit| limit.min(visit(hit)));
+            limit
+        });
     }
 
     /// The ray and one triangle, at any t, if it shows that face and has no hole there.
@@ -170,11 +174,20 @@ pub fn as_near(place: DVec3, t: f64) -> f64 {
     past(t) + DISTANCE_ROUNDING * place.abs().max_element()
 }
 
-/// The least t of `range` at which either ray of `aim` may be in a box.
-fn span(aim: &Aim, b: &Aabb, range: [f64; 2]) -> Option<f64> {
-    let enter = |ray: &Ray| {
-        let inverse = ray.direction.recip();
-        let (a, b) = ((b.lo - ray.origin) * inverse, (b.hi - ray.origin) * inverse);
+/// A ray against boxes.
+struct BoxRay {
+    origin: DVec3,
+    inverse: DVec3,
+}
+
+impl BoxRay {
+    fn new(ray: &Ray) -> BoxRay {
+        BoxRay { origin: ray.origin, inverse: ray.direction.recip() }
+    }
+
+    /// The least t of `range` at which it may be in a box.
+    fn enter(&self, b: &Aabb, range: [f64; 2]) -> Option<f64> {
+        let (a, b) = ((b.lo - self.origin) * self.inverse, (b.hi - self.origin) * self.inverse);
         let mut span = range;
         for k in 0..3 {
             // a ray in the plane of a side divides 0 by 0, and is on it
@@ -186,10 +199,6 @@ fn span(aim: &Aim, b: &Aabb, range: [f64; 2]) -> Option<f64> {
             span = [span[0].max(near - SLAB_ROUNDING * near.abs()), span[1].min(far + SLAB_ROUNDING * far.abs())];
         }
         (span[0] <= span[1]).then_some(span[0])
-    };
-    match (enter(&aim.ray), enter(&aim.perturbed)) {
-        (Some(a), Some(b)) => Some(a.min(b)),
-        (a, b) => a.or(b),
     }
 }
 

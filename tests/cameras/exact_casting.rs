@@ -148,7 +148,7 @@ fn rays_meet_what_they_meet_in_whole_numbers() {
             assert!(caster.is_exact(&own), "{name}");
             // a closed surface is crossed in and out
             assert!(
-                k >= closed.len() || range[0] != -(1 << 40) || all.len() % 2 == 0,
+                k >= closed.len() || range[0] != -(1 << 40) || all.len().is_multiple_of(2),
                 "{name}: {} crossings",
                 all.len()
             );

@@ -5,7 +5,7 @@
 //! in a range, is decided by exact fractions. Weights and t itself are rounded.
 
 use super::corners::Corners;
-use super::{Aim, Hit, Ray, shows, span};
+use super::{BoxRay, Hit, Ray, shows};
 use crate::geometry::bvh::{Aabb, Bvh};
 use crate::geometry::exact::Exact;
 use crate::geometry::mesh::Mesh;
@@ -82,10 +82,10 @@ impl ExactCaster {
 
     /// Every visible triangle that the ray meets with t in `range`, mostly near to far. `visit` returns the largest t still of interest.
     fn each(&self, ray: &Ray, range: [f64; 2], mut visit: impl FnMut(Met) -> f64) {
-        let aim = Aim { ray: *ray, perturbed: *ray };
+        let (own, ends) = (BoxRay::new(ray), [-past(-range[0]), past(range[1])]);
         let mut limit = f64::INFINITY;
         self.bvh.walk(
-            |b| span(&aim, b, [-past(-range[0]), past(range[1])]),
+            |b| own.enter(b, ends),
             |id| {
                 let met = self.meet(ray, id).filter(|met| met.is_within(range, ray));
                 limit = met.map_or(limit, |met| limit.min(visit(met)));
