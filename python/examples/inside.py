@@ -1,7 +1,7 @@
 """Is a mesh closed, and which points are inside of it? Exactly, by rays.
 
-A ray from outside of a closed mesh goes in as often as out, also through vertices and edges: where its first hits are counted without
-rounding, an odd number proves a hole. A point is inside where a ray from it has an odd number of hits.
+A ray from outside of a closed mesh goes in as often as out, also through vertices and edges: as its hits are found without
+rounding, an odd number of them proves a hole. A point is inside where a ray from it has an odd number of hits.
 
     python inside.py [MESH.ply]
 """

@@ -23,7 +23,7 @@ scene = am.Scene()
 scene.add_builtin("terrain", seed=2, size=512, color=[0.55, 0.5, 0.4])
 lower, upper = scene.bounds
 length, top = upper[2] - lower[2], upper[1]
-# flies 3 lengths of the terrain up, along z, and looks straight down; a row is 15 degrees wide
+# flies along z, as high above the terrain as that is long, and looks straight down; a row is 30 degrees wide
 middle = (lower[0] + upper[0]) / 2
 camera = am.camera.pushbroom(
     start=[middle, top + length, upper[2] - 0.1 * length],

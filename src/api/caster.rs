@@ -56,14 +56,7 @@ impl Caster {
     /// # Errors
     /// [`Error::Input`] for a ray that is not finite or has no direction, or a range that is none.
     pub fn first(&self, rays: &[[[f64; 3]; 2]], t_range: [f64; 2]) -> Result<Vec<Option<RayHit>>> {
-        check_range(t_range)?;
-        rays.par_iter()
-            .enumerate()
-            .map(|(k, ray)| {
-                let ray = checked(k, ray)?;
-                Ok(self.caster.first(&ray, t_range).map(|hit| self.described(hit)))
-            })
-            .collect()
+        each(rays, t_range, |ray| self.caster.first(ray, t_range).map(|hit| self.described(hit)))
     }
 
     /// For each ray all hits, in the order along it; those at the same t by id.
@@ -71,14 +64,8 @@ impl Caster {
     /// # Errors
     /// As [`Caster::first`].
     pub fn all(&self, rays: &[[[f64; 3]; 2]], t_range: [f64; 2]) -> Result<Vec<Vec<RayHit>>> {
-        check_range(t_range)?;
-        rays.par_iter()
-            .enumerate()
-            .map(|(k, ray)| {
-                let ray = checked(k, ray)?;
-                Ok(self.caster.all(&ray, t_range).into_iter().map(|hit| self.described(hit)).collect())
-            })
-            .collect()
+        let described = |hits: Vec<Hit>| hits.into_iter().map(|hit| self.described(hit)).collect();
+        each(rays, t_range, |ray| described(self.caster.all(ray, t_range)))
     }
 
     /// For each ray whether it meets anything.
@@ -86,8 +73,7 @@ impl Caster {
     /// # Errors
     /// As [`Caster::first`].
     pub fn meets_any(&self, rays: &[[[f64; 3]; 2]], t_range: [f64; 2]) -> Result<Vec<bool>> {
-        check_range(t_range)?;
-        rays.par_iter().enumerate().map(|(k, ray)| Ok(self.caster.meets_any(&checked(k, ray)?, t_range))).collect()
+        each(rays, t_range, |ray| self.caster.meets_any(ray, t_range))
     }
 
     /// Whether nothing is rounded in finding what a ray meets: all coordinates of it and of the scene but 0 have sizes from 1e-30 to 1e30.
@@ -118,12 +104,12 @@ fn unit_normal(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     (e1 / size(e1)).cross(e2 / size(e2)).normalize_or_zero()
 }
 
-fn check_range([from, to]: [f64; 2]) -> Result<()> {
-    if from <= to {
-        Ok(())
-    } else {
-        Err(Error::input(format!("t_range is {from} to {to}; give the smaller end first")))
+/// What is found of each ray, which is checked first.
+fn each<T: Send>(rays: &[[[f64; 3]; 2]], [from, to]: [f64; 2], find: impl Fn(&Ray) -> T + Sync) -> Result<Vec<T>> {
+    if from.is_nan() || to.is_nan() || from > to {
+        return Err(Error::input(format!("t_range is {from} to {to}; give the smaller end first")));
     }
+    rays.par_iter().enumerate().map(|(k, ray)| Ok(find(&checked(k, ray)?))).collect()
 }
 
 fn checked(k: usize, [origin, direction]: &[[f64; 3]; 2]) -> Result<Ray> {

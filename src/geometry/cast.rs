@@ -61,12 +61,7 @@ const DISTANCE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 impl<'a> Caster<'a> {
     /// Indexes the mesh: finite positions, indices in range. A triangle with two corners in one place is never met.
     pub fn new(mesh: &'a Mesh) -> Caster<'a> {
-        let boxed = |(id, t): (usize, &[u32; 3])| {
-            let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
-            (a != b && b != c && c != a).then(|| (id as u32, Aabb::around(&[a, b, c])))
-        };
-        let items: Vec<(u32, Aabb)> = mesh.triangles.par_iter().enumerate().filter_map(boxed).collect();
-        Caster { mesh, bvh: Bvh::build(&items) }
+        Caster { mesh, bvh: hierarchy(mesh) }
     }
 
     /// The first visible hit with t in `range` (ends included): the lowest id among equals.
@@ -148,6 +143,16 @@ impl<'a> Caster<'a> {
         let t = ((1.0 - bary[0] - bary[1]) * a + bary[0] * b + bary[1] * c - place).length();
         Hit { t, triangle: id, bary }
     }
+}
+
+/// Over the triangles without two corners in one place.
+fn hierarchy(mesh: &Mesh) -> Bvh {
+    let boxed = |(id, t): (usize, &[u32; 3])| {
+        let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
+        (a != b && b != c && c != a).then(|| (id as u32, Aabb::around(&[a, b, c])))
+    };
+    let items: Vec<(u32, Aabb)> = mesh.triangles.par_iter().enumerate().filter_map(boxed).collect();
+    Bvh::build(&items)
 }
 
 /// Whether the triangle of a hit shows that face, and has no hole there; `facing` is below 0 at its front.

@@ -5,8 +5,8 @@
 //! in a range, is decided by exact fractions. Weights and t itself are rounded.
 
 use super::corners::Corners;
-use super::{BoxRay, Hit, Ray, shows};
-use crate::geometry::bvh::{Aabb, Bvh};
+use super::{BoxRay, Hit, Ray, hierarchy, shows};
+use crate::geometry::bvh::Bvh;
 use crate::geometry::exact::Exact;
 use crate::geometry::mesh::Mesh;
 use glam::DVec3;
@@ -33,13 +33,8 @@ pub struct ExactCaster {
 impl ExactCaster {
     /// Indexes the mesh: finite positions, indices in range. A triangle without area is never met.
     pub fn new(mesh: Arc<Mesh>) -> ExactCaster {
-        let boxed = |(id, t): (usize, &[u32; 3])| {
-            let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
-            (a != b && b != c && c != a).then(|| (id as u32, Aabb::around(&[a, b, c])))
-        };
-        let items: Vec<(u32, Aabb)> = mesh.triangles.par_iter().enumerate().filter_map(boxed).collect();
         let is_exact = mesh.positions.par_iter().all(|p| has_exact_products(*p));
-        ExactCaster { bvh: Bvh::build(&items), is_exact, mesh }
+        ExactCaster { bvh: hierarchy(&mesh), is_exact, mesh }
     }
 
     /// The first hit with t in `range` (ends included): of those at the same t the one of the lowest id.
