@@ -24,6 +24,7 @@ mod kernels {
     mod opened;
     mod planted;
     mod raster;
+    mod readback;
     mod shade;
     mod sides;
     mod sift;

@@ -7,6 +7,7 @@ use crate::input::{Error, Result};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Duration;
 
 /// Buffers and textures of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
 #[derive(Default)]
@@ -409,6 +410,10 @@ pub fn read_words(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
     pending.words(gpu)
 }
 
+/// How long an answer may take from one thread that waits on the device to another: far more than it does, so that a read
+/// that is never answered is an error and no endless wait.
+const PASSED_ON: Duration = Duration::from_secs(10);
+
 /// A readback buffer that is being read once what was submitted is done.
 pub struct PendingRead {
     buffer: wgpu::Buffer,
@@ -425,10 +430,11 @@ impl PendingRead {
         PendingRead { buffer: buffer.clone(), done }
     }
 
-    /// Its words, after waiting for the submission.
+    /// Its words, after waiting for the submission. Where several threads wait on one device, wgpu may hand this read's
+    /// answer to another of them, which passes it on a moment after this one's wait has ended.
     pub fn words(self, gpu: &Gpu) -> Result<Vec<u32>> {
         let failed = |e: String| gpu.failed(format!("cannot read back: {e}"));
-        self.done.try_recv().map_err(|e| failed(one_line(e)))?.map_err(|e| failed(one_line(e)))?;
+        self.done.recv_timeout(PASSED_ON).map_err(|e| failed(one_line(e)))?.map_err(|e| failed(one_line(e)))?;
         let view = self.buffer.get_mapped_range(..).map_err(|e| failed(one_line(e)))?;
         let words = bytemuck::pod_collect_to_vec::<u8, u32>(&view);
         drop(view);
