@@ -100,12 +100,24 @@ pub fn npy(data: &[u8]) {
     read("a.npy", data, image::read_npy_rows::<3>);
 }
 
-/// The calibration of a lens, and the camera made from it.
-pub fn yaml(data: &[u8]) {
-    read("lens.yml", data, |path| {
-        let scene = path.with_file_name("scene.toml");
-        let keys = "image = { width = 24, height = 16 }\n[camera]\nkind = \"opencv\"\nfile = \"lens.yml\"\n";
-        std::fs::write(&scene, keys).expect("a temporary file");
+/// A calibration, and the camera made from it; or, after a line with its name, a file of a COLMAP model whose others are right.
+pub fn calibration(data: &[u8]) {
+    const NAMES: [&str; 4] = ["cameras.txt", "cameras.bin", "images.txt", "images.bin"];
+    let named =
+        NAMES.into_iter().find_map(|name| Some((name, data.strip_prefix(name.as_bytes())?.strip_prefix(b"\n")?)));
+    let (name, data) = named.unwrap_or(("lens.yml", data));
+    read(name, data, |path| {
+        let (scene, cameras) = (path.with_file_name("scene.toml"), path.with_file_name("cameras.txt"));
+        if name.starts_with("images") {
+            std::fs::write(cameras, "1 PINHOLE 24 16 20 20 12 8\n").expect("a temporary file");
+        }
+        let keys = match named {
+            None => "file = \"lens.yml\"\neye = [0, 0, 3]\ntarget = [0, 0, 0]",
+            Some((name, _)) if name.starts_with("cameras") => "file = \".\"\neye = [0, 0, 3]\ntarget = [0, 0, 0]",
+            Some(_) => "file = \".\"\nimage = \"a.jpg\"",
+        };
+        let size = "image = { width = 24, height = 16 }";
+        std::fs::write(&scene, format!("{size}\n[camera]\nkind = \"calibrated\"\n{keys}\n")).expect("a temporary file");
         anamorph::internals::scene::Scene::load(&scene, &[], 0.0)?.camera()
     });
 }

@@ -76,7 +76,7 @@ fn arrays() {
 
 #[test]
 fn calibrations() {
-    run("yaml", targets::yaml, rounds());
+    run("calibration", targets::calibration, rounds());
 }
 
 /// Fewer rounds, because some cameras have up to a million pieces.

@@ -54,9 +54,9 @@ const TARGETS: [Target; 11] = [
         args: CAMERA,
     },
     Target {
-        corpus: "yaml",
+        corpus: "calibration",
         file: "lens.yml",
-        scene: "[camera]\nkind = \"opencv\"\nfile = \"lens.yml\"\n",
+        scene: "[camera]\nkind = \"calibrated\"\nfile = \"lens.yml\"\neye = [0, 0, 3]\ntarget = [0, 0, 0]\n",
         args: CAMERA,
     },
     Target {

@@ -2,7 +2,7 @@
 
 use super::SAFE_RADIUS_PX;
 use super::bundle::{Bundle, Ray};
-use super::kinds::opencv::Calibrated;
+use super::kinds::calibrated::Calibrated;
 use super::tessellate::bend::Bend;
 use crate::image::read_vectors;
 use crate::input::{Error, Result};

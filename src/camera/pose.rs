@@ -59,10 +59,19 @@ impl Pose {
         };
         let is_opencv = table.or("convention", false, read_convention)?;
         let distance = table.or("distance", 1.0, Field::above_zero)?;
-        let (up, back) = if is_opencv { (-axes.y_axis, -axes.z_axis) } else { (axes.y_axis, axes.z_axis) };
+        let (up, forward) = if is_opencv { (-axes.y_axis, axes.z_axis) } else { (axes.y_axis, -axes.z_axis) };
+        Pose::of_axes(eye, forward, up, distance).map(Some)
+    }
+
+    /// Of a camera in OpenCV's frame (x right, y down, z forward), which `rotation` takes to the world.
+    pub fn of_camera(eye: DVec3, rotation: DQuat, distance: f64) -> Result<Pose> {
+        Pose::of_axes(eye, rotation * DVec3::Z, -(rotation * DVec3::Y), distance)
+    }
+
+    fn of_axes(eye: DVec3, forward: DVec3, up: DVec3, distance: f64) -> Result<Pose> {
         // makes rounded entries orthonormal, as for target and up
-        let frame = view(DVec3::ZERO, -back, up)?;
-        Ok(Some(Pose { eye, target: eye + distance * frame.forward, up: frame.up, frame: Some(frame) }))
+        let frame = view(DVec3::ZERO, forward, up)?;
+        Ok(Pose { eye, target: eye + distance * frame.forward, up: frame.up, frame: Some(frame) })
     }
 
     /// # Errors

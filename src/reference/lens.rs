@@ -7,11 +7,12 @@
 //! bisection with secants finds the radius.
 
 pub mod dual;
+mod projection;
 mod radial;
 mod walk;
 
-use crate::camera::kinds::opencv::lens::Model;
-use crate::camera::kinds::opencv::{Calibrated, file::Intrinsics};
+use crate::camera::kinds::calibrated::lens::{Coefficients, Model};
+use crate::camera::kinds::calibrated::{Calibrated, Intrinsics};
 use crate::camera::{Camera, Field, Ray, RayMap, Rays};
 use glam::{DQuat, DVec2, DVec3};
 use std::borrow::Cow;
@@ -49,9 +50,9 @@ struct Own(Calibrated);
 impl RayMap for Own {
     fn ray(&self, a: f64, b: f64) -> Option<Ray> {
         let Calibrated { eye, view, intrinsics, model, shutter } = &self.0;
-        let Intrinsics { size: (w, h), focal, centre, .. } = intrinsics;
+        let Intrinsics { size: (w, h), scale, centre } = intrinsics;
         let (u, v) = (a * f64::from(*w) - 0.5, b * f64::from(*h) - 0.5);
-        let d = direction(model, DVec2::new((u - centre.x) / focal.x, (v - centre.y) / focal.y))?;
+        let d = direction(model, scale.inverse() * (DVec2::new(u, v) - *centre))?;
         let time = v * shutter.line_time;
         let rotation = DQuat::from_scaled_axis(time * shutter.angular);
         // x right, y down, z forward
@@ -60,19 +61,21 @@ impl RayMap for Own {
     }
 }
 
-/// The direction that is seen at `q` = ((u - cx) / fx, (v - cy) / fy).
+/// The direction that is seen at the place `q` of the plane.
 pub fn direction(model: &Model, q: DVec2) -> Option<DVec3> {
+    let p = model.distortions.iter().rev().try_fold(q, |q, k| undistorted(k, q))?;
+    projection::direction(&model.projection, p)
+}
+
+/// The point of the plane whose distorted place is `q`.
+fn undistorted(k: &Coefficients, q: DVec2) -> Option<DVec2> {
     let radius = q.length();
-    match model {
-        _ if radius == 0.0 => Some(DVec3::Z),
-        Model::Brown(k) if k[2] == 0.0 && k[3] == 0.0 && k[8..].iter().all(|k| *k == 0.0) => {
-            let r = radial::brown(k, radius)?;
-            Some(DVec3::new(q.x * r / radius, q.y * r / radius, 1.0))
-        }
-        Model::Brown(k) => walk::to(k, q).map(|p| p.extend(1.0)),
-        Model::Fisheye(k) => {
-            let theta = radial::fisheye(k, radius)?;
-            Some(DVec3::new(q.x / radius * theta.sin(), q.y / radius * theta.sin(), theta.cos()))
-        }
+    if radius == 0.0 {
+        return Some(q);
     }
+    if k.is_radial() && k.tilt == [0.0; 2] {
+        let r = radial::brown(k, radius)?;
+        return Some(DVec2::new(q.x * r / radius, q.y * r / radius));
+    }
+    walk::to(k, q)
 }

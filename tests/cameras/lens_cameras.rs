@@ -240,7 +240,7 @@ fn wrong_calibrations_say_why() {
     refused(&yaml(skewed, &[]), "", "must be [fx, 0, cx");
     let mut flat = MATRIX;
     flat[0] = 0.0;
-    refused(&yaml(flat, &[]), "", "fx and fy");
+    refused(&yaml(flat, &[]), "", "camera_matrix: focal lengths 0, 318");
     refused(&good.replace("image_width: 128", "image_width: 0"), "", "no pixels");
     refused(&good.replace("image_width: 128\n", ""), "", "image_width");
     refused(&good.replace("rows: 4", "rows: 5"), "", "distortion_coefficients: 4 numbers in 5 x 1");

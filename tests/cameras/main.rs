@@ -5,6 +5,7 @@ mod common;
 #[path = "../common/exact.rs"]
 mod exact;
 
+mod calibrated;
 mod camera_truth;
 mod casting;
 mod chain;

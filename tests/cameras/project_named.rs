@@ -23,6 +23,10 @@ const CALIBRATED: &str = "%YAML:1.0\n---\nimage_width: 60\nimage_height: 44\ncam
 dt: d\n   data: [ 90., 0., 29.5, 0., 90., 21.5, 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n   \
 data: [ -0.3, 0.1, 0.004, -0.003, 0.01 ]\n";
 
+/// A fisheye by a polynomial from pixels to angles.
+const F_THETA: &str = "{\"rig\": {\"sensors\": [{\"properties\": {\"Model\": \"ftheta\", \"width\": 60, \"height\": 44, \
+\"cx\": 29.5, \"cy\": 21.5, \"polynomial\": \"0 0.012 1e-6 -1e-9\"}}]}}";
+
 /// A screen of three parts before the eye.
 const SCREEN: &str = "v -0.5 0.4 2.2\nv -0.2 0.4 2\nv 0.2 0.4 2\nv 0.5 0.4 2.2\nv -0.5 -0.4 2.2\nv -0.2 -0.4 2\nv 0.2 -0.4 2\nv 0.5 -0.4 2.2\n\
 vt 0 1\nvt 0.3 1\nvt 0.7 1\nvt 1 1\nvt 0 0\nvt 0.3 0\nvt 0.7 0\nvt 1 0\n\
@@ -94,6 +98,7 @@ const ASKED: &[(&str, &str)] = &[
     ("track", "eye = [0, 0.3, 4]\ntarget = [0, 0, 0]\nvfov = 30\ntargets = [{ at = [0, 0, 0], radius = 0.05 }]\nfar = 6\njoin = 'bezier'"),
     ("opencv", "POSE\nfile = 'FOLDER/camera.yml'"),
     ("opencv", "POSE\nfile = 'FOLDER/camera.yml'\nline_time = 0.001\nvelocity = [10, 0, 3]\nangular_velocity = [0, 90, 0]"),
+    ("calibrated", "POSE\nfile = 'FOLDER/rig.json'"),
     ("ods", "eye = [0, 0.1, 0.9]\ntarget = [0, 0, 0]\nipd = 0.3"),
     ("camera_texture", "POSE\nvfov = 30\nOFFSETS"),
     ("camera_texture", "POSE\nvfov = 30\nOFFSETS\nmode = 'bilinear'"),
@@ -117,6 +122,7 @@ fn keys(of: &str, folder: &Path) -> String {
 fn share(first: usize) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("camera.yml"), CALIBRATED).unwrap();
+    std::fs::write(folder.path().join("rig.json"), F_THETA).unwrap();
     std::fs::write(folder.path().join("screen.obj"), SCREEN).unwrap();
     for (k, (kind, asked)) in ASKED.iter().enumerate().skip(first).step_by(2) {
         let text = format!("kind = '{kind}'\n{}", keys(asked, folder.path()));

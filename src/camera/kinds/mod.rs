@@ -1,6 +1,7 @@
 //! The kinds of cameras in scene files, one file per family. [`pinhole`] is the simplest; read it to learn how a kind is written: its keys,
 //! how they are read, and its rays.
 
+pub mod calibrated;
 pub mod camera_texture;
 mod central;
 pub mod cross_slit;
@@ -16,7 +17,6 @@ pub mod mcop;
 pub mod mesh;
 pub mod occlusion;
 pub mod ods;
-pub mod opencv;
 pub mod ortho_to_perspective;
 pub mod orthographic;
 pub mod panini;
@@ -83,7 +83,8 @@ pub const KINDS: &[Kind] = &[
     },
     Kind { name: "top_down", help: include_str!("../help/top_down.txt"), read: graph::top_down::read },
     Kind { name: "track", help: include_str!("../help/track.txt"), read: graph::track::read },
-    Kind { name: "opencv", help: include_str!("../help/opencv.txt"), read: opencv::read },
+    Kind { name: "opencv", help: include_str!("../help/opencv.txt"), read: calibrated::read_opencv },
+    Kind { name: "calibrated", help: include_str!("../help/calibrated.txt"), read: calibrated::read },
     Kind { name: "ods", help: include_str!("../help/ods.txt"), read: ods::read },
     Kind { name: "camera_texture", help: include_str!("../help/camera_texture.txt"), read: camera_texture::read },
     Kind { name: "panini", help: include_str!("../help/panini.txt"), read: panini::read },

@@ -1,5 +1,6 @@
 //! Brown's model with its derivatives, by dual numbers: value, d/dx and d/dy.
 
+use crate::camera::kinds::calibrated::lens::Coefficients;
 use std::ops::{Add, Div, Mul, Sub};
 
 #[derive(Debug, Clone, Copy)]
@@ -49,24 +50,26 @@ impl Mul<Dual> for f64 {
     }
 }
 
-/// Where (x, y) of the plane z = 1 is seen; `None` on a pole or beyond.
-pub fn seen(
-    [k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y]: &[f64; 14],
-    [x, y]: [f64; 2],
-) -> Option<[Dual; 2]> {
+/// The distorted place of the plane's point (x, y); `None` on a pole or beyond.
+pub fn seen(k: &Coefficients, [x, y]: [f64; 2]) -> Option<[Dual; 2]> {
+    let Coefficients { radial, below: [k4, k5, k6], tangential: [p1, p2], prism: [s13, s24], tilt: [tau_x, tau_y] } = k;
     let (x, y) = (Dual([x, 1.0, 0.0]), Dual([y, 0.0, 1.0]));
     let r2 = x * x + y * y;
     let (r4, r6) = (r2 * r2, r2 * r2 * r2);
     let one = constant(1.0);
-    let above = one + *k1 * r2 + *k2 * r4 + *k3 * r6;
+    let (mut above, mut power) = (one, one);
+    for k in radial {
+        power = power * r2;
+        above = above + *k * power;
+    }
     let below = one + *k4 * r2 + *k5 * r4 + *k6 * r6;
     if below.0[0] <= 0.0 {
         return None;
     }
     let gain = above / below;
     let xy = 2.0 * (x * y);
-    let u = x * gain + *p1 * xy + *p2 * (r2 + 2.0 * (x * x)) + *s1 * r2 + *s2 * r4;
-    let v = y * gain + *p1 * (r2 + 2.0 * (y * y)) + *p2 * xy + *s3 * r2 + *s4 * r4;
+    let u = x * gain + *p1 * xy + *p2 * (r2 + 2.0 * (x * x)) + s13.x * r2 + s24.x * r4;
+    let v = y * gain + *p1 * (r2 + 2.0 * (y * y)) + *p2 * xy + s13.y * r2 + s24.y * r4;
     if (*tau_x, *tau_y) == (0.0, 0.0) {
         return Some([u, v]);
     }

@@ -1,83 +1,90 @@
 //! Radial models: the radius that is seen at a given one, on the branch from the middle to where the model first stops growing.
 
+use crate::camera::kinds::calibrated::lens::Coefficients;
 use std::ops::{Add, Div, Mul};
 
 /// The numbers from the first to the second.
 #[derive(Debug, Clone, Copy)]
-struct Interval(f64, f64);
+pub struct Range(f64, f64);
 
-impl Add for Interval {
-    type Output = Interval;
-    fn add(self, b: Interval) -> Interval {
-        Interval(self.0 + b.0, self.1 + b.1)
+impl Range {
+    pub fn at(x: f64) -> Range {
+        Range(x, x)
     }
 }
 
-impl Mul for Interval {
-    type Output = Interval;
-    fn mul(self, b: Interval) -> Interval {
+impl Add for Range {
+    type Output = Range;
+    fn add(self, b: Range) -> Range {
+        Range(self.0 + b.0, self.1 + b.1)
+    }
+}
+
+impl Mul for Range {
+    type Output = Range;
+    fn mul(self, b: Range) -> Range {
         let all = [self.0 * b.0, self.0 * b.1, self.1 * b.0, self.1 * b.1];
-        Interval(all.iter().fold(f64::INFINITY, |m, v| m.min(*v)), all.iter().fold(f64::NEG_INFINITY, |m, v| m.max(*v)))
+        Range(all.iter().fold(f64::INFINITY, |m, v| m.min(*v)), all.iter().fold(f64::NEG_INFINITY, |m, v| m.max(*v)))
     }
 }
 
 /// The divisor must be over 0.
-impl Div for Interval {
-    type Output = Interval;
-    fn div(self, b: Interval) -> Interval {
-        self * Interval(1.0 / b.1, 1.0 / b.0)
+impl Div for Range {
+    type Output = Range;
+    fn div(self, b: Range) -> Range {
+        self * Range(1.0 / b.1, 1.0 / b.0)
     }
 }
 
-fn exactly(x: f64) -> Interval {
-    Interval(x, x)
-}
-
 /// 1 + c1 q + c2 q^2 + ..., and its derivative.
-fn series<const N: usize>(c: [f64; N], q: Interval) -> (Interval, Interval) {
-    let (mut power, mut value, mut slope) = (exactly(1.0), exactly(1.0), exactly(0.0));
+fn series(c: &[f64], q: Range) -> (Range, Range) {
+    let (mut power, mut value, mut slope) = (Range::at(1.0), Range::at(1.0), Range::at(0.0));
     for (n, c) in c.iter().enumerate() {
-        slope = slope + exactly((n + 1) as f64 * c) * power;
+        slope = slope + Range::at((n + 1) as f64 * c) * power;
         power = power * q;
-        value = value + exactly(*c) * power;
+        value = value + Range::at(*c) * power;
     }
     (value, slope)
 }
 
 /// d(r g)/dr of Brown's radial part at `r`, and a bound on its derivative over [lo, hi]; `None` where there may be a pole.
-pub fn slope(k: &[f64; 14], r: f64, [lo, hi]: [f64; 2]) -> Option<[f64; 2]> {
+pub fn slope(k: &Coefficients, r: f64, [lo, hi]: [f64; 2]) -> Option<[f64; 2]> {
     // g = 1 + n, n = N / B with N = A - B: A and B nearly cancel in calibrations
-    let (above, below) = ([k[0] - k[5], k[1] - k[6], k[4] - k[7]], [k[5], k[6], k[7]]);
-    let derivatives = |q: Interval| {
-        let ((n, dn), (b, db)) = (series(above, q), series(below, q));
-        let second = |c: [f64; 3]| exactly(2.0 * c[1]) + exactly(6.0 * c[2]) * q;
-        let minus = exactly(-1.0);
+    let (mut above, below) = (k.radial, k.below);
+    above.iter_mut().zip(below).for_each(|(above, below)| *above -= below);
+    let derivatives = |q: Range| {
+        let ((n, dn), (b, db)) = (series(&above, q), series(&below, q));
+        let second = |c: &[f64]| {
+            let terms = c.iter().enumerate().skip(1).rev();
+            terms.fold(Range::at(0.0), |sum, (n, c)| sum * q + Range::at(((n + 1) * n) as f64 * c))
+        };
+        let minus = Range::at(-1.0);
         let n = (n + minus) / b;
         let dn = (dn + minus * n * db) / b;
-        let ddn = (second(above) + exactly(-2.0) * dn * db + minus * n * second(below)) / b;
+        let ddn = (second(&above) + Range::at(-2.0) * dn * db + minus * n * second(&below)) / b;
         (n, dn, ddn, b.0 > 0.0)
     };
-    let at = exactly(r * r);
+    let at = Range::at(r * r);
     let (n, dn, ..) = derivatives(at);
-    let range = Interval(lo, hi);
+    let range = Range(lo, hi);
     let (_, of_range, bend, is_free) = derivatives(range * range);
     // d^2(r g)/dr^2 = 6 r n' + 4 r^3 n''
-    let Interval(least, most) = exactly(6.0) * range * of_range + exactly(4.0) * range * range * range * bend;
-    is_free.then_some([1.0 + (n + exactly(2.0) * at * dn).0, least.abs().max(most.abs())])
+    let Range(least, most) = Range::at(6.0) * range * of_range + Range::at(4.0) * range * range * range * bend;
+    is_free.then_some([1.0 + (n + Range::at(2.0) * at * dn).0, least.abs().max(most.abs())])
 }
 
-/// The radius on the plane z = 1 that Brown's model shows at `radius`.
-pub fn brown(k: &[f64; 14], radius: f64) -> Option<f64> {
-    let (above, below) = ([k[0], k[1], k[4]], [k[5], k[6], k[7]]);
+/// The radius that Brown's radial terms show at `radius`.
+pub fn brown(k: &Coefficients, radius: f64) -> Option<f64> {
+    let (above, below) = (&k.radial, &k.below);
     // d(r A / B)/dr = ((A + 2 q A') B - 2 q A B') / B^2, while B is over 0
-    let grows = |r: Interval| {
+    let grows = |r: Range| {
         let q = r * r;
         let ((a, da), (b, db)) = (series(above, q), series(below, q));
-        let slope = (a + exactly(2.0) * q * da) * b + exactly(-2.0) * q * a * db;
-        if b.0 > 0.0 { slope } else { Interval(b.0, slope.1) }
+        let slope = (a + Range::at(2.0) * q * da) * b + Range::at(-2.0) * q * a * db;
+        if b.0 > 0.0 { slope } else { Range(b.0, slope.1) }
     };
     let seen = |r: f64| {
-        let q = exactly(r * r);
+        let q = Range::at(r * r);
         r * (series(above, q).0 / series(below, q).0).0
     };
     let mut start = 0.0;
@@ -92,18 +99,17 @@ pub fn brown(k: &[f64; 14], radius: f64) -> Option<f64> {
     None
 }
 
-/// The angle from the axis, up to 180 degrees, that the fisheye model shows at `radius`.
-pub fn fisheye(k: &[f64; 4], radius: f64) -> Option<f64> {
-    let grows = |theta: Interval| {
-        let q = theta * theta;
-        let (value, slope) = series(*k, q);
-        value + exactly(2.0) * q * slope
-    };
-    let seen = |theta: f64| theta * series(*k, exactly(theta * theta)).0.0;
-    match first(&grows, &seen, [0.0, std::f64::consts::PI], radius) {
-        Found::At(theta) => Some(theta),
+/// The argument up to `end` at which `seen`, of slope `grows`, first comes to `radius`, while it grows.
+pub fn in_range(grows: &impl Fn(Range) -> Range, seen: &impl Fn(f64) -> f64, end: f64, radius: f64) -> Option<f64> {
+    match first(grows, seen, [0.0, end], radius) {
+        Found::At(at) => Some(at),
         Found::Folded | Found::Beyond => None,
     }
+}
+
+/// Whether `seen`, of slope `grows`, grows from 0 to `end`.
+pub fn grows_until(grows: &impl Fn(Range) -> Range, seen: &impl Fn(f64) -> f64, end: f64) -> bool {
+    matches!(first(grows, seen, [0.0, end], f64::INFINITY), Found::Beyond)
 }
 
 enum Found {
@@ -118,8 +124,8 @@ enum Found {
 const NARROW: f64 = 1.0 / (1u64 << 28) as f64;
 
 /// The first root of `seen = radius` in [lo, hi], for a model that grows up to `lo` and is smaller there.
-fn first(grows: &impl Fn(Interval) -> Interval, seen: &impl Fn(f64) -> f64, [lo, hi]: [f64; 2], radius: f64) -> Found {
-    if grows(Interval(lo, hi)).0 > 0.0 {
+fn first(grows: &impl Fn(Range) -> Range, seen: &impl Fn(f64) -> f64, [lo, hi]: [f64; 2], radius: f64) -> Found {
+    if grows(Range(lo, hi)).0 > 0.0 {
         if seen(hi) < radius {
             return Found::Beyond;
         }
@@ -127,7 +133,7 @@ fn first(grows: &impl Fn(Interval) -> Interval, seen: &impl Fn(f64) -> f64, [lo,
     }
     if hi - lo <= NARROW * hi {
         // the model may be flat here and grow again
-        let grows_on = grows(exactly(hi)).0 > 0.0 && seen(hi) < radius;
+        let grows_on = grows(Range::at(hi)).0 > 0.0 && seen(hi) < radius;
         return if grows_on { Found::Beyond } else { Found::Folded };
     }
     let middle = lo + (hi - lo) / 2.0;

@@ -2,6 +2,7 @@
 
 use super::dual::seen;
 use super::radial;
+use crate::camera::kinds::calibrated::lens::Coefficients;
 use glam::DVec2;
 
 /// A point of the preimage: where it is seen along the line and across it, in units of the line's length, each with its derivative.
@@ -16,7 +17,7 @@ struct At {
 
 impl At {
     /// `None` on a pole or beyond.
-    fn new(k: &[f64; 14], line: DVec2, p: DVec2) -> Option<At> {
+    fn new(k: &Coefficients, line: DVec2, p: DVec2) -> Option<At> {
         let [u, v] = seen(k, [p.x, p.y])?.map(|d| d.0);
         // (u, v) = along * line + across * line', line' the line rotated by 90 degrees
         let part = |x: f64, y: f64| [0, 1, 2].map(|n| (x * u[n] + y * v[n]) / line.length_squared());
@@ -48,8 +49,8 @@ const FOLD: f64 = 1.0 / (1u64 << 22) as f64;
 /// Most steps. Each halves the distance to a fold.
 const STEPS: usize = 4096;
 
-/// The point of the plane z = 1 that is seen at `q`.
-pub fn to(k: &[f64; 14], q: DVec2) -> Option<DVec2> {
+/// The point of the plane whose distorted place is `q`.
+pub fn to(k: &Coefficients, q: DVec2) -> Option<DVec2> {
     let mut at = At::new(k, q, DVec2::ZERO)?;
     let mut length = 0.5 * q.length();
     for _ in 0..STEPS {
@@ -73,12 +74,13 @@ pub fn to(k: &[f64; 14], q: DVec2) -> Option<DVec2> {
 const CHANGE_OF_SLOPE: f64 = 0.5;
 
 /// Bound on the slopes of the tangential and prism terms, which change slowly.
-fn slow(k: &[f64; 14], r: f64) -> f64 {
-    6.0 * k[2].hypot(k[3]) * r + 2.0 * k[8].hypot(k[10]) * r + 4.0 * k[9].hypot(k[11]) * r.powi(3)
+fn slow(k: &Coefficients, r: f64) -> f64 {
+    let ([p1, p2], [s13, s24]) = (k.tangential, k.prism);
+    6.0 * p1.hypot(p2) * r + 2.0 * s13.length() * r + 4.0 * s24.length() * r.powi(3)
 }
 
 /// A step ahead by `length`: the midpoint method, then corrections across the line back onto it.
-fn step(k: &[f64; 14], line: DVec2, at: &At, length: f64) -> Option<At> {
+fn step(k: &Coefficients, line: DVec2, at: &At, length: f64) -> Option<At> {
     let (r, slow) = (at.p.length(), slow(k, at.p.length()));
     let [here, bend] = radial::slope(k, r, [(r - length).max(0.0), r + length])?;
     let is_straight = length * bend <= CHANGE_OF_SLOPE * (here.abs() + slow);
@@ -103,7 +105,7 @@ fn step(k: &[f64; 14], line: DVec2, at: &At, length: f64) -> Option<At> {
 }
 
 /// The preimage of the line's end, which lies between two of its points.
-fn arrive(k: &[f64; 14], line: DVec2, from: &At, to: &At) -> Option<DVec2> {
+fn arrive(k: &Coefficients, line: DVec2, from: &At, to: &At) -> Option<DVec2> {
     // `along` grows in between: Newton's method, from the nearer end
     let mut at = if 1.0 - from.along < to.along - 1.0 { *from } else { *to };
     let stride = from.p.distance(to.p);

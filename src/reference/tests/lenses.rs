@@ -1,7 +1,7 @@
 //! The reference's rays against the camera's: two independent methods.
 
 use super::make::Rng;
-use crate::camera::kinds::opencv::lens::{Distortion, Model};
+use crate::camera::kinds::calibrated::lens::{Coefficients, Lens, Model, Projection};
 use crate::reference::lens::{direction, dual};
 use glam::DVec2;
 
@@ -48,8 +48,8 @@ fn both_methods_find_the_same_rays() {
     for (kind, sizes) in KINDS.iter().enumerate() {
         for number in 0..40 {
             let k = lens(&mut rng, *sizes);
-            let (model, name) = (Model::Brown(k), format!("{kind}, lens {number}: {k:?}"));
-            let camera = Distortion::new(&model).unwrap();
+            let (model, name) = (Model::brown(&k), format!("{kind}, lens {number}: {k:?}"));
+            let camera = Lens::new(&model).unwrap();
             for q in places() {
                 let (a, b) = (camera.direction(q), direction(&model, q));
                 assert_eq!(a.is_some(), b.is_some(), "{name}: {q}: {a:?} {b:?}");
@@ -58,7 +58,7 @@ fn both_methods_find_the_same_rays() {
                     continue;
                 };
                 with += 1;
-                let [u, v] = dual::seen(&k, [a.x, a.y]).unwrap().map(|d| d.0);
+                let [u, v] = dual::seen(&Coefficients::of_opencv(&k), [a.x, a.y]).unwrap().map(|d| d.0);
                 let off = DVec2::new(u[0], v[0]).distance(q);
                 // 1e-9 px in a picture of 1000 px are 1e-12; this is under a fiftieth of that
                 assert!(off <= 1e-15 * (1.0 + q.length()) * 16.0, "{name}: {q} is seen off by {off}");
@@ -85,8 +85,8 @@ fn both_methods_find_the_same_fisheye() {
     let (mut rng, mut missing) = (Rng(5), 0);
     for _ in 0..40 {
         let k = [0.2, 0.1, 0.05, 0.02].map(|size| size * rng.signed());
-        let model = Model::Fisheye(k);
-        let camera = Distortion::new(&model).unwrap();
+        let model = Model::fisheye(&k);
+        let camera = Lens::new(&model).unwrap();
         for q in places().map(|q| 3.0 * q) {
             let (a, b) = (camera.direction(q), direction(&model, q));
             assert_eq!(a.is_some(), b.is_some(), "{k:?}: {q}: {a:?} {b:?}");
@@ -108,13 +108,104 @@ fn both_methods_find_the_same_fisheye() {
     assert!(missing > 1000, "{missing}");
 }
 
+/// A random projection of each kind. The parameters go to the ends of their ranges.
+fn projections(rng: &mut Rng) -> Vec<Projection> {
+    let unit = |rng: &mut Rng| 0.5 + 0.5 * rng.signed();
+    // over pixels of a focal length of some 1
+    let polynomial = |rng: &mut Rng| [0.3, 0.1, 0.05, 0.02].map(|size| size * rng.signed());
+    let c = |rng: &mut Rng| [0.6 + unit(rng)].into_iter().chain(polynomial(rng)).collect::<Vec<_>>();
+    vec![
+        Projection::Perspective,
+        Projection::Equidistant,
+        Projection::Equirectangular,
+        Projection::FieldOfView { omega: 3.0 * unit(rng) + 0.01 },
+        Projection::Unified { xi: 0.0 },
+        Projection::Unified { xi: 1.0 },
+        Projection::Unified { xi: 3.0 * unit(rng) },
+        Projection::EnhancedUnified { alpha: 0.0, beta: 1.0 },
+        Projection::EnhancedUnified { alpha: 0.5, beta: 0.3 + unit(rng) },
+        Projection::EnhancedUnified { alpha: 1.0, beta: 0.3 + unit(rng) },
+        Projection::EnhancedUnified { alpha: unit(rng), beta: 0.3 + 2.0 * unit(rng) },
+        Projection::DoubleSphere { xi: rng.signed(), alpha: 0.0 },
+        Projection::DoubleSphere { xi: 1.0, alpha: unit(rng) },
+        Projection::DoubleSphere { xi: 0.0, alpha: unit(rng) },
+        Projection::DoubleSphere { xi: 0.95 * rng.signed(), alpha: unit(rng) },
+        Projection::Division { k: 0.4 * rng.signed() },
+        Projection::Division { k: 0.0 },
+        Projection::AngleOfRadius { c: c(rng) },
+        Projection::RadiusOfAngle { c: c(rng) },
+    ]
+}
+
+/// The camera by closed forms or Newton's method, the reference by bisection of the forward formulas; and the camera's way back.
+#[test]
+fn both_methods_find_the_same_rays_of_every_projection() {
+    let mut rng = Rng(23);
+    let (mut with, mut without, mut behind) = (0, 0, 0);
+    for _ in 0..60 {
+        for projection in projections(&mut rng) {
+            let model = Model { projection, distortions: Vec::new() };
+            let name = format!("{:?}", model.projection);
+            let camera = Lens::new(&model).unwrap();
+            for q in places().map(|q| 2.5 * q) {
+                let (a, b) = (camera.direction(q), direction(&model, q));
+                assert_eq!(a.is_some(), b.is_some(), "{name}: {q}: {a:?} {b:?}");
+                let (Some(a), Some(b)) = (a, b) else {
+                    without += 1;
+                    continue;
+                };
+                with += 1;
+                behind += u32::from(a.z < 0.0);
+                // how far the ray moves for a rounding of the place: by a difference quotient
+                let h = 1e-6 * (1.0 + q.length());
+                let beside = |s: f64| camera.direction(q * (1.0 + s * h / q.length()));
+                let (Some(less), Some(more)) = (beside(-1.0), beside(1.0)) else { continue };
+                let steep = (more - less).length() / (2.0 * h);
+                let tolerance = 1e-14 * (1.0 + a.length()) * (1.0 + steep * q.length());
+                assert!((a - b).length() <= tolerance, "{name}: {q}: {a} {b}, {steep}");
+                let back = camera.places(2.0 * a).unwrap();
+                // of the ray's rounding the place moves by the inverse
+                let tolerance = 1e-14 * (1.0 + q.length()) * (1.0 + a.length() / steep);
+                let found = back.iter().any(|(place, t)| place.distance(q) <= tolerance && (t - 2.0).abs() < 1e-14);
+                assert!(found, "{name}: {q}: {back:?}, {steep}");
+            }
+        }
+    }
+    assert!(with > 400_000 && without > 100_000 && behind > 50_000, "{with} {without} {behind}");
+}
+
+#[test]
+fn both_methods_find_the_same_rays_through_two_distortions() {
+    let (mut rng, mut with) = (Rng(31), 0);
+    for _ in 0..8 {
+        let radial = Coefficients::radial(&[0.05, 0.02, 0.01, 0.004, 0.002, 0.001].map(|size| size * rng.signed()));
+        let then = Coefficients::of_opencv(&lens(&mut rng, [0.0, 0.0, 0.005, 0.005, 0.0]));
+        let thin_prism = Coefficients { radial: radial.radial, ..then };
+        for distortions in [vec![radial, then], vec![thin_prism]] {
+            let model = Model { projection: Projection::Equidistant, distortions };
+            let camera = Lens::new(&model).unwrap();
+            for q in places() {
+                let (a, b) = (camera.direction(q), direction(&model, q));
+                assert_eq!(a.is_some(), b.is_some(), "{model:?}: {q}: {a:?} {b:?}");
+                let (Some(a), Some(b)) = (a, b) else { continue };
+                with += 1;
+                // the coefficients are so small that no stretch is under 1/10
+                assert!((a - b).length() <= 1e-13, "{model:?}: {q}: {a} {b}");
+                let back = camera.places(a).unwrap();
+                assert!(back.iter().any(|(place, t)| place.distance(q) <= 1e-13 && (t - 1.0).abs() < 1e-14), "{q}");
+            }
+        }
+    }
+    assert!(with > 10_000, "{with}");
+}
+
 /// Far away det J is small against the square of the place's radius; that is no fold.
 #[test]
 fn both_methods_find_rays_thousands_of_focal_lengths_away() {
     let mut k = [0.0; 14];
     k[2] = 1e-8;
-    let model = Model::Brown(k);
-    let camera = Distortion::new(&model).unwrap();
+    let model = Model::brown(&k);
+    let camera = Lens::new(&model).unwrap();
     for radius in [100.0, 3000.0, 1e5] {
         let q = radius * DVec2::new(0.6, -0.8);
         let (a, b) = (camera.direction(q), direction(&model, q));
@@ -129,7 +220,7 @@ fn both_methods_find_rays_thousands_of_focal_lengths_away() {
 fn rays_are_continuous_along_lines_from_the_middle() {
     // the radial part grows everywhere, and the tangential terms fold it at a radius of some 1.2 on one side
     let k = [-0.4095, 0.0777, -0.0080, 0.0038, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let camera = Distortion::new(&Model::Brown(k)).unwrap();
+    let camera = Lens::new(&Model::brown(&k)).unwrap();
     let mut counts = [0, 0];
     for q in places() {
         let along = |s: f64| camera.direction(s * q).map(|d| d.truncate());

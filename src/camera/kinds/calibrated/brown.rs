@@ -1,9 +1,11 @@
-//! Brown and Conrady's model as OpenCV's `calib3d` has it, with a rational radial part, thin prism terms and a tilted
-//! sensor: from a point on the plane z = 1 to its distorted place.
+//! Brown and Conrady's distortion as OpenCV's `calib3d` has it, with a rational radial part, thin prism terms and a tilted
+//! sensor: from a point of the plane that directions are projected to, to its distorted place.
 //!
 //! `x'' = x' g + 2 p1 x'y' + p2 (r^2 + 2 x'^2) + s1 r^2 + s2 r^4`, `y'' = y' g + p1 (r^2 + 2 y'^2) + 2 p2 x'y' + s3 r^2 + s4 r^4`,
-//! `g = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)`, then [`Tilt`]. [`super::inverse`] inverts it.
+//! `g = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)`, then [`Tilt`]. Other models have up to six terms above the
+//! fraction line. [`super::inverse`] inverts it.
 
+use super::lens::Coefficients;
 use super::roots;
 use super::tilt::Tilt;
 use glam::{DMat2, DVec2};
@@ -11,8 +13,10 @@ use glam::{DMat2, DVec2};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Brown {
     /// Numerator and denominator of g as polynomials of r^2.
-    above: [f64; 4],
+    above: [f64; 7],
     below: [f64; 4],
+    /// Numbers of `above` that are in use.
+    terms: usize,
     /// p1, p2.
     tangential: [f64; 2],
     /// (s1, s3) and (s2, s4).
@@ -43,17 +47,23 @@ impl Seen {
 }
 
 impl Brown {
-    /// From `k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y`, angles in radians.
-    ///
     /// # Errors
-    /// A tilt of 90 degrees or more.
-    pub fn new(k: [f64; 14]) -> Result<Brown, String> {
+    /// A coefficient that is not finite, or a tilt of 90 degrees or more.
+    pub fn new(k: &Coefficients) -> Result<Brown, String> {
+        let prism = k.prism.iter().flat_map(|s| [&s.x, &s.y]);
+        if !k.radial.iter().chain(&k.below).chain(&k.tangential).chain(prism).all(|k| k.is_finite()) {
+            return Err("distortion coefficients: all must be finite".into());
+        }
+        let [k1, k2, k3, k4, k5, k6] = k.radial;
+        let used = k.radial.iter().rposition(|k| *k != 0.0).map_or(0, |last| last + 1);
         let mut model = Brown {
-            above: [1.0, k[0], k[1], k[4]],
-            below: [1.0, k[5], k[6], k[7]],
-            tangential: [k[2], k[3]],
-            prism: [DVec2::new(k[8], k[10]), DVec2::new(k[9], k[11])],
-            tilt: Tilt::new(k[12], k[13])?,
+            // as many as below at least, which is subtracted
+            terms: 1 + used.max(k.below.len()),
+            above: [1.0, k1, k2, k3, k4, k5, k6],
+            below: [1.0, k.below[0], k.below[1], k.below[2]],
+            tangential: k.tangential,
+            prism: k.prism,
+            tilt: Tilt::new(k.tilt[0], k.tilt[1])?,
             r_max: 0.0,
             injective: 0.0,
         };
@@ -61,6 +71,10 @@ impl Brown {
         model.r_max = roots::first(&model.radial_slope()).min(pole).sqrt();
         model.injective = model.injective_radius(pole.sqrt());
         Ok(model)
+    }
+
+    fn above(&self) -> &[f64] {
+        &self.above[..self.terms]
     }
 
     /// Distortion moves points only towards or away from the middle: no tangential and no prism terms.
@@ -71,8 +85,8 @@ impl Brown {
     /// The numerator of d(r g)/dr as a polynomial of q = r^2: `(A + 2 q A') B - 2 q A B'`; the denominator is B^2.
     fn radial_slope(&self) -> Vec<f64> {
         let twice_q = |c: &[f64]| roots::product(&[0.0, 2.0], &roots::derivative(c));
-        let first = sum(&self.above, &twice_q(&self.above));
-        let minus = roots::product(&self.above, &twice_q(&self.below));
+        let first = sum(self.above(), &twice_q(self.above()));
+        let minus = roots::product(self.above(), &twice_q(&self.below));
         difference(&roots::product(&first, &self.below), &minus)
     }
 
@@ -89,7 +103,7 @@ impl Brown {
         let [p, s] = [6.0 * self.tangential_size() + 2.0 * self.prism[0].length(), 4.0 * self.prism[1].length()];
         let (below, e) = (of_r(&self.below), [0.0, p, 0.0, s]);
         let less = roots::product(&below, &e);
-        let star_shaped = difference(&of_r(&self.above), &less.iter().map(|c| 2.0 * c).collect::<Vec<_>>());
+        let star_shaped = difference(&of_r(self.above()), &less.iter().map(|c| 2.0 * c).collect::<Vec<_>>());
         let one_to_one = difference(&of_r(&self.radial_slope()), &roots::product(&below, &less));
         roots::first(&star_shaped).min(roots::first(&one_to_one)).min(pole)
     }
@@ -100,9 +114,9 @@ impl Brown {
 
     /// `g`, its derivative by r^2, and its denominator.
     fn gain(&self, q: f64) -> (f64, f64, f64) {
-        let slope = |c: &[f64; 4]| c[1] + q * (2.0 * c[2] + 3.0 * q * c[3]);
-        let (a, b) = (roots::value(&self.above, q), roots::value(&self.below, q));
-        (a / b, (slope(&self.above) - a / b * slope(&self.below)) / b, b)
+        let slope = |c: &[f64]| slope(c, q);
+        let (a, b) = (roots::value(self.above(), q), roots::value(&self.below, q));
+        (a / b, (slope(self.above()) - a / b * slope(&self.below)) / b, b)
     }
 
     /// The distorted place of `p`, before the tilt.
@@ -124,9 +138,9 @@ impl Brown {
     /// Bound on the rounding error of the place of [`Brown::seen`]: [`ROUNDING`] times the sum of its terms' sizes.
     pub(super) fn rounding(&self, p: DVec2) -> f64 {
         let q = p.length_squared();
-        let size = |c: &[f64; 4]| roots::value(&c.map(f64::abs), q);
-        let (a, b, below) = (size(&self.above), size(&self.below), roots::value(&self.below, q).abs());
-        let gain = (a + roots::value(&self.above, q).abs() / below * b) / below;
+        let size = |c: &[f64]| c.iter().rev().fold(0.0, |sum, c| sum * q + c.abs());
+        let (a, b, below) = (size(self.above()), size(&self.below), roots::value(&self.below, q).abs());
+        let gain = (a + roots::value(self.above(), q).abs() / below * b) / below;
         let bent = 3.0 * self.tangential_size() * q + q * (self.prism[0].length() + q * self.prism[1].length());
         ROUNDING * (p.length() * gain + bent)
     }
@@ -141,16 +155,17 @@ impl Brown {
         let (least, most) = ((r - radius).max(0.0), r + radius);
         let q = (least * least, most * most);
         let derivatives = |c: &[f64]| {
+            let numbered = || c.iter().enumerate().map(|(n, c)| (n as f64, c));
             [
-                roots::bounds(c, q),
-                roots::bounds(&[c[1], 2.0 * c[2], 3.0 * c[3]], q),
-                roots::bounds(&[2.0 * c[2], 6.0 * c[3]], q),
+                roots::bounds(c.iter().copied(), q),
+                roots::bounds(numbered().skip(1).map(|(n, c)| n * c), q),
+                roots::bounds(numbered().skip(2).map(|(n, c)| n * (n - 1.0) * c), q),
             ]
         };
         // A and B nearly cancel in calibrations, so bound n = g - 1 = (A - B) / B: n' = ((A - B)' - n B') / B, n'' = ((A - B)'' - 2 n' B' -
         // n B'') / B
-        let rest: [f64; 4] = std::array::from_fn(|k| self.above[k] - self.below[k]);
-        let ([a, da, dda], [b, db, ddb]) = (derivatives(&rest), derivatives(&self.below));
+        let rest: [f64; 7] = std::array::from_fn(|n| self.above[n] - self.below.get(n).unwrap_or(&0.0));
+        let ([a, da, dda], [b, db, ddb]) = (derivatives(&rest[..self.terms]), derivatives(&self.below));
         // NaN proves nothing
         let has_no_pole = b.0 > 0.0;
         if !has_no_pole {
@@ -168,9 +183,9 @@ impl Brown {
     pub(super) fn radial_inverse(&self, rd: f64) -> Option<f64> {
         // r g >= rd is r A - rd B >= 0, which has no pole
         let f = |r: f64| {
-            let (q, slope) = (r * r, |c: &[f64; 4], q: f64| c[1] + q * (2.0 * c[2] + 3.0 * q * c[3]));
-            let a = roots::value(&self.above, q);
-            let da = 2.0 * q * slope(&self.above, q);
+            let q = r * r;
+            let a = roots::value(self.above(), q);
+            let da = 2.0 * q * slope(self.above(), q);
             (r * a - rd * roots::value(&self.below, q), a + da - rd * 2.0 * r * slope(&self.below, q))
         };
         // the end of the branch, or some r with r g >= rd
@@ -185,8 +200,13 @@ impl Brown {
     }
 }
 
-/// Relative to the sum of the terms' sizes: Horner's schemes, the quotient and the sum are at most 16 roundings, each half an epsilon.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Relative to the sum of the terms' sizes: Horner's schemes, the quotient and the sum are at most 24 roundings, each half an epsilon.
+const ROUNDING: f64 = 12.0 * f64::EPSILON;
+
+/// The value at `x` of the polynomial's derivative.
+fn slope(c: &[f64], x: f64) -> f64 {
+    c.iter().enumerate().skip(1).rev().fold(0.0, |sum, (n, c)| sum * x + n as f64 * c)
+}
 
 fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
     let of = |c: &[f64], k: usize| c.get(k).copied().unwrap_or(0.0);

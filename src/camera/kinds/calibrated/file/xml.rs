@@ -1,6 +1,6 @@
 //! `FileStorage` as XML: elements of `<opencv_storage>`; lists are numbers separated by spaces.
 
-use super::{Keys, Matrix};
+use super::opencv::{Keys, Matrix};
 use roxmltree::{Document, Node};
 use std::str::FromStr;
 

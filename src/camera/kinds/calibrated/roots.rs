@@ -21,8 +21,8 @@ pub fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 /// Bounds of the polynomial for x in [lo, hi], 0 <= lo, up to rounding: Horner's scheme in intervals.
-pub fn bounds(c: &[f64], (lo, hi): (f64, f64)) -> (f64, f64) {
-    c.iter().rev().fold((0.0, 0.0), |(least, most), c| {
+pub fn bounds(c: impl DoubleEndedIterator<Item = f64>, (lo, hi): (f64, f64)) -> (f64, f64) {
+    c.rev().fold((0.0, 0.0), |(least, most), c| {
         let least = least * if least >= 0.0 { lo } else { hi };
         let most = most * if most >= 0.0 { hi } else { lo };
         (least + c, most + c)
@@ -122,13 +122,13 @@ mod tests {
         let c = [1.0, -3.0, 0.5, 0.25];
         for k in 0..40 {
             let (lo, hi) = (0.1 * f64::from(k), 0.1 * f64::from(k + 1));
-            let (least, most) = bounds(&c, (lo, hi));
+            let (least, most) = bounds(c.into_iter(), (lo, hi));
             for s in 0..=10 {
                 let v = value(&c, lo + 0.1 * (hi - lo) * f64::from(s));
                 assert!(least - 1e-12 <= v && v <= most + 1e-12, "{lo}: {least} {v} {most}");
             }
         }
-        let (least, most) = bounds(&c, (2.0, 2.0));
+        let (least, most) = bounds(c.into_iter(), (2.0, 2.0));
         assert_eq!((least, most), (value(&c, 2.0), value(&c, 2.0)));
     }
 

@@ -24,7 +24,7 @@ const FOLD: f64 = 1.0 / (1u64 << 22) as f64;
 const LINE_STEPS: usize = 1 << 15;
 
 impl Brown {
-    /// The point of the plane z = 1 that is seen at `q`.
+    /// The point of the plane whose distorted place is `q`.
     pub fn undistorted(&self, q: DVec2) -> Option<DVec2> {
         let q = self.tilt.back(q)?;
         if q == DVec2::ZERO {
@@ -41,7 +41,7 @@ impl Brown {
             .or_else(|| self.follow(DVec2::ZERO, q, |_| false))
     }
 
-    /// Where a point of the plane z = 1 is seen; `None` if it is not.
+    /// The distorted place of a point of the plane; `None` if it is not seen.
     pub fn distorted(&self, p: DVec2) -> Option<DVec2> {
         let sees = if self.is_radial() { p.length() < self.r_max } else { self.is_on_branch(p) };
         self.tilt.onto(sees.then(|| self.seen(p).place)?)
@@ -117,10 +117,11 @@ impl Brown {
 
 #[cfg(test)]
 mod tests {
+    use super::super::lens::Coefficients;
     use super::*;
 
     fn brown(k: &[f64]) -> Brown {
-        Brown::new(std::array::from_fn(|i| k.get(i).copied().unwrap_or(0.0))).unwrap()
+        Brown::new(&Coefficients::of_opencv(k)).unwrap()
     }
 
     #[test]

@@ -1,46 +1,62 @@
 //! Calibration files: OpenCV's `FileStorage` as YAML, XML or JSON, and ROS's `camera_info`, which has the same keys.
 
-mod xml;
-
+use super::super::Intrinsics;
+use super::super::lens::Model;
+use super::{Calibration, xml};
 use crate::input::{Error, Result};
 use glam::DVec2;
 use serde::Deserialize;
 use std::path::Path;
 
-/// A calibrated camera.
+/// A file's camera.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Intrinsics {
-    /// Width and height of the calibrated image, px.
-    pub size: (u32, u32),
-    /// `fx`, `fy`, px.
-    pub focal: DVec2,
-    /// `cx`, `cy`, px; the centre of OpenCV's pixel (i, j) is at (i, j).
-    pub centre: DVec2,
+pub struct OpenCvFile {
+    pub intrinsics: Intrinsics,
     /// As in the file: `k1, k2, p1, p2, ...`, or the fisheye's four.
-    pub coefficients: Vec<f64>,
+    coefficients: Vec<f64>,
     /// The file's model: whether it is the fisheye, and the line that says so.
-    pub fisheye: Option<(bool, String)>,
+    fisheye: Option<(bool, String)>,
+}
+
+impl OpenCvFile {
+    /// With the model that is named (whether it is the fisheye), or else the file's, or else Brown's.
+    pub fn calibration(self, named: Option<bool>) -> std::result::Result<Calibration, String> {
+        let k = &self.coefficients;
+        let refuse = |known: &str| Err(format!("{} distortion coefficients; {known}", k.len()));
+        let model = match (named.or(self.fisheye.map(|f| f.0)).unwrap_or(false), k.len()) {
+            (true, 4) => Model::fisheye(k),
+            (true, _) => return refuse("the fisheye model has 4"),
+            (false, 0 | 4 | 5 | 8 | 12 | 14) => Model::brown(k),
+            (false, _) => return refuse("the Brown model has 0, 4, 5, 8, 12 or 14"),
+        };
+        Ok(Calibration { intrinsics: self.intrinsics, model, placed: None })
+    }
+
+    /// The line of the file that names another model than `fisheye` says.
+    pub fn contradicts(&self, fisheye: bool) -> Option<&str> {
+        self.fisheye.as_ref().filter(|(said, _)| *said != fisheye).map(|(_, line)| line.as_str())
+    }
 }
 
 /// The keys that are read; a calibration holds many more.
 #[derive(Deserialize, PartialEq)]
-struct Keys {
-    image_width: u64,
-    image_height: u64,
-    camera_matrix: Matrix,
-    distortion_coefficients: Matrix,
+pub(super) struct Keys {
+    pub image_width: u64,
+    pub image_height: u64,
+    pub camera_matrix: Matrix,
+    pub distortion_coefficients: Matrix,
     /// ROS's name for the model.
-    distortion_model: Option<String>,
+    pub distortion_model: Option<String>,
     /// 1 or 0, as OpenCV's calibration program writes it.
-    fisheye_model: Option<i64>,
+    pub fisheye_model: Option<i64>,
 }
 
 /// An `!!opencv-matrix`, row by row.
 #[derive(Deserialize, PartialEq)]
-struct Matrix {
-    rows: usize,
-    cols: usize,
-    data: Vec<f64>,
+pub(super) struct Matrix {
+    pub rows: usize,
+    pub cols: usize,
+    pub data: Vec<f64>,
 }
 
 /// Reads `image_width`, `image_height`, `camera_matrix` and `distortion_coefficients`, and the model if the file names it
@@ -48,7 +64,7 @@ struct Matrix {
 ///
 /// # Errors
 /// [`Error::Input`] naming the file: it cannot be read, is not such a file, or its matrices have another form.
-pub fn read(path: &Path) -> Result<Intrinsics> {
+pub fn read(path: &Path) -> Result<OpenCvFile> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
     let text = crate::input::files::read_to_string(path)
         .map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
@@ -58,7 +74,7 @@ pub fn read(path: &Path) -> Result<Intrinsics> {
 /// Most lists and tables in brackets. A calibration has some tens; the YAML parser's time grows with the square of nested ones.
 const BRACKETS_MAX: usize = 10_000;
 
-fn check_brackets(text: &str) -> std::result::Result<(), String> {
+pub(super) fn check_brackets(text: &str) -> std::result::Result<(), String> {
     let count = text.bytes().filter(|b| matches!(b, b'[' | b'{')).count();
     if count <= BRACKETS_MAX {
         return Ok(());
@@ -68,11 +84,10 @@ fn check_brackets(text: &str) -> std::result::Result<(), String> {
     ))
 }
 
-fn parse(text: &str) -> std::result::Result<Intrinsics, String> {
+pub(super) fn parse(text: &str) -> std::result::Result<OpenCvFile, String> {
     check_brackets(text)?;
     let keys = keys(text).map_err(|e| format!("not a calibration as OpenCV writes it: {}", e.replace('\n', " ")))?;
     let fisheye = said_model(&keys)?;
-    crate::image::size::check_size(keys.image_width, keys.image_height).map_err(|e| e.to_string())?;
     let Matrix { rows, cols, data } = keys.camera_matrix;
     let [fx, skew, cx, zero, fy, cy, zero_x, zero_y, one] = data[..] else {
         return Err(format!("camera_matrix: {} numbers in {rows} x {cols}; it must be 3 x 3", data.len()));
@@ -80,22 +95,15 @@ fn parse(text: &str) -> std::result::Result<Intrinsics, String> {
     if (rows, cols) != (3, 3) || [skew, zero, zero_x, zero_y] != [0.0; 4] || one != 1.0 {
         return Err("camera_matrix: must be [fx, 0, cx; 0, fy, cy; 0, 0, 1]".into());
     }
-    if !(fx > 0.0 && fy > 0.0 && (fx * fy).is_finite() && cx.is_finite() && cy.is_finite()) {
-        return Err("camera_matrix: fx and fy must be over 0, and all numbers finite".into());
-    }
+    let (focal, centre) = (DVec2::new(fx, fy), DVec2::new(cx, cy));
+    let intrinsics = super::intrinsics([keys.image_width, keys.image_height], focal, centre)
+        .map_err(|why| format!("camera_matrix: {why}"))?;
     let Matrix { rows, cols, data } = keys.distortion_coefficients;
     if rows.checked_mul(cols) != Some(data.len()) || data.iter().any(|k| !k.is_finite()) {
         let count = data.len();
         return Err(format!("distortion_coefficients: {count} numbers in {rows} x {cols}; each must be finite"));
     }
-    Ok(Intrinsics {
-        // checked above to be far under 2^32
-        size: (keys.image_width as u32, keys.image_height as u32),
-        focal: DVec2::new(fx, fy),
-        centre: DVec2::new(cx, cy),
-        coefficients: data,
-        fisheye,
-    })
+    Ok(OpenCvFile { intrinsics, coefficients: data, fisheye })
 }
 
 /// The keys of a file in any of the three formats, distinguished by its first character.

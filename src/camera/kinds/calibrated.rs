@@ -1,0 +1,177 @@
+//! `calibrated` and `opencv`: cameras with the intrinsics of a calibration file, of an image of COLMAP's, and with a rolling shutter.
+
+mod brown;
+pub(crate) mod file;
+mod inverse;
+pub(crate) mod lens;
+mod projection;
+mod roots;
+mod tilt;
+
+use super::central::{POSE, Pose};
+use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{KEYS, Tessellation};
+use crate::camera::view::View;
+use crate::camera::{Ray, RayMap};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
+use file::{Calibration, Which};
+use glam::{DMat2, DQuat, DVec2, DVec3};
+use lens::{Lens, Model};
+use std::sync::Arc;
+
+#[derive(Debug, PartialEq)]
+struct FromFile {
+    pose: Pose,
+    intrinsics: Intrinsics,
+    model: Model,
+    lens: Lens,
+    shutter: Shutter,
+    tessellation: Tessellation,
+}
+
+/// Where the plane of a lens model lies in the image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Intrinsics {
+    /// Width and height of the calibrated image, px.
+    pub size: (u32, u32),
+    /// From the plane to pixels: the focal lengths, px, on the diagonal.
+    pub scale: DMat2,
+    /// `cx`, `cy`, px; the centre of the first pixel is at (0, 0), as OpenCV counts.
+    pub centre: DVec2,
+}
+
+/// Everything that defines the rays. The reference computes its own rays from this alone.
+#[derive(Debug, Clone)]
+pub struct Calibrated {
+    pub eye: DVec3,
+    pub view: View,
+    pub intrinsics: Intrinsics,
+    pub model: Model,
+    pub shutter: Shutter,
+}
+
+/// How the camera moves while its rows are read, top to bottom.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shutter {
+    /// Seconds from one row to the next.
+    pub line_time: f64,
+    /// World units a second.
+    pub velocity: DVec3,
+    /// Radians a second about the world's axes through the eye, right-handed.
+    pub angular: DVec3,
+}
+
+impl Shutter {
+    fn is_still(&self) -> bool {
+        self.line_time == 0.0 || (self.velocity, self.angular) == (DVec3::ZERO, DVec3::ZERO)
+    }
+}
+
+const SHUTTER: [&str; 3] = ["line_time", "velocity", "angular_velocity"];
+
+/// Kind `calibrated`: any file.
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&[&["kind", "t_range", "file", "image", "index"], &SHUTTER[..], &POSE, &KEYS].concat())?;
+    let file = table.need("file", "\"cameras.txt\"")?;
+    let which = match (table.optional("image", Field::text)?, table.optional("index", |f| f.integer(0, u64::MAX))?) {
+        (Some(_), Some(_)) => return Err(table.error("image and index both choose a camera; remove one of the two")),
+        (Some(image), None) => Which::Image(image),
+        (None, Some(index)) => Which::Index(index),
+        (None, None) => Which::Only,
+    };
+    let calibration = file::read(&file.path()?, which)?;
+    let pose = match calibration.placed {
+        None => Pose::read(table)?,
+        Some(placed) => match POSE.iter().filter(|key| **key != "distance").find_map(|key| table.get(key)) {
+            Some(field) => return Err(field.error("image says it already; remove one of the two, or give index")),
+            None => Pose::of_camera(placed.eye, placed.rotation, table.or("distance", 1.0, Field::above_zero)?)?,
+        },
+    };
+    from_file(table, &file, pose, calibration)
+}
+
+/// Kind `opencv`: a file of OpenCV, of which the scene may name the model.
+pub fn read_opencv(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&[&["kind", "t_range", "file", "model"], &SHUTTER[..], &POSE, &KEYS].concat())?;
+    let file = table.need("file", "\"camera.yml\"")?;
+    let found = file::opencv::read(&file.path()?)?;
+    let named = table.optional("model", |field| match field.text()? {
+        "brown" => Ok(false),
+        "fisheye" => Ok(true),
+        _ => Err(field.error("use \"brown\" or \"fisheye\"")),
+    })?;
+    if let (Some(field), Some(line)) = (table.get("model"), named.and_then(|fisheye| found.contradicts(fisheye))) {
+        return Err(field.error(format_args!("the file says {line}; leave model out, or correct the file")));
+    }
+    let calibration = found.calibration(named).map_err(|why| file.error(why))?;
+    from_file(table, &file, Pose::read(table)?, calibration)
+}
+
+fn from_file(table: &Table, file: &Field, pose: Pose, calibration: Calibration) -> Result<Arc<dyn Recipe>> {
+    let Calibration { intrinsics, model, .. } = calibration;
+    let lens = Lens::new(&model).map_err(|why| file.error(why))?;
+    let shutter = Shutter {
+        line_time: table.or("line_time", 0.0, Field::number)?,
+        velocity: table.or("velocity", DVec3::ZERO, Field::vec3)?,
+        angular: table.or("angular_velocity", DVec3::ZERO, Field::vec3)?.map(f64::to_radians),
+    };
+    for key in ["velocity", "angular_velocity"] {
+        if let (Some(field), false) = (table.get(key), table.has("line_time")) {
+            return Err(field.error("the camera moves from row to row only with a line_time; add line_time = 3e-5"));
+        }
+    }
+    Ok(Arc::new(FromFile { pose, intrinsics, model, lens, shutter, tessellation: Tessellation::read(table)? }))
+}
+
+impl Recipe for FromFile {
+    fn build(&self, setting: &Setting) -> Result<Built> {
+        let size = setting.size.or(Some(self.intrinsics.size));
+        let calibrated = Calibrated {
+            eye: self.pose.eye,
+            view: self.pose.view()?,
+            intrinsics: self.intrinsics.clone(),
+            model: self.model.clone(),
+            shutter: self.shutter,
+        };
+        self.tessellation.build(Arc::new(Sensor { calibrated, lens: self.lens.clone() }), &setting.of_size(size))
+    }
+}
+
+/// The rays of the calibrated image, stretched over the image.
+#[derive(Debug)]
+struct Sensor {
+    calibrated: Calibrated,
+    lens: Lens,
+}
+
+impl RayMap for Sensor {
+    /// The place (a, b) is OpenCV's pixel `(a W - 1/2, b H - 1/2)` of the calibrated image.
+    fn ray(&self, a: f64, b: f64) -> Option<Ray> {
+        let Calibrated { eye, view, intrinsics: Intrinsics { size, scale, centre }, shutter, .. } = &self.calibrated;
+        let pixel = DVec2::new(a * f64::from(size.0), b * f64::from(size.1)) - 0.5;
+        let d = self.lens.direction(scale.inverse() * (pixel - *centre))?;
+        // OpenCV's camera has y down
+        let direction = view.vector(d.x, -d.y, d.z);
+        let time = pixel.y * shutter.line_time;
+        let rotation = DQuat::from_scaled_axis(shutter.angular * time);
+        Some(Ray { origin: *eye + time * shutter.velocity, direction: rotation * direction })
+    }
+
+    /// By the forward formula, if the camera stands still.
+    fn images(&self, point: DVec3) -> Option<Vec<(DVec2, f64)>> {
+        let Calibrated { eye, view, intrinsics: Intrinsics { size, scale, centre }, shutter, .. } = &self.calibrated;
+        let v = point - *eye;
+        let rounding = f64::EPSILON * (point.length() + eye.length());
+        if !shutter.is_still() || v.length() <= rounding {
+            return None;
+        }
+        let places = self.lens.places(DVec3::new(v.dot(view.right), -v.dot(view.up), v.dot(view.forward)))?;
+        let size = DVec2::new(size.0.into(), size.1.into());
+        Some(places.into_iter().map(|(q, t)| ((*scale * q + *centre + 0.5) / size, t)).collect())
+    }
+
+    fn calibrated(&self) -> Option<&Calibrated> {
+        Some(&self.calibrated)
+    }
+}

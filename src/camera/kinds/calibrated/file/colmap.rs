@@ -1,0 +1,255 @@
+//! COLMAP's sparse models: a folder with `cameras` and `images`, as `.bin` or `.txt`. The centre of its first pixel is at (0.5, 0.5).
+
+use super::super::lens::{Coefficients, Model, Projection};
+use super::{Calibration, Placed, Which, intrinsics};
+use crate::input::{Error, Result, files};
+use glam::{DQuat, DVec2, DVec3};
+use std::path::{Path, PathBuf};
+
+/// COLMAP's models: the number in binary files, the name in text, and how many parameters follow.
+const MODELS: [(i32, &str, usize); 18] = [
+    (0, "SIMPLE_PINHOLE", 3),
+    (1, "PINHOLE", 4),
+    (2, "SIMPLE_RADIAL", 4),
+    (3, "RADIAL", 5),
+    (4, "OPENCV", 8),
+    (5, "OPENCV_FISHEYE", 8),
+    (6, "FULL_OPENCV", 12),
+    (7, "FOV", 5),
+    (8, "SIMPLE_RADIAL_FISHEYE", 4),
+    (9, "RADIAL_FISHEYE", 5),
+    (10, "THIN_PRISM_FISHEYE", 12),
+    (11, "RAD_TAN_THIN_PRISM_FISHEYE", 16),
+    (12, "SIMPLE_DIVISION", 4),
+    (13, "DIVISION", 5),
+    (14, "SIMPLE_FISHEYE", 3),
+    (15, "FISHEYE", 4),
+    (16, "EUCM", 6),
+    (17, "EQUIRECTANGULAR", 2),
+];
+
+/// A camera as written.
+struct Camera {
+    id: u64,
+    model: String,
+    size: [u64; 2],
+    parameters: Vec<f64>,
+}
+
+/// An image as written: its pose takes the world to the camera.
+struct Image {
+    name: String,
+    camera: u64,
+    rotation: DQuat,
+    translation: DVec3,
+}
+
+/// A folder, or one of the two files.
+pub fn is_model(path: &Path) -> bool {
+    path.is_dir() || matches!(path.file_name().and_then(|n| n.to_str()), Some("cameras.bin" | "cameras.txt"))
+}
+
+pub fn read(path: &Path, which: Which) -> Result<Calibration> {
+    let cameras = file(path, "cameras");
+    let refuse = |path: &Path, why: String| Error::input(format!("{}: {why}", path.display()));
+    let all = load(&cameras, camera_lines, camera_records)?;
+    let by_id = |which: Which| {
+        let all = all.iter().map(|c| (c.id, c)).collect();
+        which.of(all).and_then(calibration).map_err(|why| refuse(&cameras, why))
+    };
+    let Which::Image(name) = which else { return by_id(which) };
+    let images = file(path, "images");
+    let image = load(&images, image_lines, image_records)?.into_iter().find(|i| i.name == name);
+    let image = image.ok_or_else(|| refuse(&images, format!("has no image {name:?}")))?;
+    let eye = -(image.rotation.inverse() * image.translation);
+    if !eye.is_finite() || image.rotation.is_nan() {
+        return Err(refuse(&images, format!("image {name:?}: its pose is not finite")));
+    }
+    let placed = Placed { eye, rotation: image.rotation.inverse() };
+    Ok(Calibration { placed: Some(placed), ..by_id(Which::Index(image.camera))? })
+}
+
+/// `NAME.bin` or `NAME.txt` of the model; binary if both are there, as COLMAP itself reads it.
+fn file(path: &Path, name: &str) -> PathBuf {
+    let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
+    let binary = folder.join(name).with_extension("bin");
+    if binary.exists() { binary } else { binary.with_extension("txt") }
+}
+
+type Parsed<T> = std::result::Result<Vec<T>, String>;
+
+fn load<T>(path: &Path, lines: fn(&str) -> Parsed<T>, records: fn(&mut Bytes) -> Parsed<T>) -> Result<Vec<T>> {
+    let unreadable =
+        |e: std::io::Error| Error::unreadable(path, format_args!("{e}; a COLMAP model has cameras and images"));
+    let parsed = if path.extension().is_some_and(|e| e == "bin") {
+        records(&mut Bytes(&files::read(path).map_err(unreadable)?))
+    } else {
+        lines(&files::read_to_string(path).map_err(unreadable)?)
+    };
+    parsed.map_err(|why| Error::input(format!("{}: {why}", path.display())))
+}
+
+/// The numbered lines that are no comments.
+fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines().enumerate().map(|(n, line)| (n + 1, line.trim())).filter(|(_, line)| !line.starts_with('#'))
+}
+
+/// The next word of line `n` as a number.
+fn number<'a, T: std::str::FromStr>(
+    words: &mut impl Iterator<Item = &'a str>,
+    n: usize,
+    what: &str,
+) -> std::result::Result<T, String> {
+    let word = words.next().ok_or_else(|| format!("line {n}: {what} is missing"))?;
+    word.parse().map_err(|_| format!("line {n}: {what}: {word:?} is not a number in range"))
+}
+
+fn camera_lines(text: &str) -> Parsed<Camera> {
+    let camera = |(n, line): (usize, &str)| {
+        let mut words = line.split_ascii_whitespace();
+        let id = number(&mut words, n, "the camera's id")?;
+        let model = words.next().ok_or_else(|| format!("line {n}: the model is missing"))?.to_string();
+        let size = [number(&mut words, n, "the width")?, number(&mut words, n, "the height")?];
+        let mut parameters = Vec::new();
+        while words.clone().next().is_some() {
+            parameters.push(number(&mut words, n, "a parameter")?);
+        }
+        Ok(Camera { id, model, size, parameters })
+    };
+    lines(text).filter(|(_, line)| !line.is_empty()).map(camera).collect()
+}
+
+/// Each image has two lines; the second, with its points, may be empty.
+fn image_lines(text: &str) -> Parsed<Image> {
+    let mut all = Vec::new();
+    let mut lines = lines(text);
+    while let Some((n, line)) = lines.next() {
+        if line.is_empty() {
+            continue;
+        }
+        let mut words = line.splitn(10, ' ');
+        let _id: u64 = number(&mut words, n, "the image's id")?;
+        let mut value = |what: &str| number(&mut words, n, what);
+        let [w, x, y, z] = [value("QW")?, value("QX")?, value("QY")?, value("QZ")?];
+        let translation = DVec3::new(value("TX")?, value("TY")?, value("TZ")?);
+        let camera = number(&mut words, n, "the camera's id")?;
+        let name = words.next().ok_or_else(|| format!("line {n}: the name is missing"))?.to_string();
+        all.push(Image { name, camera, rotation: DQuat::from_xyzw(x, y, z, w).normalize(), translation });
+        lines.next();
+    }
+    Ok(all)
+}
+
+/// What is left of a binary file: little-endian.
+struct Bytes<'a>(&'a [u8]);
+
+impl<'a> Bytes<'a> {
+    fn take(&mut self, count: usize) -> std::result::Result<&'a [u8], String> {
+        let (head, rest) = self.0.split_at_checked(count).ok_or("ends too early")?;
+        self.0 = rest;
+        Ok(head)
+    }
+
+    fn array<const N: usize>(&mut self) -> std::result::Result<[u8; N], String> {
+        let mut bytes = [0; N];
+        bytes.copy_from_slice(self.take(N)?);
+        Ok(bytes)
+    }
+
+    fn u64(&mut self) -> std::result::Result<u64, String> {
+        self.array().map(u64::from_le_bytes)
+    }
+
+    fn u32(&mut self) -> std::result::Result<u32, String> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    fn f64(&mut self) -> std::result::Result<f64, String> {
+        self.array().map(f64::from_le_bytes)
+    }
+}
+
+fn camera_records(bytes: &mut Bytes) -> Parsed<Camera> {
+    let count = bytes.u64()?;
+    let camera = |_| {
+        let (id, number) = (bytes.u32()?.into(), bytes.u32()? as i32);
+        let size = [bytes.u64()?, bytes.u64()?];
+        let (_, model, count) = MODELS
+            .into_iter()
+            .find(|m| m.0 == number)
+            .ok_or_else(|| format!("camera {id}: model number {number} is not known"))?;
+        let parameters = (0..count).map(|_| bytes.f64()).collect::<Parsed<f64>>()?;
+        Ok(Camera { id, model: model.into(), size, parameters })
+    };
+    (0..count).map(camera).collect()
+}
+
+fn image_records(bytes: &mut Bytes) -> Parsed<Image> {
+    /// Bytes of a point: x, y and its number, 8 each.
+    const POINT: u64 = 24;
+    let count = bytes.u64()?;
+    let image = |_| {
+        let _id = bytes.u32()?;
+        let [w, x, y, z] = [bytes.f64()?, bytes.f64()?, bytes.f64()?, bytes.f64()?];
+        let translation = DVec3::new(bytes.f64()?, bytes.f64()?, bytes.f64()?);
+        let camera = bytes.u32()?.into();
+        let end = bytes.0.iter().position(|b| *b == 0).ok_or("ends too early")?;
+        let name = String::from_utf8_lossy(bytes.take(end)?).into_owned();
+        bytes.take(1)?;
+        let points = bytes.u64()?.checked_mul(POINT).and_then(|n| usize::try_from(n).ok());
+        bytes.take(points.ok_or("ends too early")?)?;
+        Ok(Image { name, camera, rotation: DQuat::from_xyzw(x, y, z, w).normalize(), translation })
+    };
+    (0..count).map(image).collect()
+}
+
+fn calibration(camera: &Camera) -> std::result::Result<Calibration, String> {
+    let Camera { id, model: name, size, parameters: p } = camera;
+    let known =
+        MODELS.iter().find(|m| m.1 == name).ok_or_else(|| format!("camera {id}: model {name:?} is not known"))?;
+    if p.len() != known.2 {
+        return Err(format!("camera {id}: {} parameters; {name} has {}", p.len(), known.2));
+    }
+    let is_simple = name.starts_with("SIMPLE_") || name.starts_with("RADIAL");
+    let (focal, centre, k) = match name.as_str() {
+        // one turn over the width, half a turn over the height
+        "EQUIRECTANGULAR" => {
+            let pixels = DVec2::new(p[0], p[1]);
+            (pixels / DVec2::new(std::f64::consts::TAU, std::f64::consts::PI), 0.5 * pixels, &p[2..])
+        }
+        _ if is_simple => (DVec2::splat(p[0]), DVec2::new(p[1], p[2]), &p[3..]),
+        _ => (DVec2::new(p[0], p[1]), DVec2::new(p[2], p[3]), &p[4..]),
+    };
+    let plain = |projection| Model { projection, distortions: Vec::new() };
+    let model = match name.as_str() {
+        "SIMPLE_PINHOLE" | "PINHOLE" => Model::brown(&[]),
+        "SIMPLE_RADIAL" | "RADIAL" | "OPENCV" | "FULL_OPENCV" => Model::brown(k),
+        "SIMPLE_FISHEYE" | "FISHEYE" | "SIMPLE_RADIAL_FISHEYE" | "RADIAL_FISHEYE" | "OPENCV_FISHEYE" => {
+            Model::fisheye(k)
+        }
+        "FOV" => Model::field_of_view(k[0]),
+        "SIMPLE_DIVISION" | "DIVISION" => plain(Projection::Division { k: k[0] }),
+        "EUCM" => plain(Projection::EnhancedUnified { alpha: k[0], beta: k[1] }),
+        "EQUIRECTANGULAR" => plain(Projection::Equirectangular),
+        "THIN_PRISM_FISHEYE" => {
+            let distortion = Coefficients {
+                tangential: [k[2], k[3]],
+                prism: [DVec2::new(k[6], k[7]), DVec2::ZERO],
+                ..Coefficients::radial(&[k[0], k[1], k[4], k[5]])
+            };
+            Model { projection: Projection::Equidistant, distortions: vec![distortion] }
+        }
+        "RAD_TAN_THIN_PRISM_FISHEYE" => {
+            // the tangential and prism terms are of the point that the radial terms have moved
+            let then = Coefficients {
+                tangential: [k[7], k[6]],
+                prism: [DVec2::new(k[8], k[10]), DVec2::new(k[9], k[11])],
+                ..Coefficients::default()
+            };
+            Model { projection: Projection::Equidistant, distortions: vec![Coefficients::radial(&k[..6]), then] }
+        }
+        _ => return Err(format!("camera {id}: model {name} is not known")),
+    };
+    let intrinsics = intrinsics(*size, focal, centre - 0.5).map_err(|why| format!("camera {id}: {why}"))?;
+    Ok(Calibration { intrinsics, model, placed: None })
+}

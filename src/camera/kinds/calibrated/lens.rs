@@ -1,0 +1,147 @@
+//! Calibrated lenses and their exact inverses: from the place on the plane to the ray, and back.
+//!
+//! OpenCV's own frame: x right, y down, z forward.
+
+use super::brown::Brown;
+pub use super::projection::Projection;
+use glam::{DVec2, DVec3};
+
+/// A lens as its calibration defines it: directions are projected onto a plane, whose points each distortion then moves, in order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    pub projection: Projection,
+    pub distortions: Vec<Coefficients>,
+}
+
+/// A distortion of the plane: the radial gain `(1 + k1 r^2 + k2 r^4 + ...) / (1 + below[0] r^2 + ...)`, tangential and thin prism terms,
+/// and a tilt. [`super::brown`] has the formula.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Coefficients {
+    /// k1, k2, k3 and on: OpenCV's k1, k2, k3.
+    pub radial: [f64; 6],
+    /// OpenCV's k4, k5, k6.
+    pub below: [f64; 3],
+    /// p1, p2.
+    pub tangential: [f64; 2],
+    /// (s1, s3) of r^2, and (s2, s4) of r^4.
+    pub prism: [DVec2; 2],
+    /// tau_x, tau_y, radians.
+    pub tilt: [f64; 2],
+}
+
+impl Coefficients {
+    /// The radial terms alone: k1, k2 and on.
+    pub fn radial(k: &[f64]) -> Coefficients {
+        Coefficients { radial: std::array::from_fn(|n| k.get(n).copied().unwrap_or(0.0)), ..Coefficients::default() }
+    }
+
+    /// From OpenCV's list `k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y` or its beginning.
+    pub fn of_opencv(k: &[f64]) -> Coefficients {
+        let k = |n: usize| k.get(n).copied().unwrap_or(0.0);
+        Coefficients {
+            radial: [k(0), k(1), k(4), 0.0, 0.0, 0.0],
+            below: [k(5), k(6), k(7)],
+            tangential: [k(2), k(3)],
+            prism: [DVec2::new(k(8), k(10)), DVec2::new(k(9), k(11))],
+            tilt: [k(12), k(13)],
+        }
+    }
+
+    /// Points move only towards or away from the middle, unless a tilt follows.
+    pub fn is_radial(&self) -> bool {
+        self.tangential == [0.0; 2] && self.prism == [DVec2::ZERO; 2]
+    }
+}
+
+impl Model {
+    /// A picture on the plane z = 1 with OpenCV's coefficients.
+    pub fn brown(k: &[f64]) -> Model {
+        Model { projection: Projection::Perspective, distortions: vec![Coefficients::of_opencv(k)] }
+    }
+
+    /// Kannala and Brandt's fisheye: `r = theta (1 + k1 theta^2 + k2 theta^4 + ...)`, as in OpenCV's `fisheye` module, which stops
+    /// before 90 degrees; here theta goes up to 180.
+    pub fn fisheye(k: &[f64]) -> Model {
+        Model { projection: Projection::Equidistant, distortions: vec![Coefficients::radial(k)] }
+    }
+
+    /// The FOV model; `omega` = 0 is none.
+    pub fn field_of_view(omega: f64) -> Model {
+        let projection = if omega == 0.0 { Projection::Perspective } else { Projection::FieldOfView { omega } };
+        Model { projection, distortions: Vec::new() }
+    }
+}
+
+/// A model prepared for inversion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lens {
+    projection: Projection,
+    /// Of the projection's polynomial; see [`Projection::end`].
+    end: f64,
+    distortions: Vec<Brown>,
+}
+
+impl Lens {
+    /// # Errors
+    /// See [`Projection::check`] and [`Brown::new`].
+    pub fn new(model: &Model) -> Result<Lens, String> {
+        model.projection.check()?;
+        let distortions = model.distortions.iter().map(Brown::new).collect::<Result<_, _>>()?;
+        Ok(Lens { projection: model.projection.clone(), end: model.projection.end(), distortions })
+    }
+
+    /// The direction that is seen at `q`, a place of the plane after all distortions; `None`: the branch of the middle does not reach
+    /// there.
+    pub fn direction(&self, q: DVec2) -> Option<DVec3> {
+        let p = self.distortions.iter().rev().try_fold(q, |q, distortion| distortion.undistorted(q))?;
+        self.projection.direction(p, self.end)
+    }
+
+    /// Where the direction `v`, of any length over 0, is seen.
+    fn place(&self, v: DVec3) -> Option<DVec2> {
+        let p = self.projection.place(v, self.end)?;
+        self.distortions.iter().try_fold(p, |p, distortion| distortion.distorted(p))
+    }
+
+    /// All places at which the point `v` is seen, each with its t; `None` if there are infinitely many.
+    pub fn places(&self, v: DVec3) -> Option<Vec<(DVec2, f64)>> {
+        if v == DVec3::ZERO || self.projection.is_on_curve(v) || self.projection.is_on_curve(-v) {
+            return None;
+        }
+        // ahead of the eye, and behind it at negative t
+        let t = if self.projection.is_plane() { v.z.abs() } else { v.length() };
+        Some([(v, t), (-v, -t)].into_iter().filter_map(|(v, t)| Some((self.place(v)?, t))).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_fisheye_sees_beyond_the_fold() {
+        // theta - theta^3 / 12 is largest at theta = 2, 4 / 3 there
+        let fisheye = Lens::new(&Model::fisheye(&[-1.0 / 12.0])).unwrap();
+        assert!(fisheye.direction(DVec2::Y * 1.334).is_none() && fisheye.direction(DVec2::Y * 1.333).is_some());
+        let at = |theta: f64| fisheye.place(DVec3::new(0.0, theta.sin(), theta.cos()));
+        assert!(at(1.999).is_some() && at(2.001).is_none());
+    }
+
+    #[test]
+    fn a_fisheye_goes_beyond_90_degrees() {
+        let k = [0.02, -0.003];
+        let lens = Lens::new(&Model::fisheye(&k)).unwrap();
+        for theta in [1e-9, 0.3, 1.0, 1.7, 2.0] {
+            let q = theta * theta;
+            let (place, slope) = (theta * (1.0 + q * (k[0] + q * k[1])), 1.0 + q * (3.0 * k[0] + q * 5.0 * k[1]));
+            assert!(slope > 0.0);
+            let across = DVec2::new(0.6, 0.8);
+            let d = lens.direction(across * place).unwrap();
+            let expected = (across * theta.sin()).extend(theta.cos());
+            // theta's own rounding over the slope, and the sine's
+            assert!((d - expected).length() < 1e-14 * (1.0 + 1.0 / slope), "{theta}: {d}");
+            let found = lens.place(3.0 * expected).unwrap();
+            assert!((found - across * place).length() < 1e-14 * slope.max(1.0), "{theta}");
+        }
+    }
+}
