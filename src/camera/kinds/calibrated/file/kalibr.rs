@@ -43,7 +43,7 @@ pub fn parse(text: &str, which: Which) -> Result<Calibration> {
         Err(format!("intrinsics: {found} numbers; {} has {count}: {names}", camera.camera_model))
     };
     let (projection, rest) = match (camera.camera_model.as_str(), &camera.intrinsics[..]) {
-        ("pinhole", [rest @ ..]) if rest.len() == 4 => (Projection::Perspective, rest),
+        ("pinhole", rest) if rest.len() == 4 => (Projection::Perspective, rest),
         ("pinhole", _) => return wanted(4, "fu, fv, pu, pv"),
         ("omni", [xi, rest @ ..]) if rest.len() == 4 => (Projection::Unified { xi: *xi }, rest),
         ("omni", _) => return wanted(5, "xi, fu, fv, pu, pv"),
