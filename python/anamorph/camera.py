@@ -13,6 +13,7 @@ from ._values import Numbers, Value
 __all__ = [
     "Camera",
     "bottom_up",
+    "calibrated",
     "camera_texture",
     "chain",
     "cross_slit",
@@ -1145,6 +1146,69 @@ def opencv(
     Source: OpenCV's calib3d and fisheye modules; Brown 1971; Kannala and Brandt 2006.
     """
     return Camera("opencv", {"eye": eye, "target": target, "up": up, "file": file, "model": model, "line_time": line_time, "velocity": velocity, "angular_velocity": angular_velocity, "pieces": pieces, "error": error, "t_range": t_range, "matrix": matrix, "quaternion": quaternion, "convention": convention, "distance": distance})
+
+
+def calibrated(
+    *,
+    eye: Value | None = None,
+    target: Value | None = None,
+    up: Value | None = None,
+    file: Value | None = None,
+    image: Value | None = None,
+    index: Value | None = None,
+    line_time: Value | None = None,
+    velocity: Value | None = None,
+    angular_velocity: Value | None = None,
+    pieces: Value | None = None,
+    error: Value | None = None,
+    t_range: Value | None = None,
+    matrix: Value | None = None,
+    quaternion: Value | None = None,
+    convention: Value | None = None,
+    distance: Value | None = None,
+) -> Camera:
+    """A calibrated camera, from the file of COLMAP, OpenCV, ROS, Kalibr or NVIDIA DRIVE; with an image of COLMAP's also its pose.
+
+      eye        [x, y, z]   where the camera is while its row 0 is read; t = 0
+      target     [x, y, z]   what its z axis (forward) looks at
+      up         [x, y, z]   against its y axis (default [0, 1, 0])
+      file       "sparse/0"  a folder of COLMAP's, with cameras and images as .bin or .txt, or its file of cameras; or
+                 "CAM.yaml"  OpenCV's FileStorage, ROS's camera_info, Kalibr's camchain, or the rig.json of DRIVE
+      image      "NAME"      an image of COLMAP's: its camera and its pose; goes without eye, target and what replaces them
+      index      N           which camera of the file: COLMAP's id, N of Kalibr's camN, place among a rig's sensors from 0
+                             (default: the only one)
+      line_time  seconds     from one row of the sensor to the next (default 0: all at once)
+      velocity   [x, y, z]   of the camera, world units a second (default 0)
+      angular_velocity  [x, y, z]  degrees a second about the world's axes through the eye, right-handed (default 0)
+      pieces     "exact"     "exact" (default): a ray of its own for each pixel; N pieces; or "auto": as many as the error needs
+      error      px          of "auto": the largest image distance from the exact camera (default 0.25)
+      t_range    [t0, t1]    ends of t, inclusive (default [0, inf])
+
+    A matrix replaces eye, target and up; a quaternion replaces target and up:
+      matrix      [[..4], [..4], [..4]]  camera to world, 3 or 4 rows; the columns are the camera's x, y and z axes and its position
+      quaternion  [w, x, y, z]           camera to world, of any length; needs eye; keyframes take the shortest rotation
+      convention  "opengl"               x right, y up, view along -z: Blender, OpenGL, the transforms.json of NeRFs (default)
+                  "opencv"               x right, y down, view along +z: OpenCV, COLMAP; both give world to camera: invert it first
+      distance    length                 from the eye to the target (default 1)
+
+    The image has the file's size; an [image] of another size shows the same view stretched to it. Directions, at angle theta from the
+    axis, are projected onto a plane at radius r, a distortion moves the plane's points, and focal lengths and principal point make
+    pixels of them. COLMAP's first pixel has its centre at (0.5, 0.5), that of all others at (0, 0).
+    COLMAP: every model. SIMPLE_PINHOLE to FULL_OPENCV and the fisheyes are opencv's brown and fisheye; FOV: r = atan(2 tan(theta)
+    tan(omega / 2)) / omega; THIN_PRISM_FISHEYE: r = theta, then brown with k1..k4 of r^2..r^8, p1, p2, s1 = sx1, s3 = sy1;
+    RAD_TAN_THIN_PRISM_FISHEYE: r = theta, then k0..k5 of r^2..r^12, then p and s of the moved point; DIVISION: tan(theta) =
+    r / (1 + k r^2); EUCM; EQUIRECTANGULAR: longitude and latitude.
+    ROS: plumb_bob, rational_polynomial, equidistant. Kalibr: pinhole, omni, eucm or ds, with radtan or none; pinhole with equidistant
+    or fov. omni: r = sin(theta) / (cos(theta) + xi); eucm: r = sin(theta) / (alpha sqrt(beta sin^2(theta) + cos^2(theta)) +
+    (1 - alpha) cos(theta)); ds: r = sin(theta) / (alpha d + (1 - alpha) (xi + cos(theta))), d^2 = sin^2(theta) + (xi + cos(theta))^2.
+    DRIVE: ftheta, a polynomial from the radius in pixels to theta or back, and [c d; e 1].
+    Pinholes, FOV and brown have rays of D = x r - y u + f, so t is the depth along f; all others have D of unit length.
+    A pixel has the ray on the branch of the middle, as for opencv: none beyond a fold or a pole. Poses, extrinsics of chains and rigs,
+    rectifications and time offsets of files are not read, but for image.
+    Source: COLMAP's models.h; OpenCV; Kalibr's supported models; Devernay and Faugeras 2001; Fitzgibbon 2001; Mei and Rives 2007;
+    Khomutenko et al. 2016; Usenko et al. 2018.
+    """
+    return Camera("calibrated", {"eye": eye, "target": target, "up": up, "file": file, "image": image, "index": index, "line_time": line_time, "velocity": velocity, "angular_velocity": angular_velocity, "pieces": pieces, "error": error, "t_range": t_range, "matrix": matrix, "quaternion": quaternion, "convention": convention, "distance": distance})
 
 
 def ods(
