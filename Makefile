@@ -8,6 +8,8 @@ ICDS := /usr/share/vulkan/icd.d/*.json /usr/local/share/vulkan/icd.d/*.json /etc
 DRIVER := mesa-vulkan-drivers libvulkan1
 COMPILER := g++
 PYTHON := python3-venv
+# Libraries that the Python package is compared with; its tests skip what is not there.
+PEERS := pycolmap trimesh
 # A virtual environment, and the wheel that it is tested in.
 VENV := $(BUILD)/venv
 TESTED := $(BUILD)/tested-wheel
@@ -35,11 +37,12 @@ agreement: rust driver
 wheel: rust venv
 	@$(VENV)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(BUILD)/wheels
 
-# All tests in Rust; installs a software Vulkan driver first where there is none and apt-get may.
-test: rust driver
+# All tests; installs a software Vulkan driver first where there is none and apt-get may.
+test: rust driver venv
 	cargo test --locked --features internals
+	@$(MAKE) test-python
 
-# Those of the Python package: a wheel that is built in a hurry, and installed.
+# Only those of the Python package: a wheel that is built in a hurry, and installed.
 test-python: rust driver venv
 	@rm -rf $(TESTED)
 	@$(VENV)/bin/maturin build --profile hurried --locked --manifest-path python/Cargo.toml --out $(TESTED)
@@ -74,7 +77,7 @@ venv:
 	@python3 -c "import ensurepip, venv" 2>/dev/null || { $(call install,$(PYTHON)); } || \
 		{ echo "no Python with venv found; install it (Debian, Ubuntu: apt-get install $(PYTHON))"; exit 1; }
 	@[ -x $(VENV)/bin/pip ] || python3 -m venv $(VENV)
-	@$(VENV)/bin/pip install --quiet --disable-pip-version-check "maturin>=1.16,<2" "numpy>=1.23" mypy pytest
+	@$(VENV)/bin/pip install --quiet --disable-pip-version-check "maturin>=1.16,<2" "numpy>=1.23" mypy pytest $(PEERS)
 
 # A Vulkan driver; where there is none and apt-get may, Mesa's software one is installed.
 driver:

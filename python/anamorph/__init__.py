@@ -13,6 +13,7 @@ of them is up. Angles are in degrees. Triangles are numbered through all meshes 
 """
 
 from . import camera
+from ._camera import colmap_images
 from ._cast import Hits, RayCaster, cast
 from ._frame import NO_ID, Comparison, Frame, compare
 from ._mesh import Mesh
@@ -34,6 +35,7 @@ __all__ = [
     "camera",
     "cast",
     "check",
+    "colmap_images",
     "compare",
     "project",
     "render",

@@ -91,3 +91,16 @@ class Camera:
     def __repr__(self) -> str:
         keys = ", ".join(f"{key}={value!r}" for key, value in self.keys.items())
         return f"<anamorph.Camera {self.kind or 'of the scene file'}{': ' if keys else ''}{keys}>"
+
+
+def colmap_images(folder: str | os.PathLike[str]) -> list[str]:
+    """The names of the images of a COLMAP model, in order: values of ``image`` for :func:`anamorph.camera.calibrated`.
+
+    Args:
+        folder: has ``cameras`` and ``images``, as ``.bin`` or ``.txt``.
+
+    Raises:
+        OSError: the file of images cannot be read.
+        ValueError: it is not COLMAP's, or has no image.
+    """
+    return _native.colmap_images(os.fspath(folder))

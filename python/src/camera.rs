@@ -99,6 +99,12 @@ pub fn camera_kinds() -> Vec<(&'static str, String)> {
     anamorph::camera_kinds().collect()
 }
 
+/// The names of the images of a COLMAP model, in order.
+#[pyfunction]
+pub fn colmap_images(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<String>> {
+    run(py, move || anamorph::colmap_images(folder))
+}
+
 /// An image of a point: column, row, t, piece.
 type Place = (f64, f64, f64, u32);
 

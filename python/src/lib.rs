@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::camera::{Camera, camera_kinds, project};
+    use super::camera::{Camera, camera_kinds, colmap_images, project};
     #[pymodule_export]
     use super::cast::{cast, cast_all, meets_any};
     #[pymodule_export]

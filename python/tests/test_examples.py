@@ -38,6 +38,24 @@ def test_lidar(tmp_path: pathlib.Path) -> None:
     assert said.startswith(f"{60 * 32} pulses") and points > 300 and len(rows) == 16 * points and b"int triangle" in head
 
 
+def test_colmap(tmp_path: pathlib.Path) -> None:
+    # the camera's axes are x right, y down, z forward: from 4 units behind the origin, and to one side
+    (tmp_path / "cameras.txt").write_text("1 OPENCV_FISHEYE 60 40 20 20 30 20 0.01 0 0 0\n")
+    (tmp_path / "images.txt").write_text("1 1 0 0 0 0 0 4 1 rig/b.jpg\n\n2 1 0 0 0 1 0 4 1 a.jpg\n\n")
+    triangle = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n"
+    (tmp_path / "mesh.obj").write_text(triangle)
+    said = run("colmap.py", tmp_path, tmp_path / "mesh.obj", tmp_path / "out").splitlines()
+    assert [line.split(":")[0] for line in said] == ["a.jpg", "rig/b.jpg"]
+    for name, side in (("a", 1), ("rig/b", 0)):
+        found = np.load(tmp_path / "out" / f"{name}.npz")
+        seen = found["triangle"] == 0
+        assert seen.sum() > 20 and (found["triangle"][~seen] == 0xFFFFFFFF).all()
+        unit = found["direction"] / np.linalg.norm(found["direction"], axis=-1, keepdims=True)
+        points = np.array([-side, 0, -4]) + found["distance"][seen][:, None] * unit[seen]
+        # float32 distances of some 5 units
+        assert np.abs(points[:, 2]).max() < 2e-6 and np.abs(points).max() <= 1 + 2e-6
+
+
 def test_inside() -> None:
     said = run("inside.py", "--rays", 2000)
     assert "closed, as far as 2000 rays tell" in said

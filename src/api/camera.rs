@@ -2,8 +2,8 @@
 
 use super::Scene;
 use crate::camera::Field;
-use crate::camera::kinds::KINDS;
 use crate::camera::kinds::raymap::RayArrays;
+use crate::camera::kinds::{KINDS, calibrated};
 use crate::camera::project::{Images, Projector};
 use crate::camera::spec::CameraSpec;
 use crate::image::frame::Channel;
@@ -112,6 +112,15 @@ impl Camera {
 /// Each kind of camera, with its help: a line, its keys, and its formula.
 pub fn camera_kinds() -> impl Iterator<Item = (&'static str, String)> {
     KINDS.iter().map(|kind| (kind.name, kind.whole_help()))
+}
+
+/// The names of the images of a COLMAP model, in order: values of `image` for cameras of kind `calibrated`. `folder` has `cameras` and
+/// `images` as .bin or .txt.
+///
+/// # Errors
+/// [`Error::Read`] if the file of images cannot be read; [`Error::Input`] if it is not COLMAP's, or has no image.
+pub fn colmap_images(folder: impl AsRef<Path>) -> Result<Vec<String>> {
+    calibrated::file::images(folder.as_ref())
 }
 
 /// All images of each point (world units): every place whose ray, or curve, passes through it.

@@ -9,7 +9,7 @@ mod renderer;
 mod scene;
 
 pub use self::batch::Batch;
-pub use self::camera::{Camera, camera_kinds, project};
+pub use self::camera::{Camera, camera_kinds, colmap_images, project};
 pub use self::caster::{Caster, RayHit};
 pub use self::job::Job;
 pub use self::mesh::Mesh;

@@ -110,7 +110,7 @@ fn filtered_images_look_like_many_rays_a_pixel() {
     for (what, scene) in scenes {
         let mut unfiltered_most = 0.0f64;
         for (name, camera) in families(SIZE) {
-            let exact = box_filtered(&scene, &camera, 256);
+            let exact = box_filtered(&scene, &camera, 64);
             let seen = rendered(&mut engine, &scene, &camera);
             assert!(seen.iter().flatten().all(|v| v.is_finite()), "{what}, {name}");
             let (error, db) = (flip(&exact, &seen, SIZE), psnr(&exact, &seen));

@@ -104,7 +104,7 @@ fn wrong_lists_are_refused_before_anything_is_rendered() {
         ("color = \"a.png\"", "jobs.toml:1: job.0: scene is missing"),
         ("scene = \"scene.toml\"", "job.0: nothing to write; add color"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nframes = { last = 2 }", "both write"),
-        ("scene = \"scene.toml\"\ncolor = \"{fram}.png\"", "is neither frame nor a swept key"),
+        ("scene = \"scene.toml\"\ncolor = \"{fram}.png\"", "is neither frame, nor image, nor a swept key"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nsize = \"8\"", "WIDTHxHEIGHT"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nsamples = 65", "from 1 to 64"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nsweep.camera.vfov = []", "no values"),
@@ -346,6 +346,33 @@ fn a_sweep_with_checks_is_a_table() {
 }
 
 /// Kills the program at moments spread over its run, goes on, and ends with the files of a run that nobody disturbed.
+#[test]
+fn every_image_of_a_colmap_model_is_rendered() {
+    let place = Place::new();
+    std::fs::create_dir(place.path().join("sparse")).unwrap();
+    place.write("sparse/cameras.txt", "3 SIMPLE_RADIAL_FISHEYE 32 24 10 16 12 0.01\n");
+    let images = "1 1 0 0 0 0 0 4 3 b 2.jpg\n\n2 0.9 0.1 0 0 0.2 0 5 3 a/1.jpg\n\n";
+    place.write("sparse/images.txt", images);
+    let job =
+        "[[job]]\nscene = \"scene.toml\"\nimages = \"sparse\"\ncolor = \"of {image}.png\"\nengine = \"reference\"\n";
+    place.write("jobs.toml", format!("{job}sweep.mesh.0.level = [1]\n"));
+    place.works(&["batch", "jobs.toml", "--csv", "t.csv"]);
+    assert_eq!(files(&place, ".jpg.png"), ["of a_1.jpg.png", "of b 2.jpg.png"].map(|name| name.replace("b 2", "b_2")));
+    let table = std::fs::read_to_string(place.path().join("t.csv")).unwrap();
+    assert!(table.lines().next().unwrap().contains("image") && table.contains("a/1.jpg"), "{table}");
+    let camera = "camera={ kind = \"calibrated\", file = \"sparse\", image = \"a/1.jpg\" }";
+    let sets = ["--set", camera, "--set", "mesh.0.level=1"];
+    place.works(&[&["render", "scene.toml", "-o", "own.png", "--engine", "reference"], &sets[..]].concat());
+    let read = |name: &str| std::fs::read(place.path().join(name)).unwrap();
+    assert!(read("own.png") == read("of a_1.jpg.png") && read("own.png") != read("of b_2.jpg.png"));
+    // nothing is left to do, and a changed pose is
+    let again = place.works(&["batch", "jobs.toml", "--resume", "--progress", "json"]);
+    assert!(again.contains("\"skipped\":2"), "{again}");
+    place.write("sparse/images.txt", images.replace("0.2 0 5", "0.3 0 5"));
+    place.works(&["batch", "jobs.toml", "--resume"]);
+    assert!(read("own.png") != read("of a_1.jpg.png"));
+}
+
 #[test]
 fn what_is_killed_goes_on_and_ends_with_the_same_files() {
     let place = Place::new();

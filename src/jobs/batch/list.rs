@@ -2,6 +2,7 @@
 
 use super::manifest::key_of;
 use super::names::{fill, plain};
+use crate::camera::kinds::calibrated;
 use crate::input::limits;
 use crate::input::load::with_tree;
 use crate::input::reader::{Field, Table};
@@ -26,8 +27,13 @@ struct Job {
     /// Flags of `render`, and their values as they are written.
     flags: Vec<(&'static str, Option<String>)>,
     sweep: Vec<Swept>,
+    /// The folder of COLMAP's whose images [`IMAGE`] sweeps.
+    images: Option<PathBuf>,
     frames: Vec<f64>,
 }
+
+/// The key of the image, where a job renders those of a COLMAP model.
+const IMAGE: &str = "image";
 
 /// A value of the scene that takes several, as `--set` does.
 #[derive(Debug)]
@@ -195,8 +201,25 @@ impl Task<'_> {
                 Error::input(format!("{}: {}: {e}", self.job.key, if key == "output" { "color" } else { &key }))
             })?;
         }
-        job.change.set.extend(self.values.iter().map(|(key, value)| format!("{key}={value}")));
+        let mut sets = self.image_camera();
+        sets.append(&mut job.change.set);
+        sets.extend(self.swept().map(|(key, value)| format!("{key}={value}")));
+        job.change.set = sets;
         Ok(job)
+    }
+
+    /// The camera of the image of a COLMAP model, which comes before all that is set or swept.
+    fn image_camera(&self) -> Vec<String> {
+        let (Some(folder), Some((_, image))) = (&self.job.images, self.values.iter().find(|v| v.0 == IMAGE)) else {
+            return Vec::new();
+        };
+        let folder = serde_json::Value::from(folder.display().to_string());
+        vec![format!("camera={{ kind = \"calibrated\", file = {folder}, image = {image} }}")]
+    }
+
+    /// The values of the scene that are swept.
+    fn swept(&self) -> impl Iterator<Item = &(&str, &str)> {
+        self.values.iter().filter(|(key, _)| self.job.images.is_none() || *key != IMAGE)
     }
 
     /// As job.0.
@@ -240,6 +263,7 @@ impl Task<'_> {
     fn command_line(&self, path: impl Fn(&Path) -> PathBuf) -> Result<Vec<String>> {
         let shown = |text: String| path(Path::new(&text)).display().to_string();
         let mut line = vec!["render".to_owned(), shown(self.job.scene.clone())];
+        line.extend(self.image_camera().into_iter().flat_map(|camera| ["--set".to_owned(), camera]));
         for (flag, value) in &self.job.flags {
             line.push((*flag).to_owned());
             if let Some(value) = value {
@@ -247,7 +271,7 @@ impl Task<'_> {
                 line.push(if is_output(flag) { shown(filled) } else { filled });
             }
         }
-        line.extend(self.values.iter().flat_map(|(key, value)| ["--set".to_owned(), format!("{key}={value}")]));
+        line.extend(self.swept().flat_map(|(key, value)| ["--set".to_owned(), format!("{key}={value}")]));
         line.extend(["--frame".to_owned(), self.frame.to_string()]);
         Ok(line)
     }
@@ -299,7 +323,7 @@ fn is_output(flag: &str) -> bool {
 
 fn read_job(k: usize, field: &Field, path: &Path) -> Result<Job> {
     let table = field.table()?;
-    let mut known = vec!["scene", "frames", "set", "sweep", "channels"];
+    let mut known = vec!["scene", "frames", "images", "set", "sweep", "channels"];
     known.extend(OUTPUTS.iter().map(|own| own.0));
     known.extend(VALUES.iter().chain(&SWITCHES).map(|own| own.0));
     table.allow(&known)?;
@@ -330,12 +354,19 @@ fn read_job(k: usize, field: &Field, path: &Path) -> Result<Job> {
     if let Some(field) = table.get("sweep") {
         read_sweep(&field.table()?, "", &mut sweep)?;
     }
+    let images = table.optional("images", |field| Ok(absolute(&field.path()?)))?;
+    if let Some(folder) = &images {
+        let names = calibrated::file::images(folder)?;
+        let values = names.into_iter().map(|name| serde_json::Value::from(name).to_string()).collect();
+        sweep.push(Swept { key: IMAGE.into(), values });
+    }
     Ok(Job {
         name: format!("job.{k}"),
         key: format!("{}: job.{k}", path.display()),
         scene: table.need("scene", "\"scene.toml\"")?.path()?.display().to_string(),
         flags,
         sweep,
+        images,
         frames: table.or("frames", vec![0.0], read_frames)?,
     })
 }

@@ -17,7 +17,8 @@ pub fn fill(text: &str, value_of: impl Fn(&str) -> Option<String>) -> Result<Str
             return Err(format!("unmatched brace in {text:?}; write {{frame}} for a value, or {{{{ for a brace"));
         };
         let (key, width) = rest[..end].split_once(':').unwrap_or((&rest[..end], ""));
-        let value = value_of(key).ok_or_else(|| format!("{key:?} in {text:?} is neither frame nor a swept key"))?;
+        let value =
+            value_of(key).ok_or_else(|| format!("{key:?} in {text:?} is neither frame, nor image, nor a swept key"))?;
         let width = match width {
             "" => 0,
             digits => digits

@@ -89,6 +89,14 @@ pub fn read(path: &Path, which: Which) -> Result<Calibration> {
     read.map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
+/// The names of the images of a folder that COLMAP wrote, in order.
+///
+/// # Errors
+/// [`Error::Input`] or [`Error::Read`] naming the file of images: it cannot be read, or has none.
+pub fn images(model: &Path) -> Result<Vec<String>> {
+    colmap::images(model)
+}
+
 /// The intrinsics of a camera without skew, its principal point in OpenCV's pixels; checked.
 fn intrinsics(size: [u64; 2], focal: DVec2, centre: DVec2) -> std::result::Result<Intrinsics, String> {
     crate::image::size::check_size(size[0], size[1]).map_err(|e| e.to_string())?;

@@ -69,6 +69,17 @@ pub fn read(path: &Path, which: Which) -> Result<Calibration> {
     Ok(Calibration { placed: Some(placed), ..by_id(Which::Index(image.camera))? })
 }
 
+/// The names of all images, in order.
+pub fn images(path: &Path) -> Result<Vec<String>> {
+    let file = file(path, "images");
+    let mut names: Vec<String> = load(&file, image_lines, image_records)?.into_iter().map(|i| i.name).collect();
+    names.sort();
+    if names.is_empty() {
+        return Err(Error::input(format!("{}: has no images", file.display())));
+    }
+    Ok(names)
+}
+
 /// `NAME.bin` or `NAME.txt` of the model; binary if both are there, as COLMAP itself reads it.
 fn file(path: &Path, name: &str) -> PathBuf {
     let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
