@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Camera", "Renderer", "Scene", "camera_kinds", "cast", "cast_all", "channels_named", "check", "compare", "meets_any", "program", "project", "read_exr", "write_exr", "write_png"]
+__all__ = ["Camera", "Renderer", "Scene", "camera_kinds", "cast", "cast_all", "channels_named", "check", "colmap_images", "compare", "meets_any", "program", "project", "read_exr", "write_exr", "write_png"]
 
 @final
 class Camera:
@@ -114,6 +114,11 @@ def channels_named(name: str) -> list[str]:
 def check(scene: Scene, camera: Camera, planes: SupportsGetItem[int, tuple[str, Any]]) -> str:
     """
     Compares a frame with the reference; the comparison as JSON.
+    """
+
+def colmap_images(folder: str | PathLike[str]) -> list[str]:
+    """
+    The names of the images of a COLMAP model, in order.
     """
 
 def compare(a: SupportsGetItem[int, tuple[str, Any]], b: SupportsGetItem[int, tuple[str, Any]]) -> str:
