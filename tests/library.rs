@@ -1,7 +1,7 @@
 //! What users of the library see, used as they use it: by public names alone. Without an adapter all of it goes by the reference.
 
 use anamorph::{
-    Batch, BatchEvent, BatchOptions, Camera, Caster, Channel, Error, Job, Mesh, NO_ID, RenderOptions, Rendered,
+    Batch, BatchEvent, BatchOptions, Camera, Caster, Channel, Error, Job, Mesh, NO_ID, Placed, RenderOptions, Rendered,
     Renderer, Result, Scene, Shard,
 };
 use std::fs;
@@ -253,4 +253,45 @@ fn rays_are_cast_at_a_scene() {
     let error = caster.first(&[hit, [[0.0; 3]; 2]], [0.0, 1.0]).unwrap_err();
     assert!(error.to_string().starts_with("ray 1: its direction is") && error.exit_code() == 2, "{error}");
     assert!(caster.all(&[hit], [1.0, f64::NAN]).is_err());
+}
+
+/// An object that is moved is rendered as one that was added there, normals too.
+#[test]
+fn objects_move_and_come_back() {
+    let mut renderer = Renderer::new().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let table = |places: &str| format!("builtin = \"icosphere\"\nlevel = 2\nname = \"ball\"\nsmooth = true\n{places}");
+    let scene_of = |places: &str| {
+        let mut scene = Scene::new();
+        let floor = "builtin = \"plane\"\nname = \"floor\"\nscale = 3\ntranslate = [0, -1, 0]";
+        for text in [floor, &table(places)] {
+            scene.add_placed(Placed::of_table(text, folder.path()).unwrap()).unwrap();
+        }
+        scene
+    };
+    let camera = |scene: &Scene| {
+        let pinhole = "kind = \"pinhole\"\neye = [0, 1, 5]\ntarget = [0, 0, 0]\nvfov = 40";
+        Camera::parse(pinhole, ".", scene, Some((64, 48))).unwrap()
+    };
+    let options = options();
+    let mut seen = |scene: &Scene| words(&renderer.render(scene, &camera(scene), &options).unwrap());
+    let mut scene = scene_of("");
+    let at_rest = seen(&scene);
+    // a quarter turn about y, which is exact, and a step
+    let matrix = [[0.0, 0.0, 1.0, 0.5], [0.0, 1.0, 0.0, 0.25], [-1.0, 0.0, 0.0, -0.125]];
+    scene.move_object("ball", matrix).unwrap();
+    let moved = seen(&scene);
+    assert!(moved == seen(&scene_of("rotate = [0, 90, 0]\ntranslate = [0.5, 0.25, -0.125]")) && moved != at_rest);
+    let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    scene.move_object("ball", identity).unwrap();
+    assert!(seen(&scene) == at_rest);
+
+    // other vertices: those of the ball where it was moved, shaded flat
+    let count = scene.objects().find(|(name, _)| *name == "ball").unwrap().1;
+    let error = scene.set_vertices("ball", &[[0.0; 3]; 2]).unwrap_err().to_string();
+    assert!(count == 320 && error.contains("ball: 2 vertices for an object of 162"), "{error}");
+    scene.set_vertices("ball", &vec![[0.0, 50.0, 0.0]; 162]).unwrap();
+    let gone = seen(&scene);
+    scene.move_object("ball", matrix).unwrap();
+    assert!(gone != at_rest && seen(&scene) == gone);
 }

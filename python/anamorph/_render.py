@@ -58,6 +58,19 @@ class Renderer:
         """Sets the camera of the images to come."""
         self.camera = camera
 
+    def move(self, mesh: str, matrix: Numbers) -> None:
+        """:meth:`Scene.move` of the renderer's scene."""
+        self._scene().move(mesh, matrix)
+
+    def update(self, mesh: str, vertices: Numbers) -> None:
+        """:meth:`Scene.update` of the renderer's scene."""
+        self._scene().update(mesh, vertices)
+
+    def _scene(self) -> Scene:
+        if self.scene is None:
+            raise ValueError("there is no scene; give one")
+        return self.scene
+
     def render(
         self,
         channels: Sequence[str] | None = None,
@@ -82,9 +95,7 @@ class Renderer:
             ValueError: the scene, the camera and the rest cannot be combined; there is no camera, size or such channel.
             RuntimeError: memory does not suffice, or the device is lost.
         """
-        scene = scene or self.scene
-        if scene is None:
-            raise ValueError("there is no scene; give one")
+        scene = scene or self._scene()
         aimed = camera or self.camera or scene.camera
         if aimed is None:
             raise ValueError("there is no camera; give one")

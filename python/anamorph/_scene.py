@@ -87,6 +87,36 @@ class Scene:
         """Adds a generated mesh: ``teapot``, ``icosphere``, ``box``, ``plane``, ``city`` and others, with the keys of ``[[mesh]]``."""
         self._native.add_table(table({"builtin": name, **keys}), os.getcwd())
 
+    def move(self, mesh: str, matrix: Numbers) -> None:
+        """Places an object: each of its vertices p, as it was added, comes to lie at M p; the identity takes the object back.
+
+        Args:
+            mesh: the object's name, as in :attr:`objects`.
+            matrix: (3, 4) or (4, 4), affine: to the world, in which the object was added, world units.
+
+        Raises:
+            ValueError: there is no such object; the matrix is wrong. The scene is unchanged.
+        """
+        rows = np.asarray(matrix, dtype=np.float64)
+        if rows.shape not in ((3, 4), (4, 4)) or (rows.shape == (4, 4) and rows[3].tolist() != [0, 0, 0, 1]):
+            raise ValueError(f"matrix: an affine matrix of shape (3, 4) or (4, 4) is needed, its last row 0, 0, 0, 1; not {rows.shape}")
+        self._native.move_object(mesh, rows[:3].tolist())
+
+    def update(self, mesh: str, vertices: Numbers) -> None:
+        """Gives an object other vertices; later moves start from these. Its normals are dropped: it is shaded flat.
+
+        Args:
+            mesh: the object's name, as in :attr:`objects`.
+            vertices: (N, 3), as many as the object has, world units.
+
+        Raises:
+            ValueError: there is no such object; the array is wrong. The scene is unchanged.
+        """
+        rows = np.ascontiguousarray(vertices, dtype=np.float64)
+        if rows.ndim != 2 or rows.shape[1] != 3:
+            raise ValueError(f"vertices: an array of shape (N, 3) is needed, not {rows.shape}")
+        self._native.set_vertices(mesh, rows)
+
     @property
     def camera(self) -> Camera | None:
         """The scene file's camera; ``None`` if the scene has none."""

@@ -55,6 +55,15 @@ impl Scene {
             Arc::make_mut(&mut scene).add_placed(placed)
         })
     }
+
+    fn change(
+        &self,
+        py: Python<'_>,
+        change: impl FnOnce(&mut anamorph::Scene) -> anamorph::Result<()> + Send + 'static,
+    ) -> PyResult<()> {
+        let scene = self.scene.clone();
+        run(py, move || change(Arc::make_mut(&mut scene.lock().unwrap_or_else(PoisonError::into_inner))))
+    }
 }
 
 /// Name and triangle count of each object.
@@ -125,6 +134,17 @@ impl Scene {
             }
             anamorph::Placed::of_mesh(mesh, &table, folder)
         })
+    }
+
+    /// Places an object by the rows of an affine matrix.
+    fn move_object(&self, py: Python<'_>, name: String, matrix: [[f64; 4]; 3]) -> PyResult<()> {
+        self.change(py, move |scene| scene.move_object(&name, matrix))
+    }
+
+    /// Gives an object other vertices.
+    fn set_vertices(&self, py: Python<'_>, name: String, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
+        let vertices = rows(&vertices);
+        self.change(py, move |scene| scene.set_vertices(&name, &vertices))
     }
 
     #[getter]

@@ -1,6 +1,7 @@
 """Rendering to arrays."""
 
 import json
+import re
 import subprocess
 import sys
 import threading
@@ -177,3 +178,36 @@ except KeyboardInterrupt:
     out = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=60)
     assert out.stdout.startswith("ended after"), out
     assert float(out.stdout.split()[-1]) < 5, out.stdout
+
+
+def test_what_moves_is_rendered_where_it_is(square: am.Scene, pinhole: am.Camera) -> None:
+    square.add(am.Mesh([[-1, -1, 1], [1, -1, 1], [0, 1, 1]], [[0, 1, 2]], name="sail"))
+    with am.Renderer(square) as renderer:
+        renderer.aim(pinhole)
+        before = renderer.render(["triangle.id"], size=(64, 48))["triangle.id"]
+        matrix = np.eye(4)
+        matrix[:3, 3] = [0.5, 0, 1]
+        renderer.move("sail", matrix)
+        moved = renderer.render(["triangle.id"], size=(64, 48))["triangle.id"]
+        fresh = am.Scene()
+        fresh.add(am.Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]]))
+        fresh.add(am.Mesh([[-0.5, -1, 2], [1.5, -1, 2], [0.5, 1, 2]], [[0, 1, 2]]))
+        assert (moved == am.render(fresh, pinhole, (64, 48), ["triangle.id"])["triangle.id"]).all()
+        assert (moved != before).any()
+        renderer.update("sail", [[-0.5, -1, 2], [1.5, -1, 2], [0.5, 1, 2]])
+        assert (renderer.render(["triangle.id"], size=(64, 48))["triangle.id"] == moved).all()
+        # from the new vertices
+        renderer.move("sail", np.hstack([np.eye(3), [[-0.5], [0], [-1]]]))
+        assert (renderer.render(["triangle.id"], size=(64, 48))["triangle.id"] == before).all()
+        for wrong, says in [
+            (lambda: renderer.move("car", matrix), 'has no object "car"; it has square, sail'),
+            (lambda: renderer.move("sail", np.eye(3)), "matrix: an affine matrix"),
+            (lambda: renderer.move("sail", np.full((3, 4), np.nan)), "use finite numbers"),
+            (lambda: renderer.update("sail", np.zeros((4, 3))), "4 vertices for an object of 3"),
+            (lambda: renderer.update("sail", np.zeros(3)), "vertices: an array of shape"),
+        ]:
+            with pytest.raises(ValueError, match=re.escape(says)):
+                wrong()
+        assert (renderer.render(["triangle.id"], size=(64, 48))["triangle.id"] == before).all()
+    with pytest.raises(ValueError, match="no scene"):
+        am.Renderer().move("sail", matrix)

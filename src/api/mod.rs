@@ -5,6 +5,7 @@ mod camera;
 mod caster;
 mod job;
 mod mesh;
+mod objects;
 mod renderer;
 mod scene;
 

@@ -1,5 +1,6 @@
 //! Scenes.
 
+use super::objects::Rest;
 use super::{Camera, Mesh};
 use crate::geometry::load::{Object, load_dressed, load_unplaced, placed, with_unique_names};
 use crate::geometry::place;
@@ -18,6 +19,8 @@ use std::sync::Arc;
 pub struct Scene {
     pub(crate) scene: crate::scene::Scene,
     has_camera: bool,
+    /// Objects that were moved.
+    pub(super) rests: Vec<Rest>,
 }
 
 /// Triangles in the world, to be added to a scene: [`Scene::add_placed`].
@@ -60,7 +63,11 @@ impl Default for Scene {
 impl Scene {
     /// A scene without triangles, in the light of a headlight along each pixel's ray, and without a camera.
     pub fn new() -> Scene {
-        Scene { scene: crate::scene::Scene::empty(), has_camera: false }
+        Scene::of(crate::scene::Scene::empty(), false)
+    }
+
+    fn of(scene: crate::scene::Scene, has_camera: bool) -> Scene {
+        Scene { scene, has_camera, rests: Vec::new() }
     }
 
     /// Loads a scene file, .toml or .json, and all files that it names. `overrides` change values, as in `camera.vfov=40`; keyframed
@@ -70,7 +77,7 @@ impl Scene {
     /// [`Error::Input`], one line with the file, the line and the key; [`Error::Read`] for a file that cannot be read.
     pub fn load(path: impl AsRef<Path>, overrides: &[&str], frame: f64) -> Result<Scene> {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-        Ok(Scene { scene: crate::scene::Scene::load(path.as_ref(), &overrides, frame)?, has_camera: true })
+        Ok(Scene::of(crate::scene::Scene::load(path.as_ref(), &overrides, frame)?, true))
     }
 
     /// A scene from the text of a scene file in TOML, whose relative paths start from `folder`. It needs a camera, and may have no mesh.
@@ -78,8 +85,7 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`], one line with the line and the key; [`Error::Read`] for a file that cannot be read.
     pub fn parse(toml: &str, folder: impl AsRef<Path>) -> Result<Scene> {
-        let scene = crate::scene::Scene::from_file(file::parse_text(toml, folder.as_ref())?)?;
-        Ok(Scene { scene, has_camera: true })
+        Ok(Scene::of(crate::scene::Scene::from_file(file::parse_text(toml, folder.as_ref())?)?, true))
     }
 
     /// Adds a mesh after the existing ones. Cameras that depend on the scene, such as `track`, must be created again.

@@ -1,0 +1,127 @@
+//! Objects of a scene that move or change their shape.
+
+use super::Scene;
+use crate::geometry::mesh::{Mesh, NO_NORMAL};
+use crate::geometry::place::{transformed_normal, world_normal_from_object};
+use crate::input::{Error, Result};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// An object as it was added, before it was moved.
+#[derive(Debug, Clone)]
+pub(super) struct Rest {
+    name: String,
+    triangles: Range<usize>,
+    /// In the scene's positions and normals; no other object has any there.
+    vertices: Range<usize>,
+    normals: Range<usize>,
+    positions: Vec<DVec3>,
+    directions: Vec<Vec3>,
+}
+
+impl Rest {
+    fn of(scene: &crate::scene::Scene, name: &str) -> Result<Rest> {
+        let mut first = 0;
+        let triangles = scene.objects.iter().find_map(|object| {
+            let own = first..first + object.triangles;
+            first = own.end;
+            (object.name == name).then_some(own)
+        });
+        let triangles = triangles.ok_or_else(|| {
+            let names: Vec<&str> = scene.objects.iter().map(|object| object.name.as_str()).take(20).collect();
+            Error::input(format!("the scene has no object {name:?}; it has {}", names.join(", ")))
+        })?;
+        let Mesh { positions, normals, triangles: corners, corner_normals, .. } = &*scene.mesh;
+        // each object's lie together: from the first to the last that it uses
+        let own = |corners: &[[u32; 3]]| {
+            let used = corners.get(triangles.clone()).unwrap_or_default().iter().flatten().filter(|v| **v != NO_NORMAL);
+            let (first, end) = used.fold((usize::MAX, 0), |(lo, hi), v| (lo.min(*v as usize), hi.max(*v as usize + 1)));
+            first.min(end)..end
+        };
+        let (vertices, normal_range) = (own(corners), own(corner_normals));
+        Ok(Rest {
+            name: name.to_owned(),
+            positions: positions[vertices.clone()].to_vec(),
+            directions: normals[normal_range.clone()].to_vec(),
+            triangles,
+            vertices,
+            normals: normal_range,
+        })
+    }
+}
+
+impl Scene {
+    /// Places an object: each of its vertices p, as it was added, comes to lie at M p. `matrix` has the rows of M, which is affine, in world
+    /// units; the identity takes the object back. Cameras that depend on the scene, such as `track`, must be created again.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the scene has no such object, a vertex does not stay finite, or the scene has caustics; the scene is then unchanged.
+    pub fn move_object(&mut self, name: &str, matrix: [[f64; 4]; 3]) -> Result<()> {
+        let column = |k: usize| DVec3::new(matrix[0][k], matrix[1][k], matrix[2][k]);
+        let place = DAffine3::from_mat3_translation(DMat3::from_cols(column(0), column(1), column(2)), column(3));
+        let rest = self.rest(name)?;
+        let positions = rest.positions.iter().map(|p| place.transform_point3(*p)).collect();
+        // a matrix without inverse leaves the normals as they were
+        let normals = match world_normal_from_object(place.matrix3) {
+            Some(matrix) => rest.directions.iter().map(|n| transformed_normal(matrix, *n)).collect(),
+            None => rest.directions.clone(),
+        };
+        self.put(name, positions, Some(normals))
+    }
+
+    /// Gives an object other vertices, in world units, as many as it has. Its normals, which they do not fit, are dropped: it is shaded
+    /// flat. Later moves start from these vertices.
+    ///
+    /// # Errors
+    /// As [`Scene::move_object`], and if there are more or fewer vertices.
+    pub fn set_vertices(&mut self, name: &str, vertices: &[[f64; 3]]) -> Result<()> {
+        let count = self.rest(name)?.positions.len();
+        if vertices.len() != count {
+            let given = vertices.len();
+            return Err(Error::input(format!(
+                "{name}: {given} vertices for an object of {count}, from the first to the last that a triangle uses"
+            )));
+        }
+        let positions: Vec<DVec3> = vertices.iter().map(|v| DVec3::from_array(*v)).collect();
+        self.put(name, positions.clone(), None)?;
+        if let Some(rest) = self.rests.iter_mut().find(|rest| rest.name == name) {
+            rest.positions = positions;
+            rest.directions = Vec::new();
+        }
+        Ok(())
+    }
+
+    /// The object as it was added, which is kept from its first move on.
+    fn rest(&mut self, name: &str) -> Result<&Rest> {
+        if self.scene.caustics.is_some() {
+            return Err(Error::input("a scene with caustics takes its meshes from its file; move them there"));
+        }
+        if let Some(known) = self.rests.iter().position(|rest| rest.name == name) {
+            return Ok(&self.rests[known]);
+        }
+        self.rests.push(Rest::of(&self.scene, name)?);
+        Ok(&self.rests[self.rests.len() - 1])
+    }
+
+    fn put(&mut self, name: &str, positions: Vec<DVec3>, normals: Option<Vec<Vec3>>) -> Result<()> {
+        if let Some(v) = positions.iter().find(|p| !p.is_finite()) {
+            return Err(Error::input(format!("{name}: a vertex would lie at {v}; use finite numbers")));
+        }
+        let Some(rest) = self.rests.iter().find(|rest| rest.name == name) else { return Ok(()) };
+        let mesh = Arc::make_mut(&mut self.scene.mesh);
+        mesh.positions[rest.vertices.clone()].copy_from_slice(&positions);
+        match normals {
+            // none are left after set_vertices
+            Some(normals) if normals.len() == rest.normals.len() => {
+                mesh.normals[rest.normals.clone()].copy_from_slice(&normals);
+            }
+            _ => {
+                if let Some(corners) = mesh.corner_normals.get_mut(rest.triangles.clone()) {
+                    corners.fill([NO_NORMAL; 3]);
+                }
+            }
+        }
+        Ok(())
+    }
+}
