@@ -84,10 +84,18 @@ class Scene:
     def load(path: str | PathLike[str], overrides: SupportsGetItem[int, str], frame: SupportsFloat | SupportsIndex) -> Scene: ...
     @property
     def missing(self, /) -> list[str]: ...
+    def move_object(self, /, name: str, matrix: SupportsLenAndGetItem[SupportsLenAndGetItem[SupportsFloat | SupportsIndex]]) -> None:
+        """
+        Places an object by the rows of an affine matrix.
+        """
     @property
     def objects(self, /) -> list[tuple[str, int]]: ...
     @staticmethod
     def parse(text: str, folder: str | PathLike[str]) -> Scene: ...
+    def set_vertices(self, /, name: str, vertices: Incomplete) -> None:
+        """
+        Gives an object other vertices.
+        """
     @property
     def triangle_count(self, /) -> int: ...
 

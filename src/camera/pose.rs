@@ -117,21 +117,28 @@ const GRAM_ERROR: f64 = 2.0 * 1.732_050_807_568_877_3 * DECIMALS + 3.0 * DECIMAL
 /// The camera's position and its axes, in the world.
 fn read_matrix(field: &Field) -> Result<(DVec3, DMat3)> {
     let DAffine3 { matrix3: axes, translation: place } = field.affine()?;
+    check_axes(axes).map_err(|why| field.error(why))?;
+    Ok((place, axes))
+}
+
+/// That the axes are those of a rotation, as far as four decimals say.
+pub(crate) fn check_axes(axes: DMat3) -> std::result::Result<(), String> {
     let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];
     let lengths = [x, y, z].map(DVec3::length);
-    if lengths.iter().any(|l| (l * l - 1.0).abs() > GRAM_ERROR) {
+    // NaN is no length
+    if !lengths.iter().all(|l| (l * l - 1.0).abs() <= GRAM_ERROR) {
         let [x, y, z] = lengths;
-        return Err(field.error(format_args!(
+        return Err(format!(
             "the first three columns have lengths {x:.6}, {y:.6}, {z:.6}; a camera has no scale: divide them to length 1"
-        )));
+        ));
     }
     if [x.dot(y), y.dot(z), z.dot(x)].iter().any(|d| d.abs() > GRAM_ERROR) {
-        return Err(field.error("the first three columns are not perpendicular to each other; give a rotation"));
+        return Err("the first three columns are not perpendicular to each other; give a rotation".into());
     }
     if axes.determinant() < 0.0 {
-        return Err(field.error("the matrix mirrors (its determinant is -1); change the sign of one of its columns"));
+        return Err("the matrix mirrors (its determinant is -1); change the sign of one of its columns".into());
     }
-    Ok((place, axes))
+    Ok(())
 }
 
 fn read_quaternion(field: &Field) -> Result<DMat3> {

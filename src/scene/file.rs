@@ -17,6 +17,7 @@ use crate::input::{keyframes, overrides, parse};
 use crate::scene::caustics::spec::{CausticsSpec, read_caustics};
 
 use super::light::{AmbientOcclusion, Light, Source as LightSource};
+use super::poses;
 use super::style::Style;
 use crate::image::tone::{Curve, Tone};
 use crate::input::Result;
@@ -101,7 +102,9 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
     let mut root = parse::parse(text, format, path)?;
     overrides::apply(&mut root, overrides)?;
     let dir = path.parent().unwrap_or(Path::new(""));
-    keyframes::pick(&mut root, "", &Source::new(path, dir), frame)?;
+    let source = Source::new(path, dir);
+    poses::expand(&mut root, &source)?;
+    keyframes::pick(&mut root, "", &source, frame)?;
     read_tree(root, path, dir)
 }
 

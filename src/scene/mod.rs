@@ -8,6 +8,7 @@ pub mod library;
 pub mod light;
 pub mod matrices;
 pub mod motion;
+mod poses;
 pub mod sky;
 pub mod style;
 

@@ -369,7 +369,8 @@ fn every_image_of_a_colmap_model_is_rendered() {
     let again = place.works(&["batch", "jobs.toml", "--resume", "--progress", "json"]);
     assert!(again.contains("\"skipped\":2"), "{again}");
     place.write("sparse/images.txt", images.replace("0.2 0 5", "0.3 0 5"));
-    place.works(&["batch", "jobs.toml", "--resume"]);
+    let ran = place.run(&["batch", "jobs.toml", "--resume"]);
+    assert!(ran.code == 0 && ran.err.contains("2 frames: sparse/images.txt has changed"), "{}", ran.err);
     assert!(read("own.png") != read("of a_1.jpg.png"));
 }
 

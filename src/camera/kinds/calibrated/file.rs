@@ -97,6 +97,19 @@ pub fn images(model: &Path) -> Result<Vec<String>> {
     colmap::images(model)
 }
 
+/// The poses of those images, in the same order.
+///
+/// # Errors
+/// As [`images`].
+pub fn poses(model: &Path) -> Result<Vec<Placed>> {
+    colmap::poses(model)
+}
+
+/// It is a folder that COLMAP wrote, or its file of images.
+pub fn has_images(path: &Path) -> bool {
+    colmap::has_images(path)
+}
+
 /// The intrinsics of a camera without skew, its principal point in OpenCV's pixels; checked.
 fn intrinsics(size: [u64; 2], focal: DVec2, centre: DVec2) -> std::result::Result<Intrinsics, String> {
     crate::image::size::check_size(size[0], size[1]).map_err(|e| e.to_string())?;

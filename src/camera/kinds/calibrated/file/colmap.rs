@@ -61,23 +61,46 @@ pub fn read(path: &Path, which: Which) -> Result<Calibration> {
     let images = file(path, "images");
     let image = load(&images, image_lines, image_records)?.into_iter().find(|i| i.name == name);
     let image = image.ok_or_else(|| refuse(&images, format!("has no image {name:?}")))?;
-    let eye = -(image.rotation.inverse() * image.translation);
-    if !eye.is_finite() || image.rotation.is_nan() {
-        return Err(refuse(&images, format!("image {name:?}: its pose is not finite")));
+    let placed = Some(image.placed().map_err(|why| refuse(&images, why))?);
+    Ok(Calibration { placed, ..by_id(Which::Index(image.camera))? })
+}
+
+impl Image {
+    fn placed(&self) -> std::result::Result<Placed, String> {
+        let rotation = self.rotation.inverse();
+        let eye = -(rotation * self.translation);
+        match eye.is_finite() && rotation.is_finite() {
+            true => Ok(Placed { eye, rotation }),
+            false => Err(format!("image {:?}: its pose is not finite, or its quaternion is 0", self.name)),
+        }
     }
-    let placed = Placed { eye, rotation: image.rotation.inverse() };
-    Ok(Calibration { placed: Some(placed), ..by_id(Which::Index(image.camera))? })
+}
+
+/// A folder, or the file of images.
+pub fn has_images(path: &Path) -> bool {
+    path.is_dir() || matches!(path.file_name().and_then(|n| n.to_str()), Some("images.bin" | "images.txt"))
 }
 
 /// The names of all images, in order.
 pub fn images(path: &Path) -> Result<Vec<String>> {
+    Ok(in_order(&file(path, "images"))?.into_iter().map(|image| image.name).collect())
+}
+
+/// The poses of all images, in the order of their names.
+pub fn poses(path: &Path) -> Result<Vec<Placed>> {
     let file = file(path, "images");
-    let mut names: Vec<String> = load(&file, image_lines, image_records)?.into_iter().map(|i| i.name).collect();
-    names.sort();
-    if names.is_empty() {
+    let placed = |image: &Image| image.placed().map_err(|why| Error::input(format!("{}: {why}", file.display())));
+    in_order(&file)?.iter().map(placed).collect()
+}
+
+/// The images of a file, at least one, by name.
+fn in_order(file: &Path) -> Result<Vec<Image>> {
+    let mut images = load(file, image_lines, image_records)?;
+    images.sort_by(|a, b| a.name.cmp(&b.name));
+    if images.is_empty() {
         return Err(Error::input(format!("{}: has no images", file.display())));
     }
-    Ok(names)
+    Ok(images)
 }
 
 /// `NAME.bin` or `NAME.txt` of the model; binary if both are there, as COLMAP itself reads it.
