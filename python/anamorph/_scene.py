@@ -88,7 +88,7 @@ class Scene:
         self._native.add_table(table({"builtin": name, **keys}), os.getcwd())
 
     def move(self, mesh: str, matrix: Numbers) -> None:
-        """Places an object: each of its vertices p, as it was added, comes to lie at M p; the identity takes the object back.
+        """Places an object: each of its vertices p, as last added or updated, comes to lie at M p; the identity takes the object back.
 
         Args:
             mesh: the object's name, as in :attr:`objects`.
@@ -98,8 +98,10 @@ class Scene:
             ValueError: there is no such object; the matrix is wrong. The scene is unchanged.
         """
         rows = np.asarray(matrix, dtype=np.float64)
-        if rows.shape not in ((3, 4), (4, 4)) or (rows.shape == (4, 4) and rows[3].tolist() != [0, 0, 0, 1]):
-            raise ValueError(f"matrix: an affine matrix of shape (3, 4) or (4, 4) is needed, its last row 0, 0, 0, 1; not {rows.shape}")
+        if rows.shape not in ((3, 4), (4, 4)):
+            raise ValueError(f"matrix: an affine matrix of shape (3, 4) or (4, 4) is needed, not {rows.shape}")
+        if rows.shape == (4, 4) and rows[3].tolist() != [0, 0, 0, 1]:
+            raise ValueError(f"matrix: its last row must be 0, 0, 0, 1, not {rows[3].tolist()}")
         self._native.move_object(mesh, rows[:3].tolist())
 
     def update(self, mesh: str, vertices: Numbers) -> None:

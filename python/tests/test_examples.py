@@ -46,12 +46,12 @@ def test_colmap(tmp_path: pathlib.Path) -> None:
     (tmp_path / "mesh.obj").write_text(triangle)
     said = run("colmap.py", tmp_path, tmp_path / "mesh.obj", tmp_path / "out").splitlines()
     assert [line.split(":")[0] for line in said] == ["a.jpg", "rig/b.jpg"]
-    for name, side in (("a", 1), ("rig/b", 0)):
+    for name, side in (("a.jpg", 1), ("rig_b.jpg", 0)):
         found = np.load(tmp_path / "out" / f"{name}.npz")
         seen = found["triangle"] == 0
         assert seen.sum() > 20 and (found["triangle"][~seen] == 0xFFFFFFFF).all()
-        unit = found["direction"] / np.linalg.norm(found["direction"], axis=-1, keepdims=True)
-        points = np.array([-side, 0, -4]) + found["distance"][seen][:, None] * unit[seen]
+        assert np.abs(found["eye"] - [-side, 0, -4]).max() < 1e-15
+        points = found["eye"] + found["distance"][seen][:, None] * found["direction"][seen]
         # float32 distances of some 5 units
         assert np.abs(points[:, 2]).max() < 2e-6 and np.abs(points).max() <= 1 + 2e-6
 

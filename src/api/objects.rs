@@ -52,7 +52,7 @@ impl Rest {
 }
 
 impl Scene {
-    /// Places an object: each of its vertices p, as it was added, comes to lie at M p. `matrix` has the rows of M, which is affine, in world
+    /// Places an object: each of its vertices p, as last added or set, comes to lie at M p. `matrix` has the rows of M, which is affine, in world
     /// units; the identity takes the object back. Cameras that depend on the scene, such as `track`, must be created again.
     ///
     /// # Errors

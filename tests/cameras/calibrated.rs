@@ -212,6 +212,25 @@ fn images_of_colmap_have_their_pose() {
         let error = of(keys).expect_err(keys).to_string();
         assert!(error.contains(expected) && !error.contains('\n'), "{keys}: {error}");
     };
+    // tabs and several blanks, the ends of lines of Windows, a byte order mark: as COLMAP reads it
+    for name in ["cameras.bin", "images.bin"] {
+        fs::remove_file(folder.path().join(name)).unwrap();
+    }
+    let spaced = format!("\u{feff}{}", images.replacen(' ', "\t", 9).replace(" 7 ", "  7  ").replace('\n', "\r\n"));
+    fs::write(folder.path().join("images.txt"), spaced).unwrap();
+    assert_eq!(of(&format!("image = '{name}'")).unwrap().ray(5, 6).unwrap(), ray(5, 6));
+    // a file that is named is the one that is read
+    write_binary(folder.path(), 0, &[50.0, 40.0, 30.0], (q, t.to_array(), name));
+    let named = camera_in(folder.path(), &format!("kind = 'calibrated'\nfile = 'cameras.txt'\n{POSE}"), None).unwrap();
+    assert!(named.ray(5, 6).unwrap().direction != of(POSE).unwrap().ray(5, 6).unwrap().direction);
+    write_binary(folder.path(), 1, COLMAP[1].2, (q, t.to_array(), "a\u{fffd}"));
+    let bytes = fs::read(folder.path().join("images.bin")).unwrap();
+    let at = bytes.windows(3).position(|w| w == "\u{fffd}".as_bytes()).unwrap();
+    fs::write(folder.path().join("images.bin"), [&bytes[..at], b"\xff", &bytes[at + 3..]].concat()).unwrap();
+    let error = of("image = 'a'").unwrap_err().to_string();
+    assert!(error.contains("image 3: its name is not UTF-8"), "{error}");
+    write_binary(folder.path(), 1, COLMAP[1].2, (q, t.to_array(), name));
+
     refused("image = 'none.jpg'", "images.bin: has no image \"none.jpg\"");
     refused(&format!("image = '{name}'\neye = [0, 0, 0]"), "eye: image says it already");
     refused(&format!("image = '{name}'\nindex = 7"), "image and index both choose a camera");
@@ -382,6 +401,9 @@ fn wrong_files_are_refused_in_one_line() {
     ] {
         refused("rig.json", &rig(properties), says);
     }
+    let long = format!("\"bw-poly\": \"0 0.01{}\"", " 1e-3".repeat(20_000));
+    refused("rig.json", &rig(&long), "polynomial: of degree 20001; at most 16");
+    refused("rig.json", &rig("\"bw-poly\": \"0 0.03\", \"linear-c\": 0"), "c - d e = 0; it must be over 0");
     refused("rig.json", "{\"rig\": {\"sensors\": []}}", "has no camera of this index");
     refused("cam.yaml", "image_width: 96\n", "not a calibration as OpenCV writes it");
 }

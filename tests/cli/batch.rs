@@ -345,7 +345,6 @@ fn a_sweep_with_checks_is_a_table() {
     assert!(log.lines().count() == 6 && log.lines().all(|line| line.contains("Z ")), "{log}");
 }
 
-/// Kills the program at moments spread over its run, goes on, and ends with the files of a run that nobody disturbed.
 #[test]
 fn every_image_of_a_colmap_model_is_rendered() {
     let place = Place::new();
@@ -374,6 +373,7 @@ fn every_image_of_a_colmap_model_is_rendered() {
     assert!(read("own.png") != read("of a_1.jpg.png"));
 }
 
+/// Kills the program at moments spread over its run, goes on, and ends with the files of a run that nobody disturbed.
 #[test]
 fn what_is_killed_goes_on_and_ends_with_the_same_files() {
     let place = Place::new();

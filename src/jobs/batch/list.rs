@@ -356,6 +356,9 @@ fn read_job(k: usize, field: &Field, path: &Path) -> Result<Job> {
     }
     let images = table.optional("images", |field| Ok(absolute(&field.path()?)))?;
     if let Some(folder) = &images {
+        if sweep.iter().any(|swept: &Swept| swept.key == IMAGE) {
+            return Err(table.error("sweep.image: images sweeps it already; remove one of the two"));
+        }
         let names = calibrated::file::images(folder)?;
         let values = names.into_iter().map(|name| serde_json::Value::from(name).to_string()).collect();
         sweep.push(Swept { key: IMAGE.into(), values });

@@ -58,7 +58,7 @@ fn angle(projection: &Projection, r: f64) -> Option<f64> {
             // `xi + cos = -w d` is a quadratic equation of cos
             let rest = 1.0 - w(*alpha).powi(2);
             let end = -xi * rest - w(*alpha) * (1.0 - xi * xi * rest).sqrt();
-            bisect(seen, end.acos(), r)
+            bisect(seen, end.max(-1.0).acos(), r)
         }
         // tan(theta) = r / (1 + k r^2) grows up to k r^2 = 1
         Projection::Division { k } => (k * r * r <= 1.0).then(|| r.atan2(1.0 + k * r * r)),
@@ -98,6 +98,7 @@ fn w(alpha: f64) -> f64 {
 
 /// The angle under `end` with `seen = r`, for a projection that grows from 0 to `end`, by halving.
 fn bisect(seen: impl Fn(f64) -> f64, end: f64, r: f64) -> Option<f64> {
+    assert!(end.is_finite(), "the projection has an end");
     let (mut lo, mut hi) = (0.0, end);
     loop {
         let middle = lo + (hi - lo) / 2.0;

@@ -108,7 +108,7 @@ fn both_methods_find_the_same_fisheye() {
     assert!(missing > 1000, "{missing}");
 }
 
-/// A random projection of each kind. The parameters go to the ends of their ranges.
+/// Random projections of each kind, also at the ends of their ranges and near them.
 fn projections(rng: &mut Rng) -> Vec<Projection> {
     let unit = |rng: &mut Rng| 0.5 + 0.5 * rng.signed();
     // over pixels of a focal length of some 1
@@ -122,6 +122,7 @@ fn projections(rng: &mut Rng) -> Vec<Projection> {
         Projection::Unified { xi: 0.0 },
         Projection::Unified { xi: 1.0 },
         Projection::Unified { xi: 3.0 * unit(rng) },
+        Projection::Unified { xi: 1e6 * unit(rng) },
         Projection::EnhancedUnified { alpha: 0.0, beta: 1.0 },
         Projection::EnhancedUnified { alpha: 0.5, beta: 0.3 + unit(rng) },
         Projection::EnhancedUnified { alpha: 1.0, beta: 0.3 + unit(rng) },
@@ -130,6 +131,7 @@ fn projections(rng: &mut Rng) -> Vec<Projection> {
         Projection::DoubleSphere { xi: 1.0, alpha: unit(rng) },
         Projection::DoubleSphere { xi: 0.0, alpha: unit(rng) },
         Projection::DoubleSphere { xi: 0.95 * rng.signed(), alpha: unit(rng) },
+        Projection::DoubleSphere { xi: 0.0, alpha: 1.0 },
         Projection::Division { k: 0.4 * rng.signed() },
         Projection::Division { k: 0.0 },
         Projection::AngleOfRadius { c: c(rng) },
@@ -197,6 +199,25 @@ fn both_methods_find_the_same_rays_through_two_distortions() {
         }
     }
     assert!(with > 10_000, "{with}");
+}
+
+/// At a fold of alpha = 1 the height on the sphere is 0 / 0, and close to xi = 1 the end of the branch rounds beyond 180 degrees.
+#[test]
+fn ends_of_branches_are_finite_rays_in_both_methods() {
+    let near_one = Projection::DoubleSphere { xi: 0.999_999_999_999, alpha: 0.508_109_870_465_909_3 };
+    for (projection, q) in [
+        (Projection::DoubleSphere { xi: 0.0, alpha: 1.0 }, 1.0),
+        (Projection::EnhancedUnified { alpha: 1.0, beta: 1.0 }, 1.0),
+        (near_one.clone(), 0.5),
+        (near_one, 1.9),
+    ] {
+        let model = Model { projection, distortions: Vec::new() };
+        let q = DVec2::X * q;
+        for found in [Lens::new(&model).unwrap().direction(q), direction(&model, q)] {
+            // at the fold itself a rounding decides whether there is a ray
+            assert!(found.is_none_or(|d| (d.length() - 1.0).abs() < 1e-15), "{model:?}: {found:?}");
+        }
+    }
 }
 
 /// Far away det J is small against the square of the place's radius; that is no fold.

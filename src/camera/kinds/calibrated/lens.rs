@@ -65,8 +65,9 @@ impl Model {
         Model { projection: Projection::Equidistant, distortions: vec![Coefficients::radial(k)] }
     }
 
-    /// The FOV model; `omega` = 0 is none.
+    /// The FOV model, which is even in omega; `omega` = 0 is none.
     pub fn field_of_view(omega: f64) -> Model {
+        let omega = omega.abs();
         let projection = if omega == 0.0 { Projection::Perspective } else { Projection::FieldOfView { omega } };
         Model { projection, distortions: Vec::new() }
     }
@@ -105,7 +106,7 @@ impl Lens {
 
     /// All places at which the point `v` is seen, each with its t; `None` if there are infinitely many.
     pub fn places(&self, v: DVec3) -> Option<Vec<(DVec2, f64)>> {
-        if v == DVec3::ZERO || self.projection.is_on_curve(v) || self.projection.is_on_curve(-v) {
+        if v == DVec3::ZERO || self.projection.is_on_curve(v) {
             return None;
         }
         // ahead of the eye, and behind it at negative t

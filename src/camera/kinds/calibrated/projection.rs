@@ -81,22 +81,24 @@ impl Projection {
                 (angle < FRAC_PI_2).then(|| (p * across).extend(1.0))
             }
             Projection::Unified { xi } => {
-                let below = 1.0 + (1.0 - xi * xi) * square;
-                let along = (xi + below.max(0.0).sqrt()) / (1.0 + square);
-                if below < 0.0 { None } else { scaled(along, along - xi) }
+                let below = 1.0 + (1.0 - xi) * (1.0 + xi) * square;
+                let root = below.max(0.0).sqrt();
+                // the second is the first less xi, without cancellation
+                if below >= 0.0 {
+                    scaled((xi + root) / (1.0 + square), (root - xi * square) / (1.0 + square))
+                } else {
+                    None
+                }
             }
             Projection::EnhancedUnified { alpha, beta } => {
-                let below = 1.0 - (2.0 * alpha - 1.0) * beta * square;
-                let z = (1.0 - alpha * alpha * beta * square) / (alpha * below.max(0.0).sqrt() + 1.0 - alpha);
-                if below < 0.0 { None } else { p.extend(z).try_normalize() }
+                p.extend(height_on_sphere(*alpha, beta * square)?).try_normalize()
             }
             Projection::DoubleSphere { xi, alpha } => {
-                let below = 1.0 - (2.0 * alpha - 1.0) * square;
-                let z = (1.0 - alpha * alpha * square) / (alpha * below.max(0.0).sqrt() + 1.0 - alpha);
+                let z = height_on_sphere(*alpha, square)?;
                 let inner = z * z + (1.0 - xi * xi) * square;
                 let along = (z * xi + inner.max(0.0).sqrt()) / (z * z + square);
                 // for xi = 1 nothing is left beyond 180 degrees
-                if below < 0.0 || inner < 0.0 || along <= 0.0 { None } else { scaled(along, along * z - xi) }
+                if inner >= 0.0 && along > 0.0 { scaled(along, along * z - xi) } else { None }
             }
             Projection::Division { k } => {
                 let is_before_fold = k * square <= 1.0;
@@ -234,6 +236,19 @@ const EDGE: f64 = 16.0 * f64::EPSILON;
 /// sphere, more tightly than the branch goes.
 fn end_of_sphere(alpha: f64) -> f64 {
     if alpha <= 0.5 { alpha / (1.0 - alpha) } else { (1.0 - alpha) / alpha }
+}
+
+/// The z of the direction (x, y, z) that EUCM shows at a place, `square` being beta (x^2 + y^2): `(1 - alpha^2 square) / (alpha root +
+/// 1 - alpha)`, `root^2 = 1 - (2 alpha - 1) square`; `None` beyond the fold.
+fn height_on_sphere(alpha: f64, square: f64) -> Option<f64> {
+    let below = 1.0 - (2.0 * alpha - 1.0) * square;
+    let root = below.max(0.0).sqrt();
+    let z = match alpha > 0.75 {
+        // the same, which is no 0 / 0 at the fold of alpha = 1
+        true => (alpha * root + alpha - 1.0) / (2.0 * alpha - 1.0),
+        false => (1.0 - alpha * alpha * square) / (alpha * root + 1.0 - alpha),
+    };
+    (below >= 0.0).then_some(z)
 }
 
 /// `c[0] x + c[1] x^2 + ...` and its derivative.

@@ -4,6 +4,8 @@ use super::super::lens::{Coefficients, Model, Projection};
 use super::{Calibration, Placed, Which, intrinsics};
 use crate::input::{Error, Result, files};
 use glam::{DQuat, DVec2, DVec3};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
 /// COLMAP's models: the number in binary files, the name in text, and how many parameters follow.
@@ -44,7 +46,7 @@ struct Image {
     translation: DVec3,
 }
 
-/// A folder, or one of the two files.
+/// A folder, or its file of cameras.
 pub fn is_model(path: &Path) -> bool {
     path.is_dir() || matches!(path.file_name().and_then(|n| n.to_str()), Some("cameras.bin" | "cameras.txt"))
 }
@@ -59,7 +61,7 @@ pub fn read(path: &Path, which: Which) -> Result<Calibration> {
     };
     let Which::Image(name) = which else { return by_id(which) };
     let images = file(path, "images");
-    let image = load(&images, image_lines, image_records)?.into_iter().find(|i| i.name == name);
+    let image = in_order(&images)?.into_iter().find(|i| i.name == name);
     let image = image.ok_or_else(|| refuse(&images, format!("has no image {name:?}")))?;
     let placed = Some(image.placed().map_err(|why| refuse(&images, why))?);
     Ok(Calibration { placed, ..by_id(Which::Index(image.camera))? })
@@ -97,17 +99,23 @@ pub fn poses(path: &Path) -> Result<Vec<Placed>> {
 fn in_order(file: &Path) -> Result<Vec<Image>> {
     let mut images = load(file, image_lines, image_records)?;
     images.sort_by(|a, b| a.name.cmp(&b.name));
+    if let Some(twice) = images.windows(2).find(|pair| pair[0].name == pair[1].name) {
+        return Err(Error::input(format!("{}: has two images {:?}", file.display(), twice[0].name)));
+    }
     if images.is_empty() {
         return Err(Error::input(format!("{}: has no images", file.display())));
     }
     Ok(images)
 }
 
-/// `NAME.bin` or `NAME.txt` of the model; binary if both are there, as COLMAP itself reads it.
+/// `NAME.bin` or `NAME.txt` of the model: as the file that is given, or binary if a folder has no other, or has both files so.
 fn file(path: &Path, name: &str) -> PathBuf {
-    let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
-    let binary = folder.join(name).with_extension("bin");
-    if binary.exists() { binary } else { binary.with_extension("txt") }
+    if !path.is_dir() {
+        return path.with_file_name(name).with_extension(path.extension().unwrap_or_default());
+    }
+    let has = |name: &str| path.join(name).exists();
+    let is_binary = has("cameras.bin") && has("images.bin") || !has("cameras.txt") && !has("images.txt");
+    path.join(name).with_extension(if is_binary { "bin" } else { "txt" })
 }
 
 type Parsed<T> = std::result::Result<Vec<T>, String>;
@@ -116,7 +124,7 @@ fn load<T>(path: &Path, lines: fn(&str) -> Parsed<T>, records: fn(&mut Bytes) ->
     let unreadable =
         |e: std::io::Error| Error::unreadable(path, format_args!("{e}; a COLMAP model has cameras and images"));
     let parsed = if path.extension().is_some_and(|e| e == "bin") {
-        records(&mut Bytes(&files::read(path).map_err(unreadable)?))
+        records(&mut Bytes(BufReader::new(files::open(path).map_err(unreadable)?)))
     } else {
         lines(&files::read_to_string(path).map_err(unreadable)?)
     };
@@ -125,6 +133,7 @@ fn load<T>(path: &Path, lines: fn(&str) -> Parsed<T>, records: fn(&mut Bytes) ->
 
 /// The numbered lines that are no comments.
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let text = text.trim_start_matches('\u{feff}');
     text.lines().enumerate().map(|(n, line)| (n + 1, line.trim())).filter(|(_, line)| !line.starts_with('#'))
 }
 
@@ -161,45 +170,76 @@ fn image_lines(text: &str) -> Parsed<Image> {
         if line.is_empty() {
             continue;
         }
-        let mut words = line.splitn(10, ' ');
+        // nine numbers, and what is left of the line
+        let mut rest = line;
+        let mut words = std::iter::from_fn(|| {
+            let (word, after) = rest.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((rest, ""));
+            rest = after.trim_start();
+            (!word.is_empty()).then_some(word)
+        });
         let _id: u64 = number(&mut words, n, "the image's id")?;
         let mut value = |what: &str| number(&mut words, n, what);
         let [w, x, y, z] = [value("QW")?, value("QX")?, value("QY")?, value("QZ")?];
         let translation = DVec3::new(value("TX")?, value("TY")?, value("TZ")?);
         let camera = number(&mut words, n, "the camera's id")?;
-        let name = words.next().ok_or_else(|| format!("line {n}: the name is missing"))?.to_string();
+        drop(words);
+        if rest.is_empty() {
+            return Err(format!("line {n}: the name is missing"));
+        }
+        let name = rest.to_owned();
         all.push(Image { name, camera, rotation: DQuat::from_xyzw(x, y, z, w).normalize(), translation });
         lines.next();
     }
     Ok(all)
 }
 
-/// What is left of a binary file: little-endian.
-struct Bytes<'a>(&'a [u8]);
+/// A binary file: little-endian.
+struct Bytes(BufReader<File>);
 
-impl<'a> Bytes<'a> {
-    fn take(&mut self, count: usize) -> std::result::Result<&'a [u8], String> {
-        let (head, rest) = self.0.split_at_checked(count).ok_or("ends too early")?;
-        self.0 = rest;
-        Ok(head)
+type Read<T> = std::result::Result<T, String>;
+
+fn ended(error: std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::UnexpectedEof => "ends too early".into(),
+        _ => error.to_string(),
     }
+}
 
-    fn array<const N: usize>(&mut self) -> std::result::Result<[u8; N], String> {
+impl Bytes {
+    fn array<const N: usize>(&mut self) -> Read<[u8; N]> {
         let mut bytes = [0; N];
-        bytes.copy_from_slice(self.take(N)?);
+        self.0.read_exact(&mut bytes).map_err(ended)?;
         Ok(bytes)
     }
 
-    fn u64(&mut self) -> std::result::Result<u64, String> {
+    fn u64(&mut self) -> Read<u64> {
         self.array().map(u64::from_le_bytes)
     }
 
-    fn u32(&mut self) -> std::result::Result<u32, String> {
+    fn u32(&mut self) -> Read<u32> {
         self.array().map(u32::from_le_bytes)
     }
 
-    fn f64(&mut self) -> std::result::Result<f64, String> {
+    fn f64(&mut self) -> Read<f64> {
         self.array().map(f64::from_le_bytes)
+    }
+
+    /// Text up to a byte 0, of at most [`Bytes::NAME`] bytes; `whose` is for the error.
+    fn name(&mut self, whose: u32) -> Read<String> {
+        let mut bytes = Vec::new();
+        self.0.by_ref().take(Bytes::NAME).read_until(0, &mut bytes).map_err(ended)?;
+        if bytes.pop() != Some(0) {
+            return Err(format!("image {whose}: its name does not end"));
+        }
+        String::from_utf8(bytes).map_err(|_| format!("image {whose}: its name is not UTF-8; rename it"))
+    }
+
+    /// Longest name, with its end.
+    const NAME: u64 = 4096;
+
+    fn skip(&mut self, count: u64) -> Read<()> {
+        let skipped = std::io::copy(&mut self.0.by_ref().take(count), &mut std::io::sink()).map_err(ended)?;
+        if skipped == count { Ok(()) } else { Err("ends too early".into()) }
     }
 }
 
@@ -223,15 +263,13 @@ fn image_records(bytes: &mut Bytes) -> Parsed<Image> {
     const POINT: u64 = 24;
     let count = bytes.u64()?;
     let image = |_| {
-        let _id = bytes.u32()?;
+        let id = bytes.u32()?;
         let [w, x, y, z] = [bytes.f64()?, bytes.f64()?, bytes.f64()?, bytes.f64()?];
         let translation = DVec3::new(bytes.f64()?, bytes.f64()?, bytes.f64()?);
         let camera = bytes.u32()?.into();
-        let end = bytes.0.iter().position(|b| *b == 0).ok_or("ends too early")?;
-        let name = String::from_utf8_lossy(bytes.take(end)?).into_owned();
-        bytes.take(1)?;
-        let points = bytes.u64()?.checked_mul(POINT).and_then(|n| usize::try_from(n).ok());
-        bytes.take(points.ok_or("ends too early")?)?;
+        let name = bytes.name(id)?;
+        let points = bytes.u64()?;
+        bytes.skip(points.saturating_mul(POINT))?;
         Ok(Image { name, camera, rotation: DQuat::from_xyzw(x, y, z, w).normalize(), translation })
     };
     (0..count).map(image).collect()

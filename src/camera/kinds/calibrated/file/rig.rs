@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 type Result<T> = std::result::Result<T, String>;
 
-/// JSON with the key `rig` comes before any other of its kind.
+/// JSON that names `rig` and `sensors`.
 pub fn is_rig(text: &str) -> bool {
     let start = text.trim_start_matches('\u{feff}').trim_start();
     start.starts_with('{') && text.contains("\"rig\"") && text.contains("\"sensors\"")
@@ -32,6 +32,10 @@ pub fn parse(text: &str, which: Which) -> Result<Calibration> {
     let projection = projection(&camera)?;
     // (u, v) - (cx, cy) = [c d; e 1] (x, y)
     let scale = DMat2::from_cols_array(&[or("linear-c", 1.0)?, or("linear-e", 0.0)?, or("linear-d", 0.0)?, 1.0]);
+    let determinant = scale.determinant();
+    if !(determinant > 0.0) {
+        return Err(format!("properties: linear-c, linear-d, linear-e: c - d e = {determinant}; it must be over 0"));
+    }
     let intrinsics = Intrinsics { scale, ..intrinsics(size.map(|s| s as u64), DVec2::ONE, centre)? };
     Ok(Calibration { intrinsics, model: Model { projection, distortions: Vec::new() }, placed: None })
 }
@@ -42,6 +46,9 @@ fn number(camera: &Map<String, Value>, key: &str) -> Result<Option<f64>> {
     let number = value.as_f64().or_else(|| value.as_str()?.trim().parse().ok()).filter(|x: &f64| x.is_finite());
     number.map(Some).ok_or(format!("properties: {key} must be a finite number"))
 }
+
+/// Most terms of a polynomial; DRIVE's have 4 to 6.
+const TERMS: usize = 16;
 
 /// `polynomial` of a `polynomial-type`, or the older `bw-poly`, from pixels to angles.
 fn projection(camera: &Map<String, Value>) -> Result<Projection> {
@@ -57,6 +64,9 @@ fn projection(camera: &Map<String, Value>) -> Result<Projection> {
         return Err("properties: polynomial: its first number must be 0, as the middle is seen at angle 0".into());
     }
     let c = c[1..].to_vec();
+    if c.len() > TERMS {
+        return Err(format!("properties: polynomial: of degree {}; at most {TERMS} is possible", c.len()));
+    }
     match kind {
         "pixeldistance-to-angle" => Ok(Projection::AngleOfRadius { c }),
         "angle-to-pixeldistance" => Ok(Projection::RadiusOfAngle { c }),
