@@ -1174,7 +1174,7 @@ def calibrated(
       up         [x, y, z]   against its y axis (default [0, 1, 0])
       file       "sparse/0"  a folder of COLMAP's, with cameras and images as .bin or .txt, or its file of cameras; or
                  "CAM.yaml"  OpenCV's FileStorage, ROS's camera_info, Kalibr's camchain, or the rig.json of DRIVE
-      image      "NAME"      an image of COLMAP's: its camera and its pose; goes without eye, target and what replaces them
+      image      "NAME"      an image of COLMAP's: its camera and its pose; replaces eye, target, up, matrix and quaternion
       index      N           which camera of the file: COLMAP's id, N of Kalibr's camN, place among a rig's sensors from 0
                              (default: the only one)
       line_time  seconds     from one row of the sensor to the next (default 0: all at once)
@@ -1202,7 +1202,7 @@ def calibrated(
     or fov. omni: r = sin(theta) / (cos(theta) + xi); eucm: r = sin(theta) / (alpha sqrt(beta sin^2(theta) + cos^2(theta)) +
     (1 - alpha) cos(theta)); ds: r = sin(theta) / (alpha d + (1 - alpha) (xi + cos(theta))), d^2 = sin^2(theta) + (xi + cos(theta))^2.
     DRIVE: ftheta, a polynomial from the radius in pixels to theta or back, and [c d; e 1].
-    Pinholes, FOV and brown have rays of D = x r - y u + f, so t is the depth along f; all others have D of unit length.
+    The perspective and FOV projections have rays of D = x r - y u + f, so t is the depth along f; all others have D of unit length.
     A pixel has the ray on the branch of the middle, as for opencv: none beyond a fold or a pole. Poses, extrinsics of chains and rigs,
     rectifications and time offsets of files are not read, but for image.
     Source: COLMAP's models.h; OpenCV; Kalibr's supported models; Devernay and Faugeras 2001; Fitzgibbon 2001; Mei and Rives 2007;
