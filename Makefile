@@ -9,7 +9,7 @@ DRIVER := mesa-vulkan-drivers libvulkan1
 COMPILER := g++
 PYTHON := python3-venv
 # Libraries that the Python package is compared with; its tests skip what is not there.
-PEERS := pycolmap trimesh
+PEERS := pycolmap trimesh rtree
 # A virtual environment, and the wheel that it is tested in.
 VENV := $(BUILD)/venv
 TESTED := $(BUILD)/tested-wheel

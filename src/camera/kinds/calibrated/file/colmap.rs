@@ -182,7 +182,6 @@ fn image_lines(text: &str) -> Parsed<Image> {
         let [w, x, y, z] = [value("QW")?, value("QX")?, value("QY")?, value("QZ")?];
         let translation = DVec3::new(value("TX")?, value("TY")?, value("TZ")?);
         let camera = number(&mut words, n, "the camera's id")?;
-        drop(words);
         if rest.is_empty() {
             return Err(format!("line {n}: the name is missing"));
         }

@@ -33,7 +33,7 @@ pub fn parse(text: &str, which: Which) -> Result<Calibration> {
     // (u, v) - (cx, cy) = [c d; e 1] (x, y)
     let scale = DMat2::from_cols_array(&[or("linear-c", 1.0)?, or("linear-e", 0.0)?, or("linear-d", 0.0)?, 1.0]);
     let determinant = scale.determinant();
-    if !(determinant > 0.0) {
+    if determinant.is_nan() || determinant <= 0.0 {
         return Err(format!("properties: linear-c, linear-d, linear-e: c - d e = {determinant}; it must be over 0"));
     }
     let intrinsics = Intrinsics { scale, ..intrinsics(size.map(|s| s as u64), DVec2::ONE, centre)? };
