@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// An object as it was added, before it was moved.
+/// An object as it was last added or set, before any move.
 #[derive(Debug, Clone)]
 pub(super) struct Rest {
     name: String,
@@ -92,7 +92,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The object as it was added, which is kept from its first move on.
+    /// The object as it was last added or set, kept from its first move on.
     fn rest(&mut self, name: &str) -> Result<&Rest> {
         if self.scene.caustics.is_some() {
             return Err(Error::input("a scene with caustics takes its meshes from its file; move them there"));

@@ -145,14 +145,14 @@ mod tests {
         Ok([eye, b.origin - a.origin, a.origin - c.origin, a.direction.normalize()])
     }
 
-    /// Half a turn about x, and an eighth of a turn further about y, as quaternions (x, y, z, w).
+    /// Rotated by 180 degrees about x, and about an axis 22.5 degrees from x towards z.
     const TUM: &str =
         "# timestamp tx ty tz qx qy qz qw\n1.5 1 2 3 1 0 0 0\n\n2.5 3 2 3 0.9238795325112867 0 0.3826834323650898 0\n";
 
     #[test]
     fn poses_are_keys_of_frames() {
         let near = |a: [DVec3; 4], b: [DVec3; 4]| a.iter().zip(b).all(|(a, b)| a.distance(b) < 1e-14);
-        // OpenCV's axes turned by half a turn about x are OpenGL's, which look along -z
+        // OpenCV's axes rotated by 180 degrees about x are OpenGL's, which look along -z
         let first = [DVec3::new(1.0, 2.0, 3.0), DVec3::X, DVec3::Y, DVec3::NEG_Z];
         assert!(near(seen("p.txt", TUM, 0.0).unwrap(), first), "{:?}", seen("p.txt", TUM, 0.0));
         let (sin, cos) = std::f64::consts::FRAC_PI_8.sin_cos();

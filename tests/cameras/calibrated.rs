@@ -14,7 +14,7 @@ const POSE: &str = "eye = [0, 0, 0]\ntarget = [0, 0, -1]";
 const SIZE: [u32; 2] = [96, 64];
 
 /// The direction in the camera's frame.
-fn turned(d: DVec3) -> DVec3 {
+fn in_camera_frame(d: DVec3) -> DVec3 {
     DVec3::new(d.x, -d.y, -d.z)
 }
 
@@ -26,7 +26,7 @@ fn count(camera: &Camera, name: &str, project: impl Fn(DVec3) -> DVec2) -> [usiz
     let mut counts = [0, 0];
     for (i, j) in (0..camera.height).flat_map(|j| (0..camera.width).map(move |i| (i, j))) {
         let Some(ray) = camera.ray(i, j) else { continue };
-        let d = turned(ray.direction);
+        let d = in_camera_frame(ray.direction);
         let off = project(d) - DVec2::new(i.into(), j.into());
         assert!(off.length() <= PIXEL, "{name}: pixel {i},{j} of {d} is projected {off} off");
         counts = [counts[0] + 1, counts[1] + usize::from(d.z < 0.0)];
@@ -316,7 +316,7 @@ fn f_theta_polynomials_go_both_ways() {
             let off = DVec2::new(i.into(), j.into()) - centre;
             let (sin, cos) = value(off.length()).sin_cos();
             let expected = (off.normalize() * sin).extend(cos);
-            let found = turned(camera.ray(i, j).unwrap().direction);
+            let found = in_camera_frame(camera.ray(i, j).unwrap().direction);
             behind += u32::from(cos < 0.0);
             assert!((found - expected).length() < 1e-14, "{i},{j}: {found}, not {expected}");
         }
