@@ -1,8 +1,8 @@
 //! What users of the library see, used as they use it: by public names alone. Without an adapter all of it goes by the reference.
 
 use anamorph::{
-    Batch, BatchEvent, BatchOptions, Camera, Caster, Channel, Error, Job, Mesh, NO_ID, Placed, RenderOptions, Rendered,
-    Renderer, Result, Scene, Shard,
+    Batch, BatchEvent, BatchOptions, Camera, Caster, Channel, Error, Job, Mesh, NO_ID, Placed, Plane, RenderOptions,
+    Rendered, Renderer, Result, Scene, Shard, Views,
 };
 use std::fs;
 use std::path::Path;
@@ -294,4 +294,149 @@ fn objects_move_and_come_back() {
     let gone = seen(&scene);
     scene.move_object("ball", matrix).unwrap();
     assert!(gone != at_rest && seen(&scene) == gone);
+}
+
+/// A ball and a box, and a camera that is not used.
+const BALL: &str = r#"
+image = { width = 50, height = 37 }
+mesh = [{ builtin = "icosphere", level = 3 }, { builtin = "box", translate = [1.5, 0.2, 0.3] }]
+camera = { kind = "pinhole", eye = [0, 0.5, 4], target = [0, 0, 0], vfov = 40 }
+"#;
+
+/// A camera for each of some places around the ball, with these keys.
+fn around(scene: &Scene, size: (u32, u32), count: u32, keys: &dyn Fn(u32) -> String) -> Vec<Camera> {
+    let camera = |k: u32| {
+        let (sine, cosine) = (f64::from(k) * 0.7).sin_cos();
+        let eye = format!("eye = [{}, {}, {}]", 4.0 * sine, 0.3 * f64::from(k) - 1.0, 4.0 * cosine);
+        let table = format!("{}\n{eye}\ntarget = [{}, 0, 0]", keys(k), 0.1 * f64::from(k));
+        Camera::parse(&table, ".", scene, Some(size)).unwrap()
+    };
+    (0..count).map(camera).collect()
+}
+
+/// Part `k` of `count` equal ones.
+fn part<T>(all: &[T], k: usize, count: usize) -> &[T] {
+    let each = all.len() / count;
+    &all[k * each..(k + 1) * each]
+}
+
+fn report_of(views: &Views) -> serde_json::Value {
+    serde_json::from_str(&views.report()).unwrap()
+}
+
+#[test]
+fn many_images_in_one_frame_are_those_of_one_frame_each() {
+    const COUNT: usize = 7;
+    let scene = Scene::parse(BALL, ".").unwrap();
+    let around = |keys: &dyn Fn(u32) -> String| around(&scene, (50, 37), COUNT as u32, keys);
+    // a piece, several pieces, and a ray for each pixel
+    let kinds = [
+        around(&|k| format!("kind = \"pinhole\"\nvfov = {}", 40 + k)),
+        around(&|_| "kind = \"cylinder\"".into()),
+        around(&|k| format!("kind = \"fisheye\"\nfov = {}", 100 + 20 * k)),
+    ];
+    let mut renderer = Renderer::new().unwrap();
+    for (cameras, samples) in kinds.iter().flat_map(|kind| [(kind, 1), (kind, 4)]) {
+        use Channel::{A, NormalX, ObjectId, PieceId, T, TriangleId, Z};
+        let options = RenderOptions {
+            channels: vec![A, Z, T, TriangleId, PieceId, NormalX, ObjectId],
+            color: true,
+            samples,
+            analytic: false,
+        };
+        let views = renderer.render_many(&scene, cameras, &options).unwrap();
+        let frames = if renderer.adapter().is_some() { 1 } else { COUNT as u64 };
+        let report = report_of(&views);
+        assert_eq!(
+            [&report["views"], &report["frame_ms"]["runs"]].map(|n| n.as_u64()),
+            [Some(7), Some(frames)],
+            "{report}"
+        );
+        for (k, camera) in cameras.iter().enumerate() {
+            let alone = renderer.render(&scene, camera, &options).unwrap();
+            assert_eq!(views.planes.len(), alone.frame.planes.len());
+            for ((channel, all), (_, own)) in views.planes.iter().zip(&alone.frame.planes) {
+                match (all, own) {
+                    (Plane::U32(all), Plane::U32(own)) => assert_eq!(part(all, k, COUNT), own, "{channel:?} {k}"),
+                    (Plane::F32(all), Plane::F32(own)) => {
+                        let is_near = |a: f32, b: f32| match channel {
+                            Z | T => a == b || a.to_bits().abs_diff(b.to_bits()) == 1,
+                            // both ends of an edge of 0.1 at least are stored to 2^-24 of less than 8
+                            NormalX => (a - b).abs() < 2.0 * 8.0 / 0.1 / (1 << 24) as f32,
+                            _ => a == b,
+                        };
+                        assert!(part(all, k, COUNT).iter().zip(own).all(|(a, b)| is_near(*a, *b)), "{channel:?} {k}");
+                    }
+                    _ => panic!("{channel:?} has two types"),
+                }
+            }
+            let (all, own) = (views.rgba.as_ref().unwrap(), alone.rgba.as_ref().unwrap());
+            assert!(part(all, k, COUNT).iter().zip(own).all(|(a, b)| a.abs_diff(*b) <= 1), "{k}");
+        }
+    }
+}
+
+#[test]
+fn images_that_cannot_be_one_frame_are_rendered_one_after_another() {
+    let scene = Scene::parse(BALL, ".").unwrap();
+    let of = |keys: &str| around(&scene, (50, 37), 2, &|_| keys.into());
+    let fisheye = of("kind = \"fisheye\"\nfov = 150");
+    let unlike = [of("kind = \"pinhole\"\nvfov = 40"), fisheye.clone()].concat();
+    let mirror = |x: u32| {
+        let table = format!(
+            "kind = \"reflection\"\nmirror = {{ shape = \"sphere\", center = [0, 2, 0], radius = 0.8 }}\n
+             eye = {{ kind = \"pinhole\", vfov = 40, eye = [{x}, 1, 5], target = [0, 1, 0] }}"
+        );
+        Camera::parse(&table, ".", &scene, Some((50, 37))).unwrap()
+    };
+    let mirrors = vec![mirror(0), mirror(1)];
+    let ranges = [fisheye, of("kind = \"fisheye\"\nfov = 150\nt_range = [0, 3.5]")].concat();
+    let mut renderer = Renderer::new().unwrap();
+    for (cameras, why) in [(unlike, "some cameras have pieces"), (mirrors, "mirror or lens"), (ranges, "range of t")] {
+        let views = renderer.render_many(&scene, &cameras, &options()).unwrap();
+        let report = report_of(&views);
+        if renderer.adapter().is_some() {
+            assert!(report["left_out"].to_string().contains(why), "{report}");
+        }
+        for (k, camera) in cameras.iter().enumerate() {
+            let alone = renderer.render(&scene, camera, &options()).unwrap();
+            for ((_, all), (_, own)) in views.planes.iter().zip(&alone.frame.planes) {
+                match (all, own) {
+                    (Plane::U32(all), Plane::U32(own)) => assert_eq!(part(all, k, cameras.len()), own),
+                    (Plane::F32(all), Plane::F32(own)) => assert_eq!(part(all, k, cameras.len()), own),
+                    _ => panic!("a plane has two types"),
+                }
+            }
+            assert_eq!(part(views.rgba.as_ref().unwrap(), k, cameras.len()), alone.rgba.unwrap());
+        }
+    }
+}
+
+#[test]
+fn more_images_than_fit_a_frame_take_several() {
+    let scene = Scene::parse(BALL, ".").unwrap();
+    let cameras = around(&scene, (1100, 1000), 5, &|k| format!("kind = \"pinhole\"\nvfov = {}", 40 + k));
+    let mut renderer = Renderer::new().unwrap();
+    if renderer.adapter().is_none() {
+        return println!("skipped: there is no adapter");
+    }
+    let options = RenderOptions { channels: vec![Channel::TriangleId], ..Default::default() };
+    let views = renderer.render_many(&scene, &cameras, &options).unwrap();
+    assert_eq!(report_of(&views)["frame_ms"]["runs"].as_u64(), Some(2));
+    let Plane::U32(ids) = &views.planes[0].1 else { panic!("ids") };
+    for (k, camera) in cameras.iter().enumerate() {
+        let alone = renderer.render(&scene, camera, &options).unwrap();
+        assert_eq!(part(ids, k, cameras.len()), alone.frame.u32(Channel::TriangleId).unwrap());
+    }
+}
+
+#[test]
+fn images_of_two_sizes_are_refused() {
+    let scene = Scene::parse(BALL, ".").unwrap();
+    let of = |size| around(&scene, size, 1, &|_| "kind = \"pinhole\"\nvfov = 40".into());
+    let refused =
+        |cameras: &[Camera]| Renderer::new().unwrap().render_many(&scene, cameras, &options()).unwrap_err().to_string();
+    let two = [of((50, 37)), of((50, 40))].concat();
+    assert_eq!(refused(&two), "camera 1 is 50x40, camera 0 50x37; all images need one size");
+    assert_eq!(refused(&[]), "there is no camera; give one or more");
 }

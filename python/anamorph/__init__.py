@@ -15,7 +15,7 @@ of them is up. Angles are in degrees. Triangles are numbered through all meshes 
 from . import camera
 from ._camera import colmap_images
 from ._cast import Hits, RayCaster, cast
-from ._frame import NO_ID, Comparison, Frame, compare
+from ._frame import NO_ID, Comparison, Frame, Views, compare
 from ._mesh import Mesh
 from ._render import Projection, Renderer, check, project, render
 from ._scene import Scene
@@ -32,6 +32,7 @@ __all__ = [
     "RayCaster",
     "Renderer",
     "Scene",
+    "Views",
     "camera",
     "cast",
     "check",

@@ -19,13 +19,8 @@ NO_ID = 0xFFFFFFFF
 Plane = Union[npt.NDArray[np.float32], npt.NDArray[np.uint32]]
 
 
-class Frame(Mapping[str, Plane]):
-    """The channels of one image.
-
-    ``frame["Z"]`` is an (H, W) array, row 0 on top: float32, or uint32 where the channel holds ids. ``frame["N"]``, ``"P"``, ``"albedo"``
-    and ``"uv"`` are (H, W, 3) or (H, W, 2) arrays of several channels. Where nothing is hit ``Z`` and ``t`` are infinite and ids are
-    :data:`NO_ID`.
-    """
+class _Channels(Mapping[str, Plane]):
+    """Channels by their names, colour, and a report."""
 
     _planes: dict[str, Plane]
     _rgba: npt.NDArray[np.uint8] | None
@@ -35,11 +30,6 @@ class Frame(Mapping[str, Plane]):
         self._planes = dict(planes)
         self._rgba = rgba
         self._report = report
-
-    @staticmethod
-    def read(path: Path) -> Frame:
-        """The channels of an EXR file that are named like channels of this package."""
-        return Frame(dict(_native.read_exr(os.fspath(path))))
 
     def __getitem__(self, name: str) -> Plane:
         if name in self._planes:
@@ -62,34 +52,31 @@ class Frame(Mapping[str, Plane]):
         return len(self._planes)
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Frame):
+        if not isinstance(other, type(self)):
             return NotImplemented
         same = (np.array_equal(self[name], other[name], equal_nan=True) for name in self if name in other)
         return list(self) == list(other) and all(same)
 
     __hash__ = None  # type: ignore[assignment]
 
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Height and width, pixels."""
-        any_plane = self._rgba if self._rgba is not None else next(iter(self._planes.values()))
-        return (any_plane.shape[0], any_plane.shape[1])
+    def _any(self) -> npt.NDArray[Any]:
+        return self._rgba[..., 0] if self._rgba is not None else next(iter(self._planes.values()))
 
     @property
     def rgb(self) -> npt.NDArray[np.uint8]:
-        """(H, W, 3): 8-bit sRGB colour."""
+        """(..., H, W, 3): 8-bit sRGB colour."""
         return self.rgba[..., :3]
 
     @property
     def rgba(self) -> npt.NDArray[np.uint8]:
-        """(H, W, 4): 8-bit sRGB colour; the fourth is coverage."""
+        """(..., H, W, 4): 8-bit sRGB colour; the fourth is coverage."""
         if self._rgba is None:
-            raise KeyError("the image was rendered without colour; ask for channels R, G and B, or for none")
+            raise KeyError("there is no colour; render without naming channels, or name R, G and B among them")
         return self._rgba
 
     @property
     def ids(self) -> npt.NDArray[np.uint32]:
-        """(H, W): the triangle that each pixel shows; :data:`NO_ID` for none."""
+        """(..., H, W): the triangle that each pixel shows; :data:`NO_ID` for none."""
         return self["triangle.id"].view(np.uint32)
 
     @property
@@ -97,6 +84,26 @@ class Frame(Mapping[str, Plane]):
         """Times and counts, as the program's ``--report`` writes them."""
         report: dict[str, Any] = json.loads(self._report)
         return report
+
+
+class Frame(_Channels):
+    """The channels of one image.
+
+    ``frame["Z"]`` is an (H, W) array, row 0 on top: float32, or uint32 where the channel holds ids. ``frame["N"]``, ``"P"``, ``"albedo"``
+    and ``"uv"`` are (H, W, 3) or (H, W, 2) arrays of several channels. Where nothing is hit ``Z`` and ``t`` are infinite and ids are
+    :data:`NO_ID`.
+    """
+
+    @staticmethod
+    def read(path: Path) -> Frame:
+        """The channels of an EXR file that are named like channels of this package."""
+        return Frame(dict(_native.read_exr(os.fspath(path))))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width, pixels."""
+        height, width = self._any().shape
+        return (height, width)
 
     def save(self, path: Path) -> None:
         """Writes all channels as .exr, or the colour as .png.
@@ -117,6 +124,28 @@ class Frame(Mapping[str, Plane]):
     def __repr__(self) -> str:
         height, width = self.shape
         return f"<anamorph.Frame {width}x{height}: {', '.join(self._planes)}>"
+
+
+class Views(_Channels):
+    """The channels of N images of one size, as :meth:`Renderer.render_many` makes them.
+
+    ``views["Z"]`` is an (N, H, W) array; otherwise all is as in :class:`Frame`.
+    """
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Number of images, height and width, pixels."""
+        count, height, width = self._any().shape
+        return (count, height, width)
+
+    def frame(self, index: int) -> Frame:
+        """One of the images; its arrays are parts of these, not copies."""
+        rgba = None if self._rgba is None else self._rgba[index]
+        return Frame({name: plane[index] for name, plane in self._planes.items()}, rgba, self._report)
+
+    def __repr__(self) -> str:
+        count, height, width = self.shape
+        return f"<anamorph.Views {count} of {width}x{height}: {', '.join(self._planes)}>"
 
 
 class Comparison(Mapping[str, Any]):

@@ -9,7 +9,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// The name and the (H, W) array of each channel: float32, of ids uint32.
+/// The name and the (H, W) or (N, H, W) array of each channel: float32, of ids uint32.
 pub type Planes<'py> = Vec<(&'static str, Bound<'py, PyAny>)>;
 
 /// The channels of these names.
@@ -34,9 +34,11 @@ pub fn channels_named(name: String) -> PyResult<Vec<&'static str>> {
     Ok(channels(&[name])?.into_iter().map(Channel::name).collect())
 }
 
-/// The planes of a frame without a copy.
-pub fn planes(py: Python<'_>, frame: Frame) -> PyResult<Planes<'_>> {
-    let shape = [frame.height as usize, frame.width as usize];
+/// Planes as arrays of a shape, without a copy.
+pub fn planes<const N: usize>(py: Python<'_>, planes: Vec<(Channel, Plane)>, shape: [usize; N]) -> PyResult<Planes<'_>>
+where
+    [usize; N]: numpy::ndarray::IntoDimension,
+{
     let array = |(channel, plane): (Channel, Plane)| {
         let array = match plane {
             Plane::F32(values) => PyArray1::from_vec(py, values).reshape(shape)?.into_any(),
@@ -44,7 +46,7 @@ pub fn planes(py: Python<'_>, frame: Frame) -> PyResult<Planes<'_>> {
         };
         Ok((channel.name(), array))
     };
-    frame.planes.into_iter().map(array).collect()
+    planes.into_iter().map(array).collect()
 }
 
 /// A frame of arrays of one shape, copied.
@@ -93,7 +95,8 @@ pub fn write_png(py: Python<'_>, path: PathBuf, srgb8: PyReadonlyArray3<'_, u8>)
 /// The channels of an EXR.
 #[pyfunction]
 pub fn read_exr(py: Python<'_>, path: PathBuf) -> PyResult<Planes<'_>> {
-    planes(py, run(py, move || anamorph::read_exr(path))?)
+    let frame = run(py, move || anamorph::read_exr(path))?;
+    planes(py, frame.planes, [frame.height as usize, frame.width as usize])
 }
 
 /// Compares two frames; the comparison as JSON.

@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::frame::{Planes, channels, planes};
 use crate::scene::Scene;
 use anamorph::{Error, RenderOptions};
-use numpy::{PyArray3, PyArrayMethods};
+use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex};
 
@@ -55,8 +55,33 @@ impl Renderer {
         let rendered = run(py, move || lock(&renderer)?.render(&scene, &camera, &options))?;
         let report = rendered.report();
         let shape = [rendered.frame.height as usize, rendered.frame.width as usize, 4];
-        let rgba = rendered.rgba.map(|bytes| numpy::PyArray1::from_vec(py, bytes).reshape(shape)).transpose()?;
-        Ok((planes(py, rendered.frame)?, rgba, report))
+        let rgba = rendered.rgba.map(|bytes| PyArray1::from_vec(py, bytes).reshape(shape)).transpose()?;
+        let size = [rendered.frame.height as usize, rendered.frame.width as usize];
+        Ok((planes(py, rendered.frame.planes, size)?, rgba, report))
+    }
+
+    /// The same of an image through each camera: planes (N, H, W), colour (N, H, W, 4).
+    #[allow(clippy::too_many_arguments, clippy::type_complexity)]
+    #[pyo3(signature = (scene, cameras, names, color, samples, analytic))]
+    fn render_many<'py>(
+        &self,
+        py: Python<'py>,
+        scene: &Scene,
+        cameras: Vec<PyRef<'py, Camera>>,
+        names: Vec<String>,
+        color: bool,
+        samples: u32,
+        analytic: bool,
+    ) -> PyResult<(Planes<'py>, Option<Bound<'py, PyArray4<u8>>>, String)> {
+        let options = RenderOptions { channels: channels(&names)?, color, samples, analytic };
+        let (renderer, scene) = (self.renderer.clone(), scene.now());
+        let cameras: Vec<anamorph::Camera> = cameras.iter().map(|camera| camera.camera.clone()).collect();
+        let views = run(py, move || lock(&renderer)?.render_many(&scene, &cameras, &options))?;
+        let report = views.report();
+        let [count, height, width] = [views.count, views.height as usize, views.width as usize];
+        let shape = [count, height, width, 4];
+        let rgba = views.rgba.map(|bytes| PyArray1::from_vec(py, bytes).reshape(shape)).transpose()?;
+        Ok((planes(py, views.planes, [count, height, width])?, rgba, report))
     }
 }
 

@@ -8,6 +8,7 @@ mod mesh;
 mod objects;
 mod renderer;
 mod scene;
+mod views;
 
 pub use self::batch::Batch;
 pub use self::camera::{Camera, camera_kinds, colmap_images, project};
@@ -16,6 +17,7 @@ pub use self::job::Job;
 pub use self::mesh::Mesh;
 pub use self::renderer::{RenderOptions, Rendered, Renderer, check, reference};
 pub use self::scene::{Placed, Scene};
+pub use self::views::Views;
 pub use crate::camera::project::{Degenerate, Image, Images};
 pub use crate::image::compare::{Comparison, Difference, Matched, Measure, Quantiles};
 pub use crate::image::frame::{Channel, Frame, NO_ID, Plane};

@@ -36,6 +36,21 @@ impl Default for RenderOptions {
     }
 }
 
+impl RenderOptions {
+    /// What they ask of a frame.
+    pub(super) fn wanted(&self) -> Result<Wanted> {
+        let RenderOptions { channels, color, samples, analytic } = self;
+        options::samples(&samples.to_string()).map_err(Error::Input)?;
+        let mut channels = channels.clone();
+        channels.sort_unstable();
+        channels.dedup();
+        if channels.is_empty() && !color {
+            return Err(Error::input("nothing to compute; name channels, or ask for color"));
+        }
+        Ok(Wanted { srgb8: *color, analytic: *analytic, ..Wanted::of(channels) })
+    }
+}
+
 /// A rendered image.
 #[derive(Debug, Clone)]
 pub struct Rendered {
@@ -86,11 +101,11 @@ impl Rendered {
 ///
 /// Meshes, cameras and textures stay on the device between images of the same size and channels.
 pub struct Renderer {
-    engine: Option<Engine>,
+    pub(super) engine: Option<Engine>,
     is_reference: bool,
     /// The contents of the device, and the plan of the last image.
-    sequence: Sequence,
-    last: Option<Planned>,
+    pub(super) sequence: Sequence,
+    pub(super) last: Option<Planned>,
 }
 
 impl Renderer {
@@ -131,31 +146,32 @@ impl Renderer {
     /// [`Error::Input`] if the scene, the camera and the options cannot be combined (`docs/reference/limits.md`), [`Error::Work`] if memory
     /// does not suffice or the device is lost.
     pub fn render(&mut self, scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result<Rendered> {
-        let RenderOptions { channels, color, samples, analytic } = options;
-        options::samples(&samples.to_string()).map_err(Error::Input)?;
-        let mut channels = channels.clone();
-        channels.sort_unstable();
-        channels.dedup();
-        if channels.is_empty() && !color {
-            return Err(Error::input("nothing to compute; name channels, or ask for color"));
-        }
+        let wanted = options.wanted()?;
         let (scene, camera) = (&scene.scene, &camera.camera);
-        check_memory(camera.width, camera.height, channels.len() + 3, 0)?;
-        let wanted = Wanted { srgb8: *color, analytic: *analytic, ..Wanted::of(channels) };
-        let rendered = match self.render_in_sequence(scene, camera, &wanted, *samples)? {
-            Some(rendered) => rendered,
-            None if *analytic => {
-                return Err(Error::input("analytic needs several samples per pixel in one frame; leave it out"));
-            }
-            None => {
-                let mut backend = self.backend(&RenderJob::of(""))?;
-                samples::render(&mut backend, scene, camera, &wanted, *samples, &RunOptions::default(), &mut [])?
-            }
-        };
+        check_memory(camera.width, camera.height, wanted.channels.len() + 3, 0)?;
+        let rendered = self.render_frame(scene, camera, &wanted, options.samples)?;
         let device = self.device_of(&RenderJob::of(""));
         let mut report = Report::new(device, scene, camera, &rendered, None);
-        (report.samples, report.total_ms) = (*samples, report.frame_ms.all.iter().sum());
+        (report.samples, report.total_ms) = (options.samples, report.frame_ms.all.iter().sum());
         Ok(Rendered { frame: rendered.frame, rgba: rendered.srgb8, report })
+    }
+
+    /// Renders an image.
+    pub(super) fn render_frame(
+        &mut self,
+        scene: &crate::scene::Scene,
+        camera: &Arc<Rays>,
+        wanted: &Wanted,
+        samples: u32,
+    ) -> Result<engine::Rendered> {
+        if let Some(rendered) = self.render_in_sequence(scene, camera, wanted, samples)? {
+            return Ok(rendered);
+        }
+        if wanted.analytic {
+            return Err(Error::input("analytic needs several samples per pixel in one frame; leave it out"));
+        }
+        let mut backend = self.backend(&RenderJob::of(""))?;
+        samples::render(&mut backend, scene, camera, wanted, samples, &RunOptions::default(), &mut [])
     }
 
     /// Renders an image that may be one of a sequence of frames; `None` for all others.

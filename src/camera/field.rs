@@ -3,6 +3,7 @@
 use super::SAFE_RADIUS_PX;
 use super::bundle::{Bundle, Ray};
 use super::kinds::calibrated::Calibrated;
+use super::stack::Stack;
 use super::tessellate::bend::Bend;
 use crate::image::read_vectors;
 use crate::input::{Error, Result};
@@ -43,6 +44,8 @@ pub struct Field {
     rays: Vec<Option<(DVec3, DVec3)>>,
     /// The formula of the rays, if any.
     map: Option<Sampled>,
+    /// The images that this one is made of, if it is, with all rays.
+    stacked: Option<Arc<Stack<Field>>>,
     /// Whether the pixels are sorted by their rays ([`super::ray_order`]).
     pub is_reordered: bool,
 }
@@ -60,7 +63,21 @@ const STORED_MAX: usize = 1 << 24;
 impl Field {
     /// Whether the formula is evaluated for each ray when needed.
     pub fn is_computed(&self) -> bool {
-        self.rays.is_empty()
+        self.rays.is_empty() && self.stacked.is_none()
+    }
+
+    /// Images of one size, one below another, `step` rows from each to the next, two more at least than they have.
+    pub(super) fn stacked(images: Vec<Field>, step: u32) -> Field {
+        let (width, height) = (images[0].width, step * images.len() as u32);
+        let stacked = Some(Arc::new(Stack { images, step }));
+        Field { width, height, rays: Vec::new(), map: None, stacked, is_reordered: false }
+    }
+
+    /// The image of row `j` and the row's number there, where this is a stack of images. Between images rows count on.
+    fn image(&self, j: u32) -> Option<(&Field, u32)> {
+        let stack = self.stacked.as_ref()?;
+        let (k, row) = stack.at(j);
+        Some((&stack.images[k], row))
     }
 
     /// A field from `width * height` origins and directions. A non-finite ray or a zero direction is no ray.
@@ -73,7 +90,7 @@ impl Field {
         if rays.iter().all(Option::is_none) {
             return Err(Error::input("camera: no pixel of the ray map holds a finite ray with a direction"));
         }
-        Ok(Field { width, height, rays, map: None, is_reordered: false })
+        Ok(Field { width, height, rays, map: None, stacked: None, is_reordered: false })
     }
 
     /// The rays of a formula at the centres of `width x height` pixels.
@@ -90,18 +107,18 @@ impl Field {
         let size = DVec2::new(width as f64, height as f64);
         let count = width as usize * height as usize;
         if count > STORED_MAX {
-            return Field { width, height, rays: Vec::new(), map: Some(map), is_reordered: false };
+            return Field { width, height, rays: Vec::new(), map: Some(map), stacked: None, is_reordered: false };
         }
         let pixels = (0..count).into_par_iter();
         let place = |k: usize| DVec2::new((k % width as usize) as f64, (k / width as usize) as f64);
         let rays = pixels.map(|k| map.ray(place(k) + map.sample, size)).collect();
-        Field { width, height, rays, map: Some(map), is_reordered: false }
+        Field { width, height, rays, map: Some(map), stacked: None, is_reordered: false }
     }
 
     /// A field whose pixel k has the ray of this one's pixel `source[k]`, numbered row by row.
     pub(super) fn reordered(&self, source: &[u32]) -> Field {
         let ray = |k: &u32| self.ray(k % self.width, k / self.width);
-        Field { rays: source.iter().map(ray).collect(), map: None, is_reordered: true, ..*self }
+        Field { rays: source.iter().map(ray).collect(), map: None, stacked: None, is_reordered: true, ..*self }
     }
 
     /// The formula of the rays, if any.
@@ -112,7 +129,7 @@ impl Field {
     /// A field of the same pixels and samples by another formula, evaluated for each ray when it is needed.
     pub fn by_map(&self, map: Arc<dyn RayMap>) -> Field {
         let sample = self.map.as_ref().map_or(DVec2::splat(0.5), |m| m.sample);
-        Field { rays: Vec::new(), map: Some(Sampled { map, sample }), is_reordered: false, ..*self }
+        Field { rays: Vec::new(), map: Some(Sampled { map, sample }), stacked: None, is_reordered: false, ..*self }
     }
 
     /// The same, its rays computed now and stored unless there are too many.
@@ -141,6 +158,11 @@ impl Field {
 
     /// The ray of a pixel, also of one column right of and one row below the image, extrapolated linearly.
     pub fn ray_or_beyond(&self, i: u32, j: u32) -> Option<(DVec3, DVec3)> {
+        if self.stacked.is_some() {
+            // the row below an image extends it
+            let (image, row) = self.image(j.min(self.height - 1)).filter(|(image, row)| *row <= image.height)?;
+            return image.ray_or_beyond(i, row);
+        }
         let inside = (i.min(self.width - 1), j.min(self.height - 1));
         let ray = self.ray(inside.0, inside.1)?;
         if inside == (i, j) {
@@ -155,6 +177,10 @@ impl Field {
 
     /// The ray at `offset` px from the centre of pixel `(i, j)`, within that pixel; see [`Field::with_sample_offset`].
     pub fn ray_at_offset(&self, i: u32, j: u32, offset: DVec2) -> Option<(DVec3, DVec3)> {
+        if self.stacked.is_some() {
+            let (image, row) = self.image(j).filter(|(image, row)| *row < image.height)?;
+            return image.ray_at_offset(i, row, offset);
+        }
         let place = DVec2::new(f64::from(i), f64::from(j));
         match &self.map {
             Some(map) => {
@@ -167,6 +193,9 @@ impl Field {
     fn get(&self, i: i64, j: i64) -> Option<(DVec3, DVec3)> {
         if i < 0 || j < 0 || i >= self.width as i64 || j >= self.height as i64 {
             return None;
+        }
+        if let Some((image, row)) = self.image(j as u32) {
+            return image.get(i, row.into());
         }
         match &self.map {
             Some(map) if self.rays.is_empty() => {
@@ -256,13 +285,17 @@ impl Field {
     /// The field sampled `(dx, dy)` pixels from each pixel centre: by its formula, or bilinearly, clamped at the borders; no ray
     /// where any of the rays between which it lies is missing.
     pub(super) fn with_sample_offset(&self, dx: f64, dy: f64) -> Field {
+        if let Some(stack) = &self.stacked {
+            let images = stack.images.iter().map(|image| image.with_sample_offset(dx, dy)).collect();
+            return Field::stacked(images, stack.step);
+        }
         if let Some(map) = &self.map {
             let sample = DVec2::new(0.5 + dx, 0.5 + dy);
             return Field::sampled(self.width, self.height, Sampled { sample, ..map.clone() });
         }
         let at = |i: u32, j: u32| self.ray_at_offset(i, j, DVec2::new(dx, dy));
         let rays = (0..self.height).flat_map(|j| (0..self.width).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
-        Field { width: self.width, height: self.height, rays, map: None, is_reordered: false }
+        Field { width: self.width, height: self.height, rays, map: None, stacked: None, is_reordered: false }
     }
 }
 

@@ -28,6 +28,7 @@ pub mod projector;
 pub mod ray_order;
 pub mod recipe;
 pub mod spec;
+pub mod stack;
 pub mod tessellate;
 pub mod view;
 

@@ -5,6 +5,7 @@
 
 use super::boxes::{Boxes, EMPTY, join};
 use super::bundle::Bundle;
+use super::stack::Stack;
 use crate::camera::TILE;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -34,6 +35,31 @@ pub struct Pieces {
     crowded: Arc<HashMap<usize, Boxes>>,
     /// Where in a pixel its ray is taken, px from the pixel's top left corner.
     sample: DVec2,
+    /// The images that this one is made of, if it is: all above but `pieces` is then theirs.
+    stacked: Option<Arc<StackedPieces>>,
+}
+
+#[derive(Debug)]
+struct StackedPieces {
+    stack: Stack<Pieces>,
+    /// Rows of an image.
+    rows: u32,
+    /// The number of each image's first piece.
+    first: Vec<u32>,
+}
+
+impl StackedPieces {
+    /// The image of a row, if it lies in one: its pieces, the number of the first, and the row's number there.
+    fn at(&self, j: u32) -> Option<(&Pieces, u32, u32)> {
+        let (k, row) = self.stack.at(j);
+        (row < self.rows).then(|| (&self.stack.images[k], self.first[k], row))
+    }
+
+    /// The image that a piece belongs to, and the piece's number there.
+    fn of_piece(&self, piece: u32) -> (usize, u32) {
+        let k = self.first.partition_point(|first| *first <= piece) - 1;
+        (k, piece - self.first[k])
+    }
 }
 
 /// Rounding bound of [`side`], in units of the sum of its absolute products: two differences, two products
@@ -98,19 +124,54 @@ impl Pieces {
     pub fn new(pieces: Vec<Piece>, width: u32, height: u32) -> Pieces {
         let (tiles_x, tiles_y) = (width.div_ceil(TILE), height.div_ceil(TILE));
         let (tile_start, tile_pieces) = pieces_near_tiles(&pieces, tiles_x, tiles_y);
+        let sample = DVec2::splat(0.5);
         let mut all =
-            Pieces { pieces, tiles_x, tile_start, tile_pieces, crowded: Default::default(), sample: DVec2::splat(0.5) };
+            Pieces { pieces, tiles_x, tile_start, tile_pieces, crowded: Default::default(), sample, stacked: None };
         let crowded = (0..all.tile_start.len() - 1).into_par_iter().filter_map(|k| Some((k, all.boxes_of_tile(k)?)));
         all.crowded = Arc::new(crowded.collect());
         all
+    }
+
+    /// Images of `rows` rows, one below another, `step` rows from each to the next. Their samples are at pixel centres. Numbers of pieces go
+    /// on from image to image; [`Piece::centre_px`] and [`Piece::corners_px`] are places in the piece's own image.
+    pub(super) fn stacked(images: Vec<Pieces>, rows: u32, step: u32) -> Pieces {
+        let (mut pieces, mut first) = (Vec::new(), Vec::new());
+        for image in &images {
+            first.push(pieces.len() as u32);
+            pieces.extend_from_slice(&image.pieces);
+        }
+        let stacked = StackedPieces { stack: Stack { images, step }, rows, first };
+        Pieces {
+            pieces,
+            tiles_x: 0,
+            tile_start: Vec::new(),
+            tile_pieces: Vec::new(),
+            crowded: Default::default(),
+            sample: DVec2::splat(0.5),
+            stacked: Some(Arc::new(stacked)),
+        }
     }
 
     pub(super) fn with_sample(&self, x: f64, y: f64) -> Pieces {
         Pieces { sample: DVec2::new(x, y), ..self.clone() }
     }
 
+    /// The piece that owns all of the image that row `j` lies in, and the rows from `j` to that image's end; `None`: there are several.
+    pub fn sole_from(&self, j: u32) -> Option<(u32, u32)> {
+        if let Some(stacked) = &self.stacked {
+            let (image, first, row) = stacked.at(j)?;
+            return image.pieces[0].corners_px.is_none().then_some((first, stacked.rows - row));
+        }
+        self.pieces[0].corners_px.is_none().then_some((0, u32::MAX))
+    }
+
+    /// A piece's number in its own image.
+    pub fn number_in_image(&self, piece: u32) -> u32 {
+        self.stacked.as_ref().map_or(piece, |stacked| stacked.of_piece(piece).1)
+    }
+
     /// The pieces that may own pixels of the tile, ascending.
-    pub fn of_tile(&self, tile_x: u32, tile_y: u32) -> &[u32] {
+    fn of_tile(&self, tile_x: u32, tile_y: u32) -> &[u32] {
         self.near_tile((tile_y * self.tiles_x + tile_x) as usize)
     }
 
@@ -136,16 +197,25 @@ impl Pieces {
     }
 
     pub fn owner(&self, i: u32, j: u32) -> Option<u32> {
-        self.owner_of_place(i, j, self.place(i, j))
+        self.owner_at_offset(i, j, DVec2::ZERO)
     }
 
     /// The owner of the place at `offset` px from the sample of pixel `(i, j)`, within that pixel.
     pub fn owner_at_offset(&self, i: u32, j: u32, offset: DVec2) -> Option<u32> {
+        if let Some(stacked) = &self.stacked {
+            let (image, first, row) = stacked.at(j)?;
+            return image.owner_at_offset(i, row, self.sample - image.sample + offset).map(|k| first + k);
+        }
         self.owner_of_place(i, j, DVec2::new(i as f64, j as f64) + (self.sample + offset))
     }
 
     /// The piece that owns an image place (px) up to [`super::SAFE_RADIUS_PX`] from the sample of pixel `(i, j)`.
     pub fn owner_of_place(&self, i: u32, j: u32, place_px: DVec2) -> Option<u32> {
+        if let Some(stacked) = &self.stacked {
+            let (image, first, row) = stacked.at(j)?;
+            let top = DVec2::new(0.0, f64::from(j - row));
+            return image.owner_of_place(i, row, place_px - top).map(|k| first + k);
+        }
         let tile = (j / TILE * self.tiles_x + i / TILE) as usize;
         let near = self.near_tile(tile);
         let contains = |k: &u32| self.pieces[*k as usize].contains(place_px);
@@ -162,6 +232,11 @@ impl Pieces {
 
     /// Piece `k`'s bundle, centred on an image place in pixels.
     pub fn bundle_at_place(&self, k: u32, place_px: DVec2) -> Bundle {
+        if let Some(stacked) = &self.stacked {
+            let (image, piece) = stacked.of_piece(k);
+            let top = DVec2::new(0.0, f64::from(image as u32 * stacked.stack.step));
+            return stacked.stack.images[image].bundle_at_place(piece, place_px - top);
+        }
         let piece = &self.pieces[k as usize];
         let offset = place_px - piece.centre_px;
         piece.bundle.recentred(offset.x, offset.y)
@@ -169,6 +244,9 @@ impl Pieces {
 
     /// See [`super::Camera::near`].
     pub(super) fn near(&self, i: u32, j: u32, radius_px: f64) -> (Vec<Bundle>, bool) {
+        if let Some(stacked) = &self.stacked {
+            return stacked.at(j).map_or((Vec::new(), true), |(image, _, row)| image.near(i, row, radius_px));
+        }
         let q = self.place(i, j);
         let owner = self.owner(i, j);
         let half = DVec2::splat(radius_px);

@@ -73,6 +73,9 @@ pub struct Report {
     pub device: Device,
     pub width: u32,
     pub height: u32,
+    /// Images of this size, where they are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub views: Option<usize>,
     pub samples: u32,
     pub triangles: usize,
     /// 0 for a camera that has a ray of its own for each pixel.
@@ -150,6 +153,7 @@ impl Report {
             device,
             width: camera.width,
             height: camera.height,
+            views: None,
             samples: 1,
             triangles: scene.mesh.triangles.len(),
             pieces: camera.piece_count(),

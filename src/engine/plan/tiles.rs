@@ -158,7 +158,7 @@ impl Tiler<'_> {
                 let number = self.camera.first_piece(place.layer) + piece;
                 let index = match &self.camera.layers[place.layer] {
                     Rays::Pieces(pieces) if self.curves.is_none() => *local.entry(number).or_insert_with(|| {
-                        tiles.pieces.push(self.piece_at(pieces, (piece, number), *place));
+                        tiles.pieces.push(self.piece_at(pieces, piece, *place));
                         tiles.pieces.len() as u32 - 1
                     }),
                     _ => number,
@@ -247,11 +247,10 @@ impl Tiler<'_> {
         let bit = |(x, y): (u32, u32)| 1u64 << (y * TILE + x);
         let layer = &self.camera.layers[at.layer];
         if let (Rays::Pieces(p), None) = (layer, self.curves)
-            && p.pieces[0].corners_px.is_none()
+            && let Some((piece, rows)) = p.sole_from(top)
         {
-            // one piece over the whole image
-            let mask = pixels.map(bit).fold(0, |m, b| m | b);
-            return vec![CellPixels { piece: 0, mask, samples: vec![mask; self.sample_offsets.len()] }];
+            let mask = pixels.filter(|(_, y)| *y < rows).map(bit).fold(0, |m, b| m | b);
+            return vec![CellPixels { piece, mask, samples: vec![mask; self.sample_offsets.len()] }];
         }
         let mut cells: TileCells = Vec::new();
         let none = |piece: u32| CellPixels { piece, mask: 0, samples: vec![0; self.sample_offsets.len()] };
@@ -338,8 +337,9 @@ impl Tiler<'_> {
     }
 
     /// A piece about the first pixel of a tile.
-    fn piece_at(&self, pieces: &Pieces, (piece, number): (u32, u32), at: Place) -> layout::Piece {
+    fn piece_at(&self, pieces: &Pieces, piece: u32, at: Place) -> layout::Piece {
         let (x, y) = (at.x * TILE, at.y * TILE);
+        let number = self.camera.first_piece(at.layer) + pieces.number_in_image(piece);
         packed_piece(&pieces.bundle_at(piece, x, y), self.anchor, [x as f32, (y - self.row) as f32], number)
     }
 }

@@ -1,0 +1,240 @@
+//! Many images at once.
+
+use super::renderer::{RenderOptions, Renderer};
+use super::{Camera, Scene};
+use crate::camera::Camera as Rays;
+use crate::camera::stack::stack;
+use crate::engine::plan::{LeftOut, Wanted};
+use crate::engine::report::{FrameMs, Report};
+use crate::engine::sequence::Sequence;
+use crate::engine::{Rendered, RunOptions};
+use crate::image::frame::{Channel, Plane};
+use crate::image::size::MAX_PIXELS;
+use crate::input::{Error, Result};
+use crate::jobs::{RenderJob, check_memory, samples};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Images of one size, each by its own camera: [`Renderer::render_many`].
+#[derive(Debug, Clone)]
+pub struct Views {
+    /// Number of images.
+    pub count: usize,
+    /// Of each image, pixels.
+    pub width: u32,
+    /// Of each image, pixels.
+    pub height: u32,
+    /// Of each channel the values of all images, one image after another, each row by row from the top.
+    pub planes: Vec<(Channel, Plane)>,
+    /// 8-bit sRGB, four bytes (RGBA) per pixel, in the same order; `None` without [`RenderOptions::color`].
+    pub rgba: Option<Vec<u8>>,
+    report: Report,
+}
+
+impl Views {
+    /// All times and counts, as JSON: those of [`super::Rendered::report`], over all frames that the images took. `left_out` says why these
+    /// were not one, where they could not be.
+    pub fn report(&self) -> String {
+        serde_json::to_string_pretty(&self.report).unwrap_or_default()
+    }
+}
+
+/// Most pixels of a frame of several images: more no longer make a frame cheaper per pixel.
+const FRAME_PIXELS_MAX: u64 = 1 << 22;
+
+/// A frame to render: one image, or several below each other.
+struct Job {
+    camera: Arc<Rays>,
+    /// How many of its images are wanted, and the rows from each to the next.
+    images: usize,
+    step: u32,
+}
+
+impl Renderer {
+    /// Renders an image through each camera: many small images cost about as much as one large one of as many pixels, because they are
+    /// rendered as one.
+    ///
+    /// The images have the same values as those of [`Renderer::render`], except that `t` and `Z` may differ in the last bit, and `certified`
+    /// where a bound is close. Cameras with mirrors, lenses, curved rays or different ranges of t, cameras of pieces beside cameras of a ray
+    /// for each pixel, and lines between pixels take a frame for each image; the report then says so.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::render`]; [`Error::Input`] without a camera, or if their images differ in size.
+    pub fn render_many(&mut self, scene: &Scene, cameras: &[Camera], options: &RenderOptions) -> Result<Views> {
+        let wanted = options.wanted()?;
+        let Some(first) = cameras.first() else { return Err(Error::input("there is no camera; give one or more")) };
+        let (width, height) = (first.width(), first.height());
+        if let Some((k, other)) = cameras.iter().enumerate().find(|(_, c)| (c.width(), c.height()) != (width, height)) {
+            let sizes = format!("camera {k} is {}x{}, camera 0 {width}x{height}", other.width(), other.height());
+            return Err(Error::input(format!("{sizes}; all images need one size")));
+        }
+        let pixels = u64::from(width) * u64::from(height) * cameras.len() as u64;
+        if pixels > MAX_PIXELS {
+            let count = cameras.len();
+            return Err(Error::input(format!(
+                "{count} images of {width}x{height} are over the limit of {MAX_PIXELS} pixels in all; render fewer at once"
+            )));
+        }
+        // as one column of pixels
+        check_memory(pixels as u32, 1, wanted.channels.len() + 3, 0)?;
+        let cameras: Vec<Arc<Rays>> = cameras.iter().map(|camera| camera.camera.clone()).collect();
+        let (jobs, why) = match self.stacked(scene, &cameras, &wanted, options.samples) {
+            Ok(jobs) => (jobs, None),
+            Err(why) => {
+                let job = |camera: &Arc<Rays>| Job { camera: camera.clone(), images: 1, step: height };
+                (cameras.iter().map(job).collect(), Some(why))
+            }
+        };
+        let mut views = Gathered {
+            pixels: width as usize * height as usize,
+            width: width as usize,
+            planes: Vec::new(),
+            rgba: None,
+            frame_ms: Vec::new(),
+            last: None,
+        };
+        let wanted_of = |camera: &Rays| samples::in_sequence(&scene.scene, camera, &wanted, options.samples, false);
+        if self.engine.is_some() && jobs.iter().all(|job| wanted_of(&job.camera).is_some()) {
+            self.in_flight(scene, &jobs, &wanted_of, &mut views)?;
+        } else {
+            for job in &jobs {
+                views.add(job, self.render_frame(&scene.scene, &job.camera, &wanted, options.samples)?);
+            }
+        }
+        let Gathered { planes, rgba, frame_ms, last, .. } = views;
+        let last = last.ok_or_else(|| Error::work("no frame was rendered"))?;
+        let mut report = Report::new(self.device_of(&RenderJob::of("")), &scene.scene, &cameras[0], &last, None);
+        report.views = Some(cameras.len());
+        (report.samples, report.total_ms) = (options.samples, frame_ms.iter().sum());
+        report.frame_ms = FrameMs::of(&frame_ms);
+        let one = "one frame for all images".to_owned();
+        report.left_out.extend(why.map(|why| LeftOut { what: one, why: why.into() }));
+        Ok(Views { count: cameras.len(), width, height, planes, rgba, report })
+    }
+
+    /// The images in as few frames as they fit; `Err`: why they need a frame each.
+    fn stacked(
+        &self,
+        scene: &Scene,
+        cameras: &[Arc<Rays>],
+        wanted: &Wanted,
+        samples: u32,
+    ) -> std::result::Result<Vec<Job>, &'static str> {
+        if !self.engine.is_some() {
+            return Err("the reference renders them");
+        }
+        if scene.scene.style.is_between_pixels() && wanted.has_colour() {
+            return Err("lines are drawn between pixels");
+        }
+        // the first alone says how many rows an image takes
+        let alone = stack(&cameras[..1])?;
+        let pixels = u64::from(alone.step) * u64::from(alone.camera.width);
+        let frames = (pixels * cameras.len() as u64).div_ceil(FRAME_PIXELS_MAX) as usize;
+        let each = cameras.len().div_ceil(frames);
+        let job = |own: &[Arc<Rays>]| {
+            // frames of one size stay in the same buffers
+            let mut filled = own.to_vec();
+            filled.resize(each, own[own.len() - 1].clone());
+            let stacked = stack(&filled)?;
+            if samples::in_sequence(&scene.scene, &stacked.camera, wanted, samples, false).is_none() {
+                return Err("the scene or the samples need frames of their own");
+            }
+            Ok(Job { camera: stacked.camera, images: own.len(), step: stacked.step })
+        };
+        cameras.chunks(each).map(job).collect()
+    }
+
+    /// Renders frames one after another; each is planned while the device renders the one before.
+    fn in_flight(
+        &mut self,
+        scene: &Scene,
+        jobs: &[Job],
+        wanted_of: &dyn Fn(&Rays) -> Option<Wanted>,
+        views: &mut Gathered,
+    ) -> Result<()> {
+        // what fails in the middle is not there for the next call
+        let mut sequence = std::mem::take(&mut self.sequence);
+        let (Some(engine), run) = (&mut self.engine, RunOptions::default()) else { return Ok(()) };
+        let planner = engine.planner();
+        let mut until = Instant::now();
+        let mut finish = |sequence: &mut Sequence, job: &Job, in_flight| {
+            let rendered = sequence.wait_for(in_flight)?.rendered();
+            let ms = until.elapsed().as_secs_f64() * 1e3;
+            until = Instant::now();
+            views.add(job, Rendered { frame_ms: vec![ms], ..rendered });
+            Ok::<(), Error>(())
+        };
+        let mut before = None;
+        for job in jobs {
+            let Some(wanted) = wanted_of(&job.camera) else { continue };
+            planner.check_size(&job.camera, &wanted)?;
+            let planned = planner.plan(&scene.scene, job.camera.clone(), &wanted, &run, self.last.as_ref())?;
+            self.last = Some(planned.clone());
+            if !sequence.show(&planned)? {
+                if let Some((job, in_flight)) = before.take() {
+                    finish(&mut sequence, job, in_flight)?;
+                }
+                sequence.upload(engine, &planned, &run)?;
+            }
+            let next = sequence.start(planned)?;
+            if let Some((job, in_flight)) = before.replace((job, next)) {
+                finish(&mut sequence, job, in_flight)?;
+            }
+        }
+        if let Some((job, in_flight)) = before {
+            finish(&mut sequence, job, in_flight)?;
+        }
+        self.sequence = sequence;
+        Ok(())
+    }
+}
+
+/// The images so far.
+struct Gathered {
+    /// Pixels of an image, and of a row.
+    pixels: usize,
+    width: usize,
+    planes: Vec<(Channel, Plane)>,
+    rgba: Option<Vec<u8>>,
+    frame_ms: Vec<f64>,
+    /// Of the last frame all but its picture.
+    last: Option<Rendered>,
+}
+
+impl Gathered {
+    /// Adds the images of a frame.
+    fn add(&mut self, job: &Job, mut rendered: Rendered) {
+        let planes = std::mem::take(&mut rendered.frame.planes);
+        if self.planes.is_empty() {
+            let none = |plane: &Plane| match plane {
+                Plane::F32(_) => Plane::F32(Vec::new()),
+                Plane::U32(_) => Plane::U32(Vec::new()),
+            };
+            self.planes = planes.iter().map(|(channel, plane)| (*channel, none(plane))).collect();
+        }
+        for ((_, all), (_, own)) in self.planes.iter_mut().zip(planes) {
+            match (all, own) {
+                (Plane::F32(all), Plane::F32(own)) => append(all, own, job, [self.pixels, self.width]),
+                (Plane::U32(all), Plane::U32(own)) => append(all, own, job, [self.pixels, self.width]),
+                _ => {}
+            }
+        }
+        if let Some(rgba) = rendered.srgb8.take() {
+            append(self.rgba.get_or_insert_default(), rgba, job, [4 * self.pixels, 4 * self.width]);
+        }
+        self.frame_ms.append(&mut rendered.frame_ms);
+        self.last = Some(rendered);
+    }
+}
+
+/// Appends a frame's images, of which one and one of its rows have so many values.
+fn append<T: Copy>(all: &mut Vec<T>, frame: Vec<T>, job: &Job, [image, row]: [usize; 2]) {
+    if all.is_empty() && frame.len() == job.images * image {
+        *all = frame;
+        return;
+    }
+    for k in 0..job.images {
+        let top = k * job.step as usize * row;
+        all.extend_from_slice(&frame[top..top + image]);
+    }
+}
