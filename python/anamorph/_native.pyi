@@ -61,6 +61,10 @@ class Renderer:
         """
         The planes of the channels, 8-bit sRGB colour (H, W, 4) where it is wanted, and the report as JSON.
         """
+    def render_many(self, /, scene: Scene, cameras: SupportsGetItem[int, Camera], names: SupportsGetItem[int, str], color: bool, samples: SupportsIndex, analytic: bool) -> tuple[list[tuple[str, Any]], Incomplete | None, str]:
+        """
+        The same of an image through each camera: planes (N, H, W), colour (N, H, W, 4).
+        """
 
 @final
 class Scene:
