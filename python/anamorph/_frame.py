@@ -71,7 +71,7 @@ class _Channels(Mapping[str, Plane]):
     def rgba(self) -> npt.NDArray[np.uint8]:
         """(..., H, W, 4): 8-bit sRGB colour; the fourth is coverage."""
         if self._rgba is None:
-            raise KeyError("there is no colour; render without naming channels, or name R, G and B among them")
+            raise KeyError("rendered without colour; ask for channels R, G and B, or for none")
         return self._rgba
 
     @property

@@ -39,7 +39,7 @@ class Scene:
 
         Raises:
             ValueError: one line with the file, the line and the key.
-            OSError: a file cannot be read.
+            OSError: a file cannot be read; ``FileNotFoundError`` if it does not exist.
         """
         scene = Scene.__new__(Scene)
         changes = [assignment(key, value) for key, value in (overrides or {}).items()]
@@ -66,7 +66,7 @@ class Scene:
 
         Raises:
             ValueError: a key or a value is wrong; the file or an array is.
-            OSError: the file cannot be read.
+            OSError: the file cannot be read; ``FileNotFoundError`` if it does not exist.
         """
         image = None
         if texture is None or isinstance(texture, (str, os.PathLike, Mapping, bool)):

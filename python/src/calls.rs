@@ -1,7 +1,7 @@
 //! How calls run: without Python's lock, ended by Ctrl-C, with the library's errors as Python's.
 
 use anamorph::Error;
-use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -13,6 +13,7 @@ pub fn python_error(error: Error) -> PyErr {
     let text = error.to_string();
     match error {
         Error::Input(_) => PyValueError::new_err(text),
+        Error::Missing(_) => PyFileNotFoundError::new_err(text),
         Error::Read(_) | Error::Write(_) | Error::Full(_) => PyOSError::new_err(text),
         Error::Work(_) => PyRuntimeError::new_err(text),
     }

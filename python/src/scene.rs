@@ -176,6 +176,10 @@ impl Scene {
 /// The rows of an array, of any strides.
 pub fn rows<T: numpy::Element + Copy + Default, const N: usize>(array: &PyReadonlyArray2<'_, T>) -> Vec<[T; N]> {
     let view = array.as_array();
+    // rows that lie one after another
+    if let Some(flat) = view.as_slice() {
+        return flat.as_chunks().0.to_vec();
+    }
     view.rows()
         .into_iter()
         .map(|row| {

@@ -162,6 +162,8 @@ def test_other_threads_run_while_it_renders(square, pinhole):
 def test_ctrl_c_ends_a_long_call():
     text = """
 import signal, threading, time, anamorph as am
+# shells start what runs in the background with signals that are ignored
+signal.signal(signal.SIGINT, signal.default_int_handler)
 scene = am.Scene()
 scene.add_builtin("teapot", level=20)
 cam = am.camera.pinhole(eye=[0, 0, 9], target=[0, 0, 0], vfov=40)
@@ -211,3 +213,29 @@ def test_what_moves_is_rendered_where_it_is(square: am.Scene, pinhole: am.Camera
         assert (renderer.render(["triangle.id"], size=(64, 48))["triangle.id"] == before).all()
     with pytest.raises(ValueError, match="no scene"):
         am.Renderer().move("sail", matrix)
+
+
+def test_many_images_are_those_of_one_each(square: am.Scene) -> None:
+    cameras = [am.camera.pinhole(eye=[np.sin(k), 0.1 * k, 4], target=[0, 0, 0], vfov=40) for k in range(5)]
+    with am.Renderer(square) as renderer:
+        views = renderer.render_many(cameras, ["Z", "triangle.id", "N"], size=(50, 30))
+        assert views.shape == views["Z"].shape == views.ids.shape == (5, 30, 50) and views["N"].shape == (5, 30, 50, 3)
+        assert views.report["views"] == 5
+        for k, camera in enumerate(cameras):
+            alone = renderer.render(["Z", "triangle.id", "N"], size=(50, 30), camera=camera)
+            assert (views.ids[k] == alone.ids).all() and (views.frame(k).ids == alone.ids).all()
+            # the last bit of a depth may differ
+            np.testing.assert_array_max_ulp(views["Z"][k], alone["Z"], maxulp=1)
+        colored = renderer.render_many(cameras, size=(50, 30))
+        assert colored.rgb.shape == (5, 30, 50, 3) and colored.frame(2).rgb.shape == (30, 50, 3)
+        assert repr(views) == "<anamorph.Views 5 of 50x30: Z, triangle.id, N.X, N.Y, N.Z>"
+        with pytest.raises(ValueError, match="there is no camera"):
+            renderer.render_many([])
+        rays = am.camera.rays(np.zeros((8, 9, 3)), np.ones((8, 9, 3)))
+        with pytest.raises(ValueError, match="camera 1 is 9x8, camera 0 50x30; all images need one size"):
+            renderer.render_many([cameras[0], rays], scene=sized())
+
+
+def sized() -> am.Scene:
+    """A scene without triangles, and its image's size."""
+    return am.Scene.parse("image = { width = 50, height = 30 }\ncamera = { kind = 'pinhole', eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }")

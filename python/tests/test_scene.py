@@ -39,7 +39,7 @@ def test_scene_files(tmp_path):
     assert np.array_equal(scene.camera.rays()[0][0, 0], [0, 0, 4]) and np.array_equal(changed.camera.rays()[0][0, 0], [0, 0, 8])
     far = am.render(scene, changed.camera, channels=["Z"])
     assert np.isfinite(far["Z"]).sum() < np.isfinite(near["Z"]).sum()
-    with pytest.raises(OSError, match="none.toml"):
+    with pytest.raises(FileNotFoundError, match="none.toml"):
         am.Scene.load(tmp_path / "none.toml")
     with pytest.raises(ValueError, match="camera.vfov: expected a finite number"):
         am.Scene.load(path, {"camera.vfov": "wide"})
@@ -113,7 +113,7 @@ def test_mesh_files(tmp_path, pinhole):
     scene.add_builtin("icosphere", level=1, translate=[9, 9, 9])
     assert scene.objects == [("a", 1), ("icosphere", 80)]
     assert np.allclose(am.render(scene, pinhole, size=SIZE, channels=["albedo"])["albedo"][15, 20], [0, 0, 1])
-    with pytest.raises(OSError, match="none.ply"):
+    with pytest.raises(FileNotFoundError, match="none.ply"):
         scene.add(tmp_path / "none.ply")
     assert len(scene.objects) == 2
 

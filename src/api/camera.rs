@@ -26,7 +26,7 @@ impl Camera {
     /// begins with a brace. Relative paths in it start from `folder`. Of the scene it depends only where the kind says so, as `track`.
     ///
     /// # Errors
-    /// [`Error::Input`] for a wrong key, values that contradict each other, or no size; [`Error::Read`] for a file that cannot be read.
+    /// [`Error::Input`] for a wrong key, values that contradict each other, or no size; [`Error::Missing`] or [`Error::Read`] for a file that cannot be read.
     pub fn parse(table: &str, folder: impl AsRef<Path>, scene: &Scene, size: Option<(u32, u32)>) -> Result<Camera> {
         let spec = file::camera_of(table, folder.as_ref())?;
         Camera::of_spec(&spec, size.or(scene.scene.size), scene)
@@ -118,7 +118,7 @@ pub fn camera_kinds() -> impl Iterator<Item = (&'static str, String)> {
 /// `images` as .bin or .txt.
 ///
 /// # Errors
-/// [`Error::Read`] if the file of images cannot be read; [`Error::Input`] if it is not COLMAP's, or has no image.
+/// [`Error::Missing`] or [`Error::Read`] if the file of images cannot be read; [`Error::Input`] if it is not COLMAP's, or has no image.
 pub fn colmap_images(folder: impl AsRef<Path>) -> Result<Vec<String>> {
     calibrated::file::images(folder.as_ref())
 }

@@ -56,7 +56,8 @@ impl Caster {
     /// # Errors
     /// [`Error::Input`] for a ray that is not finite or has no direction, or a range that is none.
     pub fn first(&self, rays: &[[[f64; 3]; 2]], t_range: [f64; 2]) -> Result<Vec<Option<RayHit>>> {
-        each(rays, t_range, |ray| self.caster.first(ray, t_range).map(|hit| self.described(hit)))
+        let hits = self.each(rays, t_range, |ray| self.caster.first(ray, t_range))?;
+        Ok(hits.into_par_iter().map(|hit| hit.map(|hit| self.described(hit))).collect())
     }
 
     /// For each ray all hits, in the order along it; those at the same t by id.
@@ -65,7 +66,8 @@ impl Caster {
     /// As [`Caster::first`].
     pub fn all(&self, rays: &[[[f64; 3]; 2]], t_range: [f64; 2]) -> Result<Vec<Vec<RayHit>>> {
         let described = |hits: Vec<Hit>| hits.into_iter().map(|hit| self.described(hit)).collect();
-        each(rays, t_range, |ray| described(self.caster.all(ray, t_range)))
+        let hits = self.each(rays, t_range, |ray| self.caster.all(ray, t_range))?;
+        Ok(hits.into_par_iter().map(described).collect())
     }
 
     /// For each ray whether it meets anything.
@@ -73,13 +75,27 @@ impl Caster {
     /// # Errors
     /// As [`Caster::first`].
     pub fn meets_any(&self, rays: &[[[f64; 3]; 2]], t_range: [f64; 2]) -> Result<Vec<bool>> {
-        each(rays, t_range, |ray| self.caster.meets_any(ray, t_range))
+        self.each(rays, t_range, |ray| self.caster.meets_any(ray, t_range))
     }
 
     /// Whether nothing is rounded in finding what a ray meets: all coordinates of it and of the scene but 0 have sizes from 1e-30 to 1e30.
     pub fn is_certain(&self, [origin, direction]: &[[f64; 3]; 2]) -> bool {
         let ray = Ray { origin: DVec3::from_array(*origin), direction: DVec3::from_array(*direction) };
         self.caster.is_exact(&ray)
+    }
+
+    /// What is found of each ray, which is checked first.
+    fn each<T: Send>(
+        &self,
+        rays: &[[[f64; 3]; 2]],
+        [from, to]: [f64; 2],
+        find: impl Fn(&Ray) -> T + Sync,
+    ) -> Result<Vec<T>> {
+        if from.is_nan() || to.is_nan() || from > to {
+            return Err(Error::input(format!("t_range is {from} to {to}; give the smaller end first")));
+        }
+        let rays = rays.par_iter().enumerate().map(|(k, ray)| checked(k, ray)).collect::<Result<Vec<Ray>>>()?;
+        Ok(self.caster.each(&rays, find))
     }
 
     fn described(&self, hit: Hit) -> RayHit {
@@ -102,14 +118,6 @@ fn unit_normal(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     let (e1, e2) = (b - a, c - a);
     let size = |v: DVec3| v.abs().max_element();
     (e1 / size(e1)).cross(e2 / size(e2)).normalize_or_zero()
-}
-
-/// What is found of each ray, which is checked first.
-fn each<T: Send>(rays: &[[[f64; 3]; 2]], [from, to]: [f64; 2], find: impl Fn(&Ray) -> T + Sync) -> Result<Vec<T>> {
-    if from.is_nan() || to.is_nan() || from > to {
-        return Err(Error::input(format!("t_range is {from} to {to}; give the smaller end first")));
-    }
-    rays.par_iter().enumerate().map(|(k, ray)| Ok(find(&checked(k, ray)?))).collect()
 }
 
 fn checked(k: usize, [origin, direction]: &[[f64; 3]; 2]) -> Result<Ray> {

@@ -42,7 +42,7 @@ impl Mesh {
     /// Reads a mesh file, .obj, .gltf, .glb, .ply or .stl, with its materials and images.
     ///
     /// # Errors
-    /// [`Error::Read`] if it cannot be read, [`Error::Input`] with what is wrong with it.
+    /// [`Error::Missing`] or [`Error::Read`] if it cannot be read, [`Error::Input`] with what is wrong with it.
     pub fn read(path: impl AsRef<Path>) -> Result<Mesh> {
         let spec = MeshSpec::of(MeshSource::File(path.as_ref().to_owned()));
         Ok(Mesh { mesh: load_mesh(&spec, &mut Images::of(ImagesRead::All))?, name: spec.called() })

@@ -41,7 +41,7 @@ pub fn limit_memory(bytes: u64) {
 /// Reads those channels of an EXR that are named like [`Channel`]s.
 ///
 /// # Errors
-/// [`Error::Read`](crate::Error::Read) if the file cannot be read, [`Error::Input`](crate::Error::Input) if it is no EXR.
+/// [`Error::Missing`](crate::Error::Missing) or [`Error::Read`](crate::Error::Read) if the file cannot be read, [`Error::Input`](crate::Error::Input) if it is no EXR.
 pub fn read_exr(path: impl AsRef<Path>) -> Result<Frame> {
     crate::image::read_exr(path.as_ref())
 }

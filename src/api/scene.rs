@@ -35,7 +35,7 @@ impl Placed {
     /// in TOML, or in JSON where it begins with a brace. Relative paths in it start from `folder`.
     ///
     /// # Errors
-    /// [`Error::Input`] for a wrong key or value, [`Error::Read`] for a file that cannot be read.
+    /// [`Error::Input`] for a wrong key or value, [`Error::Missing`] or [`Error::Read`] for a file that cannot be read.
     pub fn of_mesh(mesh: Mesh, table: &str, folder: impl AsRef<Path>) -> Result<Placed> {
         let spec = file::look_of(table, folder.as_ref())?;
         let own = MeshSpec { name: spec.name.clone().or(Some(mesh.name)), ..spec };
@@ -74,7 +74,7 @@ impl Scene {
     /// values are evaluated at `frame`.
     ///
     /// # Errors
-    /// [`Error::Input`], one line with the file, the line and the key; [`Error::Read`] for a file that cannot be read.
+    /// [`Error::Input`], one line with the file, the line and the key; [`Error::Missing`] or [`Error::Read`] for a file that cannot be read.
     pub fn load(path: impl AsRef<Path>, overrides: &[&str], frame: f64) -> Result<Scene> {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
         Ok(Scene::of(crate::scene::Scene::load(path.as_ref(), &overrides, frame)?, true))
@@ -83,7 +83,7 @@ impl Scene {
     /// A scene from the text of a scene file in TOML, whose relative paths start from `folder`. It needs a camera, and may have no mesh.
     ///
     /// # Errors
-    /// [`Error::Input`], one line with the line and the key; [`Error::Read`] for a file that cannot be read.
+    /// [`Error::Input`], one line with the line and the key; [`Error::Missing`] or [`Error::Read`] for a file that cannot be read.
     pub fn parse(toml: &str, folder: impl AsRef<Path>) -> Result<Scene> {
         Ok(Scene::of(crate::scene::Scene::from_file(file::parse_text(toml, folder.as_ref())?)?, true))
     }

@@ -5,6 +5,7 @@
 
 use super::{Camera, Field, Rays};
 use crate::camera::TILE;
+use crate::geometry::interleave::{KEY_BITS, interleaved};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -20,9 +21,6 @@ const TILES_SAMPLED: u32 = 64;
 /// Rays are incoherent where those of a tile differ by this share of what those of the whole image do, on average. Of an image
 /// whose rays rotate steadily it is some 8 pixels over its width.
 const INCOHERENT: f64 = 0.25;
-
-/// Bits of a coordinate in the key that rays are sorted by: six fill a word.
-const KEY_BITS: u32 = 10;
 
 impl RayOrder {
     /// Of a camera of one field of incoherent rays, which look at a scene about `centre`; `None` of any other.
@@ -117,17 +115,6 @@ fn has_incoherent_rays(field: &Field) -> bool {
         }
     }
     tested > 0.0 && within / tested > INCOHERENT * spread(&all)
-}
-
-/// Interleaves the bits of six coordinates, each in [0, 2^KEY_BITS).
-fn interleaved(points: [DVec3; 2]) -> u64 {
-    let mut key = 0;
-    for (k, x) in points.iter().flat_map(|p| p.to_array()).enumerate() {
-        for bit in 0..KEY_BITS {
-            key |= (x as u64 >> bit & 1) << (6 * bit as usize + k);
-        }
-    }
-    key
 }
 
 /// All pixels, tile by tile, and the tiles in squares of squares.

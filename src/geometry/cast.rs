@@ -9,7 +9,7 @@ mod exactly;
 
 pub use exactly::ExactCaster;
 
-use super::bvh::{Aabb, Bvh};
+use super::bvh::{Aabb, Bvh, NONE};
 use super::mesh::Mesh;
 use super::texture::Texture;
 use corners::Corners;
@@ -52,8 +52,6 @@ pub struct Caster<'a> {
 
 /// Relative error of t.
 const T_ROUNDING: f64 = 1.0 / (1_u64 << 30) as f64;
-/// Relative error of a box's bounds of t: three roundings of half an epsilon, doubled.
-const SLAB_ROUNDING: f64 = 3.0 * f64::EPSILON;
 /// By how much a distance to a triangle may be off, against the coordinates: three products and two sums make a point of it, a
 /// difference and a length the distance.
 const DISTANCE_ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -77,18 +75,20 @@ impl<'a> Caster<'a> {
     /// Every visible hit with t in `range`, mostly near to far. `visit` returns the largest t still of interest.
     fn each(&self, aim: &Aim, range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
         let mut limit = f64::INFINITY;
-        let rays = [&aim.ray, &aim.perturbed].map(BoxRay::new);
         let ends = [-past(-range[0]), past(range[1])];
         // where either ray may be
-        let near = |b: &Aabb| {
-            let [own, perturbed] = rays.each_ref().map(|ray| ray.enter(b, ends));
-            own.zip(perturbed).map(|(a, b)| a.min(b)).or(own).or(perturbed)
-        };
-        self.bvh.walk(near, |id| {
-            let hit = self.meet(aim, id).filter(|hit| range[0] <= hit.t && hit.t <= range[1]);
-            limit = hit.map_or(limit, |hit| limit.min(visit(hit)));
+        let rays = [&aim.ray, &aim.perturbed].map(|ray| self.bvh.ray(ray.origin, ray.direction, ends));
+        self.bvh.walk_rays(&rays, |leaf| {
+            for id in self.items(leaf) {
+                let hit = self.meet(aim, id).filter(|hit| range[0] <= hit.t && hit.t <= range[1]);
+                limit = hit.map_or(limit, |hit| limit.min(visit(hit)));
+            }
             limit
         });
+    }
+
+    fn items(&self, leaf: usize) -> impl Iterator<Item = u32> {
+        self.bvh.leaf(leaf).into_iter().filter(|id| *id != NONE)
     }
 
     /// The ray and one triangle, at any t, if it shows that face and has no hole there.
@@ -120,17 +120,16 @@ impl<'a> Caster<'a> {
     pub fn nearest(&self, place: DVec3, of: impl Fn(&Hit) -> bool) -> Vec<Hit> {
         let mut hits = Vec::new();
         let mut limit = f64::INFINITY;
-        self.bvh.walk(
-            |b| Some(b.distance(place)),
-            |id| {
+        self.bvh.walk_from(place, |leaf| {
+            for id in self.items(leaf) {
                 let hit = self.nearest_of(place, id);
                 if of(&hit) {
                     limit = limit.min(as_near(place, hit.t));
                     hits.push(hit);
                 }
-                limit
-            },
-        );
+            }
+            limit
+        });
         hits.retain(|hit| hit.t <= limit);
         hits.sort_unstable_by_key(|hit| hit.triangle);
         hits
@@ -177,34 +176,6 @@ fn past(t: f64) -> f64 {
 /// Distances from `place` up to this are the same as `t`, by rounding.
 pub fn as_near(place: DVec3, t: f64) -> f64 {
     past(t) + DISTANCE_ROUNDING * place.abs().max_element()
-}
-
-/// A ray against boxes.
-struct BoxRay {
-    origin: DVec3,
-    inverse: DVec3,
-}
-
-impl BoxRay {
-    fn new(ray: &Ray) -> BoxRay {
-        BoxRay { origin: ray.origin, inverse: ray.direction.recip() }
-    }
-
-    /// The least t of `range` at which it may be in a box.
-    fn enter(&self, b: &Aabb, range: [f64; 2]) -> Option<f64> {
-        let (a, b) = ((b.lo - self.origin) * self.inverse, (b.hi - self.origin) * self.inverse);
-        let mut span = range;
-        for k in 0..3 {
-            // a ray in the plane of a side divides 0 by 0, and is on it
-            let [near, far] = if a[k].is_nan() || b[k].is_nan() {
-                [f64::NEG_INFINITY, f64::INFINITY]
-            } else {
-                [a[k].min(b[k]), a[k].max(b[k])]
-            };
-            span = [span[0].max(near - SLAB_ROUNDING * near.abs()), span[1].min(far + SLAB_ROUNDING * far.abs())];
-        }
-        (span[0] <= span[1]).then_some(span[0])
-    }
 }
 
 /// The weights of the second and third corner where a triangle is nearest to a place.

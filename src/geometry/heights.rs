@@ -76,7 +76,7 @@ pub fn is_height_image(path: &Path) -> bool {
 /// The samples of a file.
 ///
 /// # Errors
-/// [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: it is damaged, is no height image, or is too large.
+/// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: it is damaged, is no height image, or is too large.
 pub fn read(path: &Path) -> Result<Grid> {
     let bytes =
         crate::input::files::read(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;

@@ -7,6 +7,7 @@ pub mod exact;
 pub mod generate;
 pub mod gltf;
 pub mod heights;
+pub mod interleave;
 mod lex;
 pub mod load;
 pub mod mesh;

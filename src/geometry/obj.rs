@@ -36,7 +36,7 @@ const CHUNK_BYTES: usize = 1 << 20;
 ///
 /// # Errors
 /// [`Error::Input`] naming file and line: see [`parse`]; an MTL file is malformed, or an image of a material that faces have is none.
-/// [`Error::Read`] if one of these files exists and cannot be read, or the OBJ file does not exist.
+/// [`Error::Missing`] or [`Error::Read`] if one of these files exists and cannot be read, or the OBJ file does not exist.
 pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
     let name = path.display().to_string();
     let text = read(path)?;

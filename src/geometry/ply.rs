@@ -22,7 +22,7 @@ use std::path::Path;
 /// the comments `TextureFile`, beside the file. Those that do not exist are left out, and listed in [`Mesh::missing`].
 ///
 /// # Errors
-/// [`Error::Read`] if it cannot be read; [`Error::Input`] naming the file, and the line of a text: it is damaged, has no faces or more than 2^28 triangles; a
+/// [`Error::Missing`] or [`Error::Read`] if it cannot be read; [`Error::Input`] naming the file, and the line of a text: it is damaged, has no faces or more than 2^28 triangles; a
 /// vertex or colour is not finite, an index has no vertex, a face has fewer than 3; an image exists and cannot be read. [`Error::Work`] if the
 /// mesh does not fit the free memory.
 pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {

@@ -15,7 +15,7 @@ const TRIANGLE: usize = 50;
 /// Reads an STL file. Corners in the same place become one vertex. Triangles keep their order; the normals of the file are not used.
 ///
 /// # Errors
-/// [`Error::Read`] if it cannot be read; [`Error::Input`] naming the file, and the line of a text: it is cut short or has no triangles, more than 2^28 of them, or
+/// [`Error::Missing`] or [`Error::Read`] if it cannot be read; [`Error::Input`] naming the file, and the line of a text: it is cut short or has no triangles, more than 2^28 of them, or
 /// a corner that is not finite; [`Error::Work`] if the triangles do not fit the free memory.
 pub fn load(path: &Path) -> Result<Mesh> {
     let name = path.display();

@@ -191,7 +191,7 @@ impl Images {
     /// The texels of a PNG, JPEG or Radiance file.
     ///
     /// # Errors
-    /// [`Error::Read`] where it cannot be read, [`Error::Input`] naming the file where it is neither.
+    /// [`Error::Missing`] or [`Error::Read`] where it cannot be read, [`Error::Input`] naming the file where it is neither.
     pub fn load(&mut self, path: &Path) -> Result<Arc<Texels>> {
         let missing = || Error::unreadable(path, "the file does not exist");
         self.find(path)?.ok_or_else(missing)
@@ -200,7 +200,7 @@ impl Images {
     /// As [`Images::load`]; `None` if the file does not exist.
     ///
     /// # Errors
-    /// [`Error::Read`] if it exists and cannot be read, [`Error::Input`] naming the file if it is no image.
+    /// [`Error::Missing`] or [`Error::Read`] if it exists and cannot be read, [`Error::Input`] naming the file if it is no image.
     pub fn find(&mut self, path: &Path) -> Result<Option<Arc<Texels>>> {
         if let Some(known) = self.known.get(path) {
             crate::input::files::note(path);

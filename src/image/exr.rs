@@ -137,7 +137,7 @@ fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> io::Result<()> {
 /// become f32.
 ///
 /// # Errors
-/// [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: damaged, without a known channel, or a known channel
+/// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: damaged, without a known channel, or a known channel
 /// of another type.
 pub fn read_exr(path: &Path) -> Result<Frame> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
@@ -162,7 +162,7 @@ pub fn read_exr(path: &Path) -> Result<Frame> {
 /// Names and values of the text attributes in an EXR's header; if it has several layers, those of the first.
 ///
 /// # Errors
-/// [`Error::Read`] if the file cannot be read, [`Error::Input`] naming it if it is damaged.
+/// [`Error::Missing`] or [`Error::Read`] if the file cannot be read, [`Error::Input`] naming it if it is damaged.
 pub fn read_exr_texts(path: &Path) -> Result<Vec<(String, String)>> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
     let file = open(path)?;

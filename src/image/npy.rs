@@ -69,7 +69,7 @@ const MAX_ROWS: u64 = 1 << 32;
 /// Reads an f32 or f64 array in C order, shape N x `C`, row by row.
 ///
 /// # Errors
-/// [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or cut short.
+/// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or cut short.
 pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
     rows_of(open(path)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
@@ -77,7 +77,7 @@ pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
 /// Reads matrices, row by row, from an f32 or f64 array in C order of shape N x 3 x 4, or N x 4 x 4 with the last row 0, 0, 0, 1.
 ///
 /// # Errors
-/// [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, it ends early, or a fourth row is another.
+/// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, it ends early, or a fourth row is another.
 pub fn read_npy_affines(path: &Path) -> Result<Vec<DAffine3>> {
     affines_of(open(path)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }

@@ -8,7 +8,10 @@ pub enum Error {
     /// The command line or an input file is wrong: exit code 2.
     #[error("{0}")]
     Input(String),
-    /// An input file is missing, or cannot be read: exit code 2.
+    /// An input file does not exist: exit code 2.
+    #[error("{0}")]
+    Missing(String),
+    /// An input file cannot be read: exit code 2.
     #[error("{0}")]
     Read(String),
     /// The work itself failed (memory does not suffice, a device was lost): exit code 1.
@@ -31,9 +34,13 @@ impl Error {
         Error::Input(message.into())
     }
 
-    /// An [`Error::Read`]: `path` cannot be read, because of `why`.
+    /// An [`Error::Read`], or [`Error::Missing`]: `path` cannot be read, because of `why`.
     pub(crate) fn unreadable(path: &Path, why: impl std::fmt::Display) -> Self {
-        Error::Read(format!("{}: cannot be read: {why}", path.display()))
+        let text = format!("{}: cannot be read: {why}", path.display());
+        match path.try_exists() {
+            Ok(false) => Error::Missing(text),
+            _ => Error::Read(text),
+        }
     }
 
     /// An [`Error::Work`].
@@ -45,6 +52,7 @@ impl Error {
     pub fn at(self, place: impl std::fmt::Display) -> Self {
         match self {
             Error::Input(m) => Error::Input(format!("{place}: {m}")),
+            Error::Missing(m) => Error::Missing(format!("{place}: {m}")),
             Error::Read(m) => Error::Read(format!("{place}: {m}")),
             Error::Work(m) => Error::Work(format!("{place}: {m}")),
             Error::Write(m) => Error::Write(format!("{place}: {m}")),
@@ -55,7 +63,7 @@ impl Error {
     /// The program's exit code: 2 for input and its files, else 1.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Error::Input(_) | Error::Read(_) => 2,
+            Error::Input(_) | Error::Missing(_) | Error::Read(_) => 2,
             Error::Work(_) | Error::Write(_) | Error::Full(_) => 1,
         }
     }

@@ -5,9 +5,10 @@
 //! in a range, is decided by exact fractions. Weights and t itself are rounded.
 
 use super::corners::Corners;
-use super::{BoxRay, Hit, Ray, hierarchy, shows};
-use crate::geometry::bvh::Bvh;
+use super::{Hit, Ray, hierarchy, shows};
+use crate::geometry::bvh::{Bvh, LEAF, NONE};
 use crate::geometry::exact::Exact;
+use crate::geometry::interleave::{KEY_BITS, interleaved};
 use crate::geometry::mesh::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -26,6 +27,7 @@ const EXACT_SIZES: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 pub struct ExactCaster {
     mesh: Arc<Mesh>,
     bvh: Bvh,
+    leaves: Vec<Leaf>,
     /// All coordinates have such sizes.
     is_exact: bool,
 }
@@ -34,13 +36,15 @@ impl ExactCaster {
     /// Indexes the mesh: finite positions, indices in range. A triangle without area is never met.
     pub fn new(mesh: Arc<Mesh>) -> ExactCaster {
         let is_exact = mesh.positions.par_iter().all(|p| has_exact_products(*p));
-        ExactCaster { bvh: hierarchy(&mesh), is_exact, mesh }
+        let bvh = hierarchy(&mesh);
+        let leaves = (0..bvh.leaf_count()).into_par_iter().map(|k| Leaf::new(&mesh, bvh.leaf(k))).collect();
+        ExactCaster { bvh, leaves, is_exact, mesh }
     }
 
     /// The first hit with t in `range` (ends included): of those at the same t the one of the lowest id.
     pub fn first(&self, ray: &Ray, range: [f64; 2]) -> Option<Hit> {
         let mut best: Option<Met> = None;
-        self.each(ray, range, |met| {
+        self.visit(ray, range, |met| {
             if best.as_ref().is_none_or(|b| met.compare(b, ray).is_lt()) {
                 best = Some(met);
             }
@@ -52,7 +56,7 @@ impl ExactCaster {
     /// Whether there is one.
     pub fn meets_any(&self, ray: &Ray, range: [f64; 2]) -> bool {
         let mut found = false;
-        self.each(ray, range, |_| {
+        self.visit(ray, range, |_| {
             found = true;
             f64::NEG_INFINITY
         });
@@ -62,12 +66,26 @@ impl ExactCaster {
     /// All of them, in the order along the ray; those at the same t by id.
     pub fn all(&self, ray: &Ray, range: [f64; 2]) -> Vec<Hit> {
         let mut all = Vec::new();
-        self.each(ray, range, |met| {
+        self.visit(ray, range, |met| {
             all.push(met);
             f64::INFINITY
         });
         all.sort_unstable_by(|a, b| a.compare(b, ray));
         all.into_iter().map(|met| met.hit).collect()
+    }
+
+    /// What `find` finds of each ray, in the order of the rays. Many are taken in another order, in which neighbours meet the same triangles.
+    pub fn each<T: Send>(&self, rays: &[Ray], find: impl Fn(&Ray) -> T + Sync) -> Vec<T> {
+        let bounds =
+            self.mesh.bounds().filter(|_| rays.len() >= SORTED_RAYS && self.mesh.triangles.len() >= SORTED_TRIANGLES);
+        let Some(bounds) = bounds else { return rays.par_iter().map(&find).collect() };
+        let mut order: Vec<(u64, u32)> =
+            rays.par_iter().zip(0..rays.len() as u32).map(|(ray, k)| (key(ray, bounds), k)).collect();
+        order.par_sort_unstable();
+        let found: Vec<T> = order.par_iter().map(|(_, k)| find(&rays[*k as usize])).collect();
+        let mut all: Vec<Option<T>> = rays.iter().map(|_| None).collect();
+        order.iter().zip(found).for_each(|((_, k), found)| all[*k as usize] = Some(found));
+        all.into_iter().flatten().collect()
     }
 
     /// Whether nothing was rounded in what such a ray meets.
@@ -76,17 +94,17 @@ impl ExactCaster {
     }
 
     /// Every visible triangle that the ray meets with t in `range`, mostly near to far. `visit` returns the largest t still of interest.
-    fn each(&self, ray: &Ray, range: [f64; 2], mut visit: impl FnMut(Met) -> f64) {
-        let (own, ends) = (BoxRay::new(ray), [-past(-range[0]), past(range[1])]);
+    fn visit(&self, ray: &Ray, range: [f64; 2], mut visit: impl FnMut(Met) -> f64) {
+        let own = self.bvh.ray(ray.origin, ray.direction, [-past(-range[0]), past(range[1])]);
         let mut limit = f64::INFINITY;
-        self.bvh.walk(
-            |b| own.enter(b, ends),
-            |id| {
+        self.bvh.walk_rays(&[own], |leaf| {
+            let missed = self.leaves[leaf].is_missed(ray);
+            for (id, _) in self.bvh.leaf(leaf).into_iter().zip(missed).filter(|(id, missed)| *id != NONE && !missed) {
                 let met = self.meet(ray, id).filter(|met| met.is_within(range, ray));
                 limit = met.map_or(limit, |met| limit.min(visit(met)));
-                limit
-            },
-        );
+            }
+            limit
+        });
     }
 
     fn meet(&self, ray: &Ray, id: u32) -> Option<Met> {
@@ -95,6 +113,80 @@ impl ExactCaster {
         let hit = Hit { t: corners.depth(ray, T_ROUNDING)?, triangle: id, bary: corners.weights(ray, sign) };
         shows(&self.mesh, &hit, sign * corners.parity).then_some(Met { hit, corners })
     }
+}
+
+/// The corners of a leaf's triangles, by coordinates.
+#[derive(Debug)]
+struct Leaf {
+    corners: [[[f64; LEAF]; 3]; 3],
+}
+
+/// Error of an edge value against the largest coordinates squared: at most seven roundings of half an epsilon of each of six products twice
+/// as large, and as much again because of the roundings of that size.
+const EDGE_ROUNDING: f64 = 14.0 * f64::EPSILON;
+
+impl Leaf {
+    /// Of no triangle all corners are 0.
+    fn new(mesh: &Mesh, ids: [u32; LEAF]) -> Leaf {
+        let mut corners = [[[0.0; LEAF]; 3]; 3];
+        for (lane, id) in ids.into_iter().enumerate().filter(|(_, id)| *id != NONE) {
+            for (corner, k) in corners.iter_mut().zip(mesh.triangles[id as usize]) {
+                let place = mesh.positions[k as usize].to_array();
+                corner.iter_mut().zip(place).for_each(|(all, x)| all[lane] = x);
+            }
+        }
+        Leaf { corners }
+    }
+
+    /// Which triangles a ray passes by for certain: it is left of one edge and right of another.
+    fn is_missed(&self, ray: &Ray) -> [bool; LEAF] {
+        let (origin, d) = (ray.origin.to_array(), ray.direction.to_array());
+        let mut relative = [[[0.0; LEAF]; 3]; 3];
+        let mut largest = [0.0f64; LEAF];
+        for corner in 0..3 {
+            for axis in 0..3 {
+                for k in 0..LEAF {
+                    let x = self.corners[corner][axis][k] - origin[axis];
+                    relative[corner][axis][k] = x;
+                    largest[k] = if x.abs() > largest[k] { x.abs() } else { largest[k] };
+                }
+            }
+        }
+        let mut least = [f64::INFINITY; LEAF];
+        let mut most = [f64::NEG_INFINITY; LEAF];
+        for [a, b] in [[0, 1], [1, 2], [2, 0]].map(|edge| edge.map(|k| &relative[k])) {
+            for k in 0..LEAF {
+                let side = d[0] * (a[1][k] * b[2][k] - a[2][k] * b[1][k])
+                    + d[1] * (a[2][k] * b[0][k] - a[0][k] * b[2][k])
+                    + d[2] * (a[0][k] * b[1][k] - a[1][k] * b[0][k]);
+                least[k] = if side < least[k] { side } else { least[k] };
+                most[k] = if side > most[k] { side } else { most[k] };
+            }
+        }
+        let steep = EDGE_ROUNDING * (d[0].abs() + d[1].abs() + d[2].abs());
+        let mut missed = [false; LEAF];
+        for k in 0..LEAF {
+            let bound = steep * largest[k] * largest[k];
+            missed[k] = least[k] < -bound && most[k] > bound;
+        }
+        missed
+    }
+}
+
+/// So many rays are worth sorting, where the triangles do not stay in the nearest caches anyway.
+const SORTED_RAYS: usize = 4096;
+const SORTED_TRIANGLES: usize = 65_536;
+
+/// A number that is near for rays that enter a box in near places and in near directions.
+fn key(ray: &Ray, (lo, hi): (DVec3, DVec3)) -> u64 {
+    let Ray { origin, direction } = *ray;
+    let (a, b) = ((lo - origin) / direction, (hi - origin) / direction);
+    // the components that are no number count as none
+    let enter = a.min(b).to_array().into_iter().fold(0.0, f64::max);
+    let place = (origin + enter * direction).clamp(lo, hi) - lo;
+    let along = direction / direction.abs().max_element();
+    let cells = f64::from((1 << KEY_BITS) - 1);
+    interleaved([place / (hi - lo).max_element() * cells, (along + 1.0) / 2.0 * cells])
 }
 
 /// A triangle that a ray meets.

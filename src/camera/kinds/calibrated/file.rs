@@ -70,7 +70,7 @@ fn few(listed: &str) -> String {
 /// Reads a camera from a file of OpenCV, ROS, Kalibr or NVIDIA's DRIVE, or from a folder that COLMAP wrote (or its file of cameras).
 ///
 /// # Errors
-/// [`Error::Input`] or [`Error::Read`] naming the file: it cannot be read, is none of these, or has no such camera.
+/// [`Error::Input`], [`Error::Missing`] or [`Error::Read`] naming the file: it cannot be read, is none of these, or has no such camera.
 pub fn read(path: &Path, which: Which) -> Result<Calibration> {
     if colmap::is_model(path) {
         return colmap::read(path, which);
@@ -92,7 +92,7 @@ pub fn read(path: &Path, which: Which) -> Result<Calibration> {
 /// The names of the images of a folder that COLMAP wrote, in order.
 ///
 /// # Errors
-/// [`Error::Input`] or [`Error::Read`] naming the file of images: it cannot be read, or has none.
+/// [`Error::Input`], [`Error::Missing`] or [`Error::Read`] naming the file of images: it cannot be read, or has none.
 pub fn images(model: &Path) -> Result<Vec<String>> {
     colmap::images(model)
 }
