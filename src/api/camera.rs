@@ -125,6 +125,6 @@ pub fn colmap_images(folder: impl AsRef<Path>) -> Result<Vec<String>> {
 
 /// All images of each point (world units): every place whose ray, or curve, passes through it.
 pub fn project(camera: &Camera, points: &[[f64; 3]]) -> Vec<Images> {
-    let projector = Projector::new(&camera.camera);
-    points.par_iter().map(|point| projector.project(DVec3::from_array(*point))).collect()
+    let points: Vec<DVec3> = points.iter().map(|point| DVec3::from_array(*point)).collect();
+    Projector::project_all(&camera.camera, &points)
 }

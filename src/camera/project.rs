@@ -23,6 +23,7 @@ pub mod tree;
 
 use super::{Camera, Rays};
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use serde::Serialize;
 use tree::{Tree, WHOLE};
 
@@ -142,6 +143,27 @@ impl<'a> Projector<'a> {
         Projector { camera, layers: camera.layers.iter().map(layer).collect() }
     }
 
+    /// All images of each point, world units; none of one that is not finite.
+    pub fn project_all(camera: &Camera, points: &[DVec3]) -> Vec<Images> {
+        // bounds are not taken in vain
+        if let [Rays::Field(field)] = camera.layers.as_slice() {
+            let search = field::Search::of_closed_form(field, camera.t_range);
+            let projector = Projector { camera, layers: Vec::new() };
+            let images = |point: &DVec3| {
+                let mut all = Images::default();
+                if point.is_finite() {
+                    projector.add(0, search.closed_form(*point)?, &mut all);
+                }
+                Some(all)
+            };
+            if let Some(all) = points.par_iter().map(images).collect() {
+                return all;
+            }
+        }
+        let projector = Projector::new(camera);
+        points.par_iter().map(|point| projector.project(*point)).collect()
+    }
+
     /// The beams of each layer's rays.
     pub fn trees(&self) -> impl Iterator<Item = &Tree> {
         self.layers.iter().map(|layer| match layer {
@@ -169,17 +191,22 @@ impl<'a> Projector<'a> {
                 Layer::Field(s) => s.images(point, from(layer)),
                 Layer::Curves(s) => s.images(point, from(layer)),
             };
-            all.degenerate = all.degenerate.max(shown.degenerate);
-            all.incomplete |= shown.work > WORK;
-            let mut found = merged(self.camera.t_range, shown.found);
-            found.sort_by(|a, b| a.piece.cmp(&b.piece).then(a.t.total_cmp(&b.t)));
-            let images: Vec<Image> = found.iter().map(|f| self.image(layer, f)).collect();
-            // at a shared face the lower layer has the point
-            let fresh = |image: &Image| !all.images.iter().any(|lower| is_handed_over(lower, image));
-            let fresh: Vec<Image> = images.into_iter().filter(fresh).collect();
-            all.images.extend(fresh);
+            self.add(layer, shown, &mut all);
         }
         all
+    }
+
+    /// Adds what a layer shows.
+    fn add(&self, layer: usize, shown: Shown, all: &mut Images) {
+        all.degenerate = all.degenerate.max(shown.degenerate);
+        all.incomplete |= shown.work > WORK;
+        let mut found = merged(self.camera.t_range, shown.found);
+        found.sort_by(|a, b| a.piece.cmp(&b.piece).then(a.t.total_cmp(&b.t)));
+        let images: Vec<Image> = found.iter().map(|f| self.image(layer, f)).collect();
+        // at a shared face the lower layer has the point
+        let fresh = |image: &Image| !all.images.iter().any(|lower| is_handed_over(lower, image));
+        let fresh: Vec<Image> = images.into_iter().filter(fresh).collect();
+        all.images.extend(fresh);
     }
 
     fn image(&self, layer: usize, found: &Found) -> Image {

@@ -60,6 +60,16 @@ impl Volume for Field {
 
 impl<'a> Search<'a> {
     pub fn new(field: &'a Field, t_range: [f64; 2]) -> Search<'a> {
+        let mut search = Search::of_closed_form(field, t_range);
+        let columns = search.cells[0].div_ceil(search.side);
+        let leaves =
+            (0..columns * search.cells[1].div_ceil(search.side)).into_par_iter().filter_map(|k| search.leaf(k));
+        search.tree = Tree::new(leaves.collect(), t_range);
+        search
+    }
+
+    /// Without beams: for [`Search::closed_form`] alone.
+    pub fn of_closed_form(field: &'a Field, t_range: [f64; 2]) -> Search<'a> {
         // a table is bilinear between pixel centres, a formula holds all over the image
         let (start, cells) = match field.map() {
             Some(_) => (DVec2::ZERO, [field.width, field.height]),
@@ -69,21 +79,24 @@ impl<'a> Search<'a> {
         while cells[0].div_ceil(side) * cells[1].div_ceil(side) > LEAVES {
             side *= 2;
         }
-        let mut search = Search { field, start, cells, side, tree: Tree::new(Vec::new(), t_range) };
-        let columns = cells[0].div_ceil(side);
-        let leaves = (0..columns * cells[1].div_ceil(side)).into_par_iter().filter_map(|k| search.leaf(k));
-        search.tree = Tree::new(leaves.collect(), t_range);
-        search
+        Search { field, start, cells, side, tree: Tree::new(Vec::new(), t_range) }
+    }
+
+    /// The images by the formula of the rays; `None` where it has no closed form for this point.
+    pub fn closed_form(&self, point: DVec3) -> Option<Shown> {
+        let all = self.field.map()?.images(point)?;
+        let mut shown = Shown::default();
+        let size = DVec2::new(self.field.width.into(), self.field.height.into());
+        all.into_iter().for_each(|(place, t)| self.add(place * size, t, &mut shown));
+        Some(shown)
     }
 
     /// At and below the nodes `from` of the tree.
     pub fn images(&self, point: DVec3, from: &[u32]) -> Shown {
-        let mut shown = Shown::default();
-        if let Some(all) = self.field.map().and_then(|map| map.images(point)) {
-            let size = DVec2::new(self.field.width.into(), self.field.height.into());
-            all.into_iter().for_each(|(place, t)| self.add(place * size, t, &mut shown));
+        if let Some(shown) = self.closed_form(point) {
             return shown;
         }
+        let mut shown = Shown::default();
         self.tree.walk(point, from, |k| {
             for at in self.squares(k) {
                 self.search(point, at, 1.0, HALVINGS, &mut shown);
