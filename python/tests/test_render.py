@@ -239,3 +239,32 @@ def test_many_images_are_those_of_one_each(square: am.Scene) -> None:
 def sized() -> am.Scene:
     """A scene without triangles, and its image's size."""
     return am.Scene.parse("image = { width = 50, height = 30 }\ncamera = { kind = 'pinhole', eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }")
+
+
+def test_a_forked_process_says_why_it_cannot() -> None:
+    text = """
+import os, sys, warnings, anamorph as am
+warnings.simplefilter("ignore")
+scene = am.Scene()
+if os.fork() == 0:
+    try:
+        am.Scene()
+        scene.add_builtin("teapot", level=2)
+    except RuntimeError as error:
+        print(error, flush=True)
+    os._exit(0)
+os.wait()
+print(scene.objects)
+"""
+    out = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=60)
+    assert out.stdout.splitlines()[-1] == "[]" and out.returncode == 0, out
+    forked = out.stdout.splitlines()[:-1]
+    # nothing that takes threads had been called before the fork
+    assert forked == [], out
+    out = subprocess.run(
+        [sys.executable, "-c", text.replace("scene = am.Scene()", "scene = am.Scene(); scene.add_builtin('teapot', level=2)", 1)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert "was forked from one that had called anamorph" in out.stdout and "teapot" in out.stdout.splitlines()[-1], out

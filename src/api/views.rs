@@ -120,7 +120,7 @@ impl Renderer {
         wanted: &Wanted,
         samples: u32,
     ) -> std::result::Result<Vec<Job>, &'static str> {
-        if !self.engine.is_some() {
+        if self.engine.is_none() {
             return Err("the reference renders them");
         }
         if scene.scene.style.is_between_pixels() && wanted.has_colour() {

@@ -143,11 +143,11 @@ impl Leaf {
         let (origin, d) = (ray.origin.to_array(), ray.direction.to_array());
         let mut relative = [[[0.0; LEAF]; 3]; 3];
         let mut largest = [0.0f64; LEAF];
-        for corner in 0..3 {
+        for (relative, corner) in relative.iter_mut().zip(&self.corners) {
             for axis in 0..3 {
                 for k in 0..LEAF {
-                    let x = self.corners[corner][axis][k] - origin[axis];
-                    relative[corner][axis][k] = x;
+                    let x = corner[axis][k] - origin[axis];
+                    relative[axis][k] = x;
                     largest[k] = if x.abs() > largest[k] { x.abs() } else { largest[k] };
                 }
             }
