@@ -74,7 +74,7 @@ def main(folder: Path) -> None:
             right = np.array(truth[:count], np.int64)
             other = ((met >= 0) & (right >= 0) & (met != right)).sum()
             missed, vain = ((met < 0) & (right >= 0)).sum(), ((met >= 0) & (right < 0)).sum()
-            speeds = f"{count / took / 1e6:.3f} | {count / (took + indexed) / 1e6:.3f}"
+            speeds = f"{count / took / 1e6:.4f} | {count / (took + indexed) / 1e6:.4f}"
             print(f"| {name} | {len(faces)} | {by} | {count} | {other} | {missed} | {vain} | {speeds} |", flush=True)
 
 
