@@ -440,3 +440,16 @@ fn images_of_two_sizes_are_refused() {
     assert_eq!(refused(&two), "camera 1 is 50x40, camera 0 50x37; all images need one size");
     assert_eq!(refused(&[]), "there is no camera; give one or more");
 }
+
+#[test]
+fn a_ray_from_very_far_meets_a_tiny_triangle_once() {
+    let mut scene = Scene::new();
+    let corners = vec![[2e-20, 0.0, 0.0], [0.0, 2e-20, 0.0], [0.0, 0.0, 2e-20]];
+    scene.add(Mesh::new(corners, vec![[0, 1, 2]]).unwrap()).unwrap();
+    let rays = [[[1e20; 3], [-1.0; 3]], [[-1e20; 3], [1.0; 3]]];
+    let caster = Caster::new(&scene);
+    assert!(rays.iter().all(|ray| caster.is_certain(ray)));
+    for hits in caster.all(&rays, [0.0, f64::INFINITY]).unwrap() {
+        assert_eq!(hits.iter().map(|hit| hit.triangle).collect::<Vec<_>>(), [0]);
+    }
+}

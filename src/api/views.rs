@@ -3,15 +3,16 @@
 use super::renderer::{RenderOptions, Renderer};
 use super::{Camera, Scene};
 use crate::camera::Camera as Rays;
-use crate::camera::stack::stack;
+use crate::camera::stack::{can_stack, stack};
 use crate::engine::plan::{LeftOut, Wanted};
 use crate::engine::report::{FrameMs, Report};
 use crate::engine::sequence::Sequence;
 use crate::engine::{Rendered, RunOptions};
 use crate::image::frame::{Channel, Plane};
 use crate::image::size::MAX_PIXELS;
+use crate::input::limits::memory;
 use crate::input::{Error, Result};
-use crate::jobs::{RenderJob, check_memory, samples};
+use crate::jobs::{RenderJob, memory_need as need, samples};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -32,31 +33,49 @@ pub struct Views {
 }
 
 impl Views {
-    /// All times and counts, as JSON: those of [`super::Rendered::report`], over all frames that the images took. `left_out` says why these
-    /// were not one, where they could not be.
+    /// Times and counts, as JSON: those of [`super::Rendered::report`] with the times of all frames that the images took; stages and passes are
+    /// the last frame's. `left_out` says why these were not one, where they could not be.
     pub fn report(&self) -> String {
         serde_json::to_string_pretty(&self.report).unwrap_or_default()
     }
 }
 
-/// Most pixels of a frame of several images: more no longer make a frame cheaper per pixel.
+/// Most samples of the pixels of a frame of several images: more no longer make a frame cheaper per pixel.
 const FRAME_PIXELS_MAX: u64 = 1 << 22;
 
 /// A frame to render: one image, or several below each other.
-struct Job {
-    camera: Arc<Rays>,
-    /// How many of its images are wanted, and the rows from each to the next.
+struct Job<'a> {
+    cameras: &'a [Arc<Rays>],
+    /// How many images its frame has: frames of one size stay in the same buffers.
     images: usize,
+    /// Rows from each to the next.
     step: u32,
+}
+
+impl Job<'_> {
+    fn camera(&self) -> Arc<Rays> {
+        let mut cameras = self.cameras.to_vec();
+        match cameras.last().cloned() {
+            Some(last) if self.images > 1 => {
+                // its last camera fills the frame
+                cameras.resize(self.images, last);
+                stack(&cameras).camera
+            }
+            _ => cameras.swap_remove(0),
+        }
+    }
 }
 
 impl Renderer {
     /// Renders an image through each camera: many small images cost about as much as one large one of as many pixels, because they are
     /// rendered as one.
     ///
-    /// The images have the same values as those of [`Renderer::render`], except that `t` and `Z` may differ in the last bit, and `certified`
-    /// where a bound is close. Cameras with mirrors, lenses, curved rays or different ranges of t, cameras of pieces beside cameras of a ray
-    /// for each pixel, and lines between pixels take a frame for each image; the report then says so.
+    /// Triangles and pieces are those of [`Renderer::render`]; `t` and `Z` may differ in the last bit, and `certified` where a bound is close.
+    /// Positions, normals, texture coordinates and colours are rounded relative to where the camera in the middle is: they may be off by some
+    /// 2^-24 of the distance from there. Heights are rounded up to whole tiles of 8 pixels, those of cameras with a ray for each pixel after
+    /// two more rows. Mirrors, lenses, curved rays, layers, different ranges of t, cameras of pieces beside cameras of a ray for each
+    /// pixel, unrelated rays, caustics, lines between pixels, and samples that do not fit one frame take a frame for each image; the report
+    /// then says why.
     ///
     /// # Errors
     /// Those of [`Renderer::render`]; [`Error::Input`] without a camera, or if their images differ in size.
@@ -75,14 +94,18 @@ impl Renderer {
                 "{count} images of {width}x{height} are over the limit of {MAX_PIXELS} pixels in all; render fewer at once"
             )));
         }
-        // as one column of pixels
-        check_memory(pixels as u32, 1, wanted.channels.len() + 3, 0)?;
+        let what = format!("{} images of {width} x {height}", cameras.len());
+        memory::check(
+            need((width, height), wanted.channels.len() + 3, 0) * cameras.len() as u64,
+            what,
+            "render fewer at once",
+        )?;
         let cameras: Vec<Arc<Rays>> = cameras.iter().map(|camera| camera.camera.clone()).collect();
         let (jobs, why) = match self.stacked(scene, &cameras, &wanted, options.samples) {
             Ok(jobs) => (jobs, None),
             Err(why) => {
-                let job = |camera: &Arc<Rays>| Job { camera: camera.clone(), images: 1, step: height };
-                (cameras.iter().map(job).collect(), Some(why))
+                let job = |camera| Job { cameras: camera, images: 1, step: height };
+                (cameras.chunks(1).map(job).collect(), Some(why))
             }
         };
         let mut views = Gathered {
@@ -94,11 +117,12 @@ impl Renderer {
             last: None,
         };
         let wanted_of = |camera: &Rays| samples::in_sequence(&scene.scene, camera, &wanted, options.samples, false);
-        if self.engine.is_some() && jobs.iter().all(|job| wanted_of(&job.camera).is_some()) {
+        // one image stands for all of a frame
+        if self.engine.is_some() && cameras.iter().all(|camera| wanted_of(camera).is_some()) {
             self.in_flight(scene, &jobs, &wanted_of, &mut views)?;
         } else {
             for job in &jobs {
-                views.add(job, self.render_frame(&scene.scene, &job.camera, &wanted, options.samples)?);
+                views.add(job, self.render_frame(&scene.scene, &job.camera(), &wanted, options.samples)?);
             }
         }
         let Gathered { planes, rgba, frame_ms, last, .. } = views;
@@ -108,40 +132,37 @@ impl Renderer {
         (report.samples, report.total_ms) = (options.samples, frame_ms.iter().sum());
         report.frame_ms = FrameMs::of(&frame_ms);
         let one = "one frame for all images".to_owned();
-        report.left_out.extend(why.map(|why| LeftOut { what: one, why: why.into() }));
+        report.left_out.extend(why.filter(|_| cameras.len() > 1).map(|why| LeftOut { what: one, why: why.into() }));
+        report.unmet = cameras.iter().flat_map(|camera| camera.unfulfilled.iter().cloned()).collect();
+        report.unmet.sort();
+        report.unmet.dedup();
         Ok(Views { count: cameras.len(), width, height, planes, rgba, report })
     }
 
     /// The images in as few frames as they fit; `Err`: why they need a frame each.
-    fn stacked(
+    fn stacked<'a>(
         &self,
         scene: &Scene,
-        cameras: &[Arc<Rays>],
+        cameras: &'a [Arc<Rays>],
         wanted: &Wanted,
         samples: u32,
-    ) -> std::result::Result<Vec<Job>, &'static str> {
+    ) -> std::result::Result<Vec<Job<'a>>, &'static str> {
         if self.engine.is_none() {
             return Err("the reference renders them");
         }
         if scene.scene.style.is_between_pixels() && wanted.has_colour() {
             return Err("lines are drawn between pixels");
         }
-        // the first alone says how many rows an image takes
-        let alone = stack(&cameras[..1])?;
-        let pixels = u64::from(alone.step) * u64::from(alone.camera.width);
+        can_stack(cameras)?;
+        // of those that can be stacked the first stands for all
+        if samples::in_sequence(&scene.scene, &cameras[0], wanted, samples, false).is_none() {
+            return Err("the scene or the samples need frames of their own");
+        }
+        let step = stack(&cameras[..1]).step;
+        let pixels = u64::from(step) * u64::from(cameras[0].width) * u64::from(samples.max(1));
         let frames = (pixels * cameras.len() as u64).div_ceil(FRAME_PIXELS_MAX) as usize;
         let each = cameras.len().div_ceil(frames);
-        let job = |own: &[Arc<Rays>]| {
-            // frames of one size stay in the same buffers
-            let mut filled = own.to_vec();
-            filled.resize(each, own[own.len() - 1].clone());
-            let stacked = stack(&filled)?;
-            if samples::in_sequence(&scene.scene, &stacked.camera, wanted, samples, false).is_none() {
-                return Err("the scene or the samples need frames of their own");
-            }
-            Ok(Job { camera: stacked.camera, images: own.len(), step: stacked.step })
-        };
-        cameras.chunks(each).map(job).collect()
+        Ok(cameras.chunks(each).map(|own| Job { cameras: own, images: each, step }).collect())
     }
 
     /// Renders frames one after another; each is planned while the device renders the one before.
@@ -166,9 +187,10 @@ impl Renderer {
         };
         let mut before = None;
         for job in jobs {
-            let Some(wanted) = wanted_of(&job.camera) else { continue };
-            planner.check_size(&job.camera, &wanted)?;
-            let planned = planner.plan(&scene.scene, job.camera.clone(), &wanted, &run, self.last.as_ref())?;
+            let camera = job.camera();
+            let Some(wanted) = wanted_of(&camera) else { continue };
+            planner.check_size(&camera, &wanted)?;
+            let planned = planner.plan(&scene.scene, camera, &wanted, &run, self.last.as_ref())?;
             self.last = Some(planned.clone());
             if !sequence.show(&planned)? {
                 if let Some((job, in_flight)) = before.take() {
@@ -229,11 +251,11 @@ impl Gathered {
 
 /// Appends a frame's images, of which one and one of its rows have so many values.
 fn append<T: Copy>(all: &mut Vec<T>, frame: Vec<T>, job: &Job, [image, row]: [usize; 2]) {
-    if all.is_empty() && frame.len() == job.images * image {
+    if all.is_empty() && frame.len() == job.cameras.len() * image {
         *all = frame;
         return;
     }
-    for k in 0..job.images {
+    for k in 0..job.cameras.len() {
         let top = k * job.step as usize * row;
         all.extend_from_slice(&frame[top..top + image]);
     }

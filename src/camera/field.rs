@@ -41,7 +41,7 @@ pub struct Field {
     pub width: u32,
     pub height: u32,
     /// Empty if a formula is evaluated for each ray when needed.
-    rays: Vec<Option<(DVec3, DVec3)>>,
+    rays: Arc<Vec<Option<(DVec3, DVec3)>>>,
     /// The formula of the rays, if any.
     map: Option<Sampled>,
     /// The images that this one is made of, if it is, with all rays.
@@ -66,11 +66,23 @@ impl Field {
         self.rays.is_empty() && self.stacked.is_none()
     }
 
+    /// Whether it is made of several images.
+    pub fn is_stacked(&self) -> bool {
+        self.stacked.is_some()
+    }
+
+    /// A row in the middle of an image in the middle, of several.
+    pub(super) fn middle_row(&self) -> Option<u32> {
+        let stack = self.stacked.as_ref()?;
+        let middle = stack.images.len() / 2;
+        Some(middle as u32 * stack.step + stack.images[middle].height / 2)
+    }
+
     /// Images of one size, one below another, `step` rows from each to the next, two more at least than they have.
     pub(super) fn stacked(images: Vec<Field>, step: u32) -> Field {
         let (width, height) = (images[0].width, step * images.len() as u32);
         let stacked = Some(Arc::new(Stack { images, step }));
-        Field { width, height, rays: Vec::new(), map: None, stacked, is_reordered: false }
+        Field { width, height, rays: Arc::default(), map: None, stacked, is_reordered: false }
     }
 
     /// The image of row `j` and the row's number there, where this is a stack of images. Between images rows count on.
@@ -90,7 +102,7 @@ impl Field {
         if rays.iter().all(Option::is_none) {
             return Err(Error::input("camera: no pixel of the ray map holds a finite ray with a direction"));
         }
-        Ok(Field { width, height, rays, map: None, stacked: None, is_reordered: false })
+        Ok(Field { width, height, rays: Arc::new(rays), map: None, stacked: None, is_reordered: false })
     }
 
     /// The rays of a formula at the centres of `width x height` pixels.
@@ -107,18 +119,24 @@ impl Field {
         let size = DVec2::new(width as f64, height as f64);
         let count = width as usize * height as usize;
         if count > STORED_MAX {
-            return Field { width, height, rays: Vec::new(), map: Some(map), stacked: None, is_reordered: false };
+            return Field { width, height, rays: Arc::default(), map: Some(map), stacked: None, is_reordered: false };
         }
         let pixels = (0..count).into_par_iter();
         let place = |k: usize| DVec2::new((k % width as usize) as f64, (k / width as usize) as f64);
         let rays = pixels.map(|k| map.ray(place(k) + map.sample, size)).collect();
-        Field { width, height, rays, map: Some(map), stacked: None, is_reordered: false }
+        Field { width, height, rays: Arc::new(rays), map: Some(map), stacked: None, is_reordered: false }
     }
 
     /// A field whose pixel k has the ray of this one's pixel `source[k]`, numbered row by row.
     pub(super) fn reordered(&self, source: &[u32]) -> Field {
         let ray = |k: &u32| self.ray(k % self.width, k / self.width);
-        Field { rays: source.iter().map(ray).collect(), map: None, stacked: None, is_reordered: true, ..*self }
+        Field {
+            rays: Arc::new(source.iter().map(ray).collect()),
+            map: None,
+            stacked: None,
+            is_reordered: true,
+            ..*self
+        }
     }
 
     /// The formula of the rays, if any.
@@ -129,7 +147,7 @@ impl Field {
     /// A field of the same pixels and samples by another formula, evaluated for each ray when it is needed.
     pub fn by_map(&self, map: Arc<dyn RayMap>) -> Field {
         let sample = self.map.as_ref().map_or(DVec2::splat(0.5), |m| m.sample);
-        Field { rays: Vec::new(), map: Some(Sampled { map, sample }), stacked: None, is_reordered: false, ..*self }
+        Field { rays: Arc::default(), map: Some(Sampled { map, sample }), stacked: None, is_reordered: false, ..*self }
     }
 
     /// The same, its rays computed now and stored unless there are too many.
@@ -295,7 +313,14 @@ impl Field {
         }
         let at = |i: u32, j: u32| self.ray_at_offset(i, j, DVec2::new(dx, dy));
         let rays = (0..self.height).flat_map(|j| (0..self.width).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
-        Field { width: self.width, height: self.height, rays, map: None, stacked: None, is_reordered: false }
+        Field {
+            width: self.width,
+            height: self.height,
+            rays: Arc::new(rays),
+            map: None,
+            stacked: None,
+            is_reordered: false,
+        }
     }
 }
 

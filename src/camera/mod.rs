@@ -200,6 +200,16 @@ impl Camera {
         }
     }
 
+    /// A pixel in the middle of the image, or of one of those that are stacked in it.
+    pub fn middle(&self) -> (u32, u32) {
+        let row = match self.layers.as_slice() {
+            [Rays::Pieces(pieces)] => pieces.middle_row(),
+            [Rays::Field(field)] => field.middle_row(),
+            _ => None,
+        };
+        (self.width / 2, row.unwrap_or(self.height / 2))
+    }
+
     /// The common origin of all rays; `None` if there are several, or no pixel has a ray.
     pub fn centre(&self) -> Option<DVec3> {
         let each = |k: u32| self.ray(k % self.width, k / self.width).map(|r| r.origin);

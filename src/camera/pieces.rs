@@ -165,6 +165,13 @@ impl Pieces {
         self.pieces[0].corners_px.is_none().then_some((0, u32::MAX))
     }
 
+    /// A row in the middle of an image in the middle, of several.
+    pub(super) fn middle_row(&self) -> Option<u32> {
+        let stacked = self.stacked.as_ref()?;
+        let middle = stacked.stack.images.len() / 2;
+        Some(middle as u32 * stacked.stack.step + stacked.rows / 2)
+    }
+
     /// A piece's number in its own image.
     pub fn number_in_image(&self, piece: u32) -> u32 {
         self.stacked.as_ref().map_or(piece, |stacked| stacked.of_piece(piece).1)

@@ -84,7 +84,7 @@ pub fn is_reordered(camera: &Camera) -> bool {
 /// The camera's one field of incoherent rays.
 fn incoherent_field(camera: &Camera) -> Option<&Field> {
     let [Rays::Field(field)] = camera.layers.as_slice() else { return None };
-    has_incoherent_rays(field).then_some(field)
+    (!field.is_stacked() && has_incoherent_rays(field)).then_some(field)
 }
 
 /// Whether directions differ within tiles nearly as much as between them.

@@ -2,6 +2,7 @@
 
 use super::field::Field;
 use super::pieces::Pieces;
+use super::ray_order::is_incoherent;
 use super::{Camera, Rays, TILE};
 use std::sync::Arc;
 
@@ -28,44 +29,43 @@ pub struct Stacked {
     pub step: u32,
 }
 
-/// Stacks the images of cameras; `Err`: why they cannot be one.
-pub fn stack(cameras: &[Arc<Camera>]) -> Result<Stacked, &'static str> {
-    let Some(first) = cameras.first() else { return Err("there is no camera") };
-    let size = |camera: &Camera| (camera.width, camera.height);
-    if cameras.iter().any(|camera| size(camera) != size(first)) {
-        return Err("the images differ in size");
-    }
-    if cameras.iter().any(|camera| camera.optics.is_some()) {
-        return Err("a camera looks at a mirror or lens");
-    }
-    if cameras.iter().any(|camera| camera.t_range != first.t_range) {
-        return Err("the cameras differ in their range of t");
-    }
+/// Whether the images of cameras can be one; `Err`: why not.
+pub fn can_stack(cameras: &[Arc<Camera>]) -> Result<(), &'static str> {
+    let is_field = |camera: &Camera| matches!(camera.layers.as_slice(), [Rays::Field(_)]);
+    let refused = |camera: &Arc<Camera>| match camera.layers.as_slice() {
+        _ if (camera.width, camera.height) != (cameras[0].width, cameras[0].height) => {
+            Some("the images differ in size")
+        }
+        _ if camera.optics.is_some() => Some("a camera looks at a mirror or lens"),
+        [Rays::Curves(_)] => Some("the rays of a camera are curved"),
+        [] | [_, _, ..] => Some("a camera has several layers of rays"),
+        _ if camera.t_range != cameras[0].t_range => Some("the cameras differ in their range of t"),
+        _ if is_field(camera) != is_field(&cameras[0]) => Some("some cameras have pieces, some a ray for each pixel"),
+        _ if is_incoherent(camera) => Some("rays of neighbouring pixels of a camera are unrelated"),
+        _ => None,
+    };
+    cameras.iter().find_map(refused).map_or(Ok(()), Err)
+}
+
+/// The images of cameras, one at least, which can be stacked.
+pub fn stack(cameras: &[Arc<Camera>]) -> Stacked {
+    let first = &cameras[0];
     let (mut pieces, mut fields) = (Vec::new(), Vec::new());
-    for camera in cameras {
-        match camera.layers.as_slice() {
-            [Rays::Pieces(own)] => pieces.push(own.clone()),
-            [Rays::Field(own)] => fields.push(own.clone()),
-            [Rays::Curves(_)] => return Err("the rays of a camera are curved"),
-            _ => return Err("a camera has several layers of rays"),
+    for rays in cameras.iter().flat_map(|camera| &camera.layers) {
+        match rays {
+            Rays::Pieces(own) => pieces.push(own.clone()),
+            Rays::Field(own) => fields.push(own.clone()),
+            Rays::Curves(_) => {}
         }
     }
-    let (rays, step) = match (pieces.is_empty(), fields.is_empty()) {
-        (false, true) => {
-            let step = first.height.next_multiple_of(TILE);
-            (Rays::Pieces(Pieces::stacked(pieces, first.height, step)), step)
-        }
-        (true, false) => {
-            // one row that extends the image for the slopes of its last, and one without rays above the next
-            let step = (first.height + 2).next_multiple_of(TILE);
-            (Rays::Field(Field::stacked(fields, step)), step)
-        }
-        _ => return Err("some cameras have pieces, some a ray for each pixel"),
+    let (rays, step) = if fields.is_empty() {
+        let step = first.height.next_multiple_of(TILE);
+        (Rays::Pieces(Pieces::stacked(pieces, first.height, step)), step)
+    } else {
+        // one row that extends the image for the slopes of its last, and one without rays above the next
+        let step = (first.height + 2).next_multiple_of(TILE);
+        (Rays::Field(Field::stacked(fields, step)), step)
     };
     let height = step * cameras.len() as u32;
-    let camera = Camera {
-        unfulfilled: cameras.iter().flat_map(|camera| camera.unfulfilled.iter().cloned()).collect(),
-        ..Camera::of(first.kind, (first.width, height), first.t_range, rays)
-    };
-    Ok(Stacked { camera: Arc::new(camera), step })
+    Stacked { camera: Arc::new(Camera::of(first.kind, (first.width, height), first.t_range, rays)), step }
 }

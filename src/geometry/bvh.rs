@@ -50,9 +50,12 @@ struct Node {
 
 const IS_LEAF: u32 = 1 << 31;
 
+/// What is in a box that is not there.
+const NOTHING: u32 = u32::MAX;
+
 /// Nothing is in it.
 const EMPTY: Node =
-    Node { lo: [[f32::INFINITY; WIDTH]; 3], hi: [[f32::NEG_INFINITY; WIDTH]; 3], inside: [IS_LEAF; WIDTH] };
+    Node { lo: [[f32::INFINITY; WIDTH]; 3], hi: [[f32::NEG_INFINITY; WIDTH]; 3], inside: [NOTHING; WIDTH] };
 
 /// By how much a coordinate relative to the centre may be off, against the sizes of both: two differences,
 /// doubled.
@@ -277,7 +280,7 @@ impl Bvh {
     pub fn ray(&self, origin: DVec3, direction: DVec3, [from, to]: [f64; 2]) -> BoxRay {
         let size = direction.abs().max_element();
         let inverse = (size / direction).to_array().map(|v| v as f32);
-        // of 0, or so small that its inverse is no number of f32: such an axis bounds nothing, but for exactly 0 where the ray is
+        // a component so small that f32 does not hold its inverse bounds nothing; one of 0 does
         let inverse =
             [0, 1, 2].map(|k| if inverse[k].is_infinite() && direction[k] != 0.0 { f32::NAN } else { inverse[k] });
         let scale = [self.frame.scale, size];
@@ -338,7 +341,7 @@ impl Bvh {
             let mut count = 0;
             for (distance, inside) in near(node).into_iter().zip(node.inside) {
                 // never of NaN
-                if distance <= limit {
+                if distance <= limit && inside != NOTHING {
                     // the nearest last
                     let mut at = count;
                     while at > 0 && entered[at - 1].0 < distance {
@@ -377,7 +380,7 @@ impl BoxRay {
         let mut far = [self.ends[1]; WIDTH];
         for axis in 0..3 {
             let ([least, most], inverse) = (self.origin[axis], self.inverse[axis]);
-            // an infinite inverse counts as positive, as that of 0 is
+            // where it is infinite, of 0 or -0, both ways bound the same
             let (entry, exit, from, to) = if inverse < 0.0 {
                 (&node.hi[axis], &node.lo[axis], least, most)
             } else {

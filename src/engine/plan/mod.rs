@@ -230,8 +230,8 @@ pub struct SceneExtent {
 impl SceneExtent {
     /// The anchor is the central ray's origin, clamped into the scene's box.
     pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> SceneExtent {
-        let centre = (camera.width / 2, camera.height / 2);
-        let start = camera.ray(centre.0, centre.1).map_or(DVec3::ZERO, |r| r.origin);
+        let (i, j) = camera.middle();
+        let start = camera.ray(i, j).map_or(DVec3::ZERO, |r| r.origin);
         match bounds {
             Some((lo, hi)) => {
                 SceneExtent { anchor: start.clamp(lo, hi), centre: (lo + hi) / 2.0, scene_size: scene_size(bounds) }

@@ -76,9 +76,10 @@ impl ExactCaster {
 
     /// What `find` finds of each ray, in the order of the rays. Many are taken in another order, in which neighbours meet the same triangles.
     pub fn each<T: Send>(&self, rays: &[Ray], find: impl Fn(&Ray) -> T + Sync) -> Vec<T> {
-        let bounds =
-            self.mesh.bounds().filter(|_| rays.len() >= SORTED_RAYS && self.mesh.triangles.len() >= SORTED_TRIANGLES);
-        let Some(bounds) = bounds else { return rays.par_iter().map(&find).collect() };
+        let is_sorted = rays.len() >= SORTED_RAYS && self.mesh.triangles.len() >= SORTED_TRIANGLES;
+        let Some(bounds) = is_sorted.then(|| self.mesh.bounds()).flatten() else {
+            return rays.par_iter().map(&find).collect();
+        };
         let mut order: Vec<(u64, u32)> =
             rays.par_iter().zip(0..rays.len() as u32).map(|(ray, k)| (key(ray, bounds), k)).collect();
         order.par_sort_unstable();
@@ -126,7 +127,7 @@ struct Leaf {
 const EDGE_ROUNDING: f64 = 14.0 * f64::EPSILON;
 
 impl Leaf {
-    /// Of no triangle all corners are 0.
+    /// Lanes without a triangle hold zeros.
     fn new(mesh: &Mesh, ids: [u32; LEAF]) -> Leaf {
         let mut corners = [[[0.0; LEAF]; 3]; 3];
         for (lane, id) in ids.into_iter().enumerate().filter(|(_, id)| *id != NONE) {
