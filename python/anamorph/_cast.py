@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._scene import Scene
-from ._values import Numbers
+from ._values import Numbers, as_array
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -126,7 +126,7 @@ class RayCaster:
     def contains_points(self, points: Numbers) -> Bools:
         """(N,): whether each point is inside of a closed mesh: a ray from it meets an odd number of triangles."""
         upward = cast(self.scene, points, [0.0, 0.0, 1.0], all=True)
-        counts = np.bincount(upward.ray, minlength=np.asarray(points).reshape(-1, 3).shape[0])
+        counts = np.bincount(upward.ray, minlength=as_array(points).reshape(-1, 3).shape[0])
         odd: Bools = counts % 2 == 1
         return odd
 
@@ -140,7 +140,7 @@ class RayCaster:
 
 def _rays(origins: Numbers, directions: Numbers) -> tuple[Floats, Floats, tuple[int, ...]]:
     """Origins and directions, (N, 3) each, and the shape that they are given in."""
-    given = [np.asarray(values) for values in (origins, directions)]
+    given = [as_array(values) for values in (origins, directions)]
     for name, values in zip(("origins", "directions"), given):
         if values.ndim < 1 or values.shape[-1] != 3:
             raise ValueError(f"{name}: an array of shape (..., 3) is needed, not {values.shape}")

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._mesh import Mesh
-from ._values import Numbers, Path, Value, assignment, table
+from ._values import Numbers, Path, Value, as_array, assignment, table
 
 if TYPE_CHECKING:
     from .camera import Camera
@@ -152,7 +152,7 @@ class Scene:
 
 
 def _image(texture: Numbers) -> npt.NDArray[np.uint8]:
-    image = np.asarray(texture)
+    image = as_array(texture)
     if image.ndim != 3 or image.shape[2] not in (3, 4) or image.dtype != np.uint8:
         raise ValueError(f"texture: an array of shape (H, W, 3) or (H, W, 4) and type uint8, not {image.shape}, {image.dtype}")
     return image

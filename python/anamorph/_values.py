@@ -85,9 +85,16 @@ def _text(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
+def as_array(values: Any) -> npt.NDArray[Any]:
+    """An array of what NumPy takes or what only speaks DLPack (on the CPU), without a copy where that is possible."""
+    if hasattr(values, "__dlpack__") and not hasattr(values, "__array__"):
+        return np.from_dlpack(values)
+    return np.asarray(values)
+
+
 def array(values: Numbers, dtype: type[Any], width: int, name: str) -> npt.NDArray[Any]:
     """An (N, width) array of this type, without a copy where it is one already; wrong shapes and types say so."""
-    given = np.asarray(values)
+    given = as_array(values)
     if given.ndim != 2 or given.shape[1] != width:
         raise ValueError(f"{name}: an array of shape (N, {width}) is needed, not {given.shape}")
     whole = np.issubdtype(dtype, np.integer)

@@ -155,3 +155,27 @@ def test_the_program_is_in_the_package():
     assert out.returncode == 0 and out.stdout.startswith("anamorph "), out
     out = run("render", "none.toml", "-o", "a.png")
     assert out.returncode == 2 and out.stderr.startswith("error: none.toml") and out.stderr.count("\n") == 1, out
+
+
+def test_arrays_of_other_libraries_by_dlpack() -> None:
+    class OnlyDlpack:
+        """An array as a library has it that knows nothing of NumPy."""
+
+        def __init__(self, array: np.ndarray) -> None:
+            self.own = array
+
+        def __dlpack__(self, **options: object) -> object:
+            return self.own.__dlpack__()
+
+        def __dlpack_device__(self) -> tuple[int, int]:
+            return self.own.__dlpack_device__()
+
+    vertices = np.array([[-1.0, -1, 0], [1, -1, 0], [0, 1, 0]])
+    mesh = am.Mesh(OnlyDlpack(vertices), OnlyDlpack(np.array([[0, 1, 2]])))
+    assert (mesh.vertices == vertices).all() and np.shares_memory(mesh.vertices, vertices)
+    scene = am.Scene()
+    scene.add(mesh)
+    assert am.cast(scene, OnlyDlpack(np.array([[0.0, 0, 1]])), [0, 0, -1]).triangle.tolist() == [0]
+    # and frames are taken without a copy
+    frame = am.render(scene, am.camera.pinhole(eye=[0, 0, 4], target=[0, 0, 0], vfov=40), (20, 10), ["Z"])
+    assert np.shares_memory(np.from_dlpack(frame["Z"]), frame["Z"])
