@@ -41,7 +41,7 @@ impl Views {
 }
 
 /// Most samples of the pixels of a frame of several images: more no longer make a frame cheaper per pixel.
-const FRAME_PIXELS_MAX: u64 = 1 << 22;
+const FRAME_SAMPLES_MAX: u64 = 1 << 22;
 
 /// A frame to render: one image, or several below each other.
 struct Job<'a> {
@@ -67,8 +67,8 @@ impl Job<'_> {
 }
 
 impl Renderer {
-    /// Renders an image through each camera: many small images cost about as much as one large one of as many pixels, because they are
-    /// rendered as one.
+    /// Renders an image through each camera, all in one frame where they fit: that takes about as long as one frame of a `mesh` camera with the
+    /// same views.
     ///
     /// Triangles and pieces are those of [`Renderer::render`]; `t` and `Z` may differ in the last bit, and `certified` where a bound is close.
     /// Positions, normals, texture coordinates and colours are rounded relative to where the camera in the middle is: they may be off by some
@@ -160,7 +160,7 @@ impl Renderer {
         }
         let step = stack(&cameras[..1]).step;
         let pixels = u64::from(step) * u64::from(cameras[0].width) * u64::from(samples.max(1));
-        let frames = (pixels * cameras.len() as u64).div_ceil(FRAME_PIXELS_MAX) as usize;
+        let frames = (pixels * cameras.len() as u64).div_ceil(FRAME_SAMPLES_MAX) as usize;
         let each = cameras.len().div_ceil(frames);
         Ok(cameras.chunks(each).map(|own| Job { cameras: own, images: each, step }).collect())
     }
