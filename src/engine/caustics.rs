@@ -58,7 +58,7 @@ impl Engine {
         let (list, budget) = caustics.caustic_triangles(&photons);
         let caustic_triangles = CausticTriangles::new(&caustics, &list)?;
         let mut buffers = Buffers::default();
-        let sums = Deposit::new(&self.gpu).run(&caustic_triangles, &mut buffers)?;
+        let sums = Deposit::new(&self.gpu)?.run(&caustic_triangles, &mut buffers)?;
         upload(&self.gpu, &receiver_triangles, &mut buffers)?;
         let maps = caustic_triangles.maps(&caustics, budget, &sums);
         let report = CausticsReport { budget: maps.budget, ms: started.elapsed().as_secs_f64() * 1e3 };

@@ -47,7 +47,10 @@ impl PageStore {
                 let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
                 let size = [pages.width.max(1), pages.height.max(1), pages.count.max(1)];
                 let target = texture(gpu, "pages", size, 1, usage);
-                let pipeline = pipeline.get_or_insert_with(|| Pipeline::new(gpu, mip::kernel()));
+                let pipeline = match pipeline {
+                    Some(pipeline) => pipeline,
+                    None => pipeline.insert(Pipeline::new(gpu, mip::kernel())?),
+                };
                 pages.images.iter().try_for_each(|image| put(gpu, pipeline, image, &target))?;
                 *last = Some((pages.clone(), target.clone()));
                 target

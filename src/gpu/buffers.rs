@@ -286,19 +286,29 @@ type Key = (String, Vec<Binding>, Vec<(&'static str, u64)>);
 
 impl Pipeline {
     /// The pipeline of a kernel, without f64 of the adapter's own where it has none: compiled, if none of the same is in use.
-    pub fn new(gpu: &Gpu, kernel: Kernel) -> Pipeline {
+    ///
+    /// # Errors
+    /// [`Error::Work`] for a kernel that binds more storage buffers than the adapter has; later kernels are not affected.
+    pub fn new(gpu: &Gpu, kernel: Kernel) -> Result<Pipeline> {
+        let (binds, most) = (kernel.storage_buffers(), gpu.limits.max_storage_buffers_per_shader_stage);
+        if binds > most {
+            let (adapter, name) = (&gpu.info.name, kernel.name);
+            let needs = format!("kernel {name} needs {binds} storage buffers, there are {most}");
+            return Err(Error::work(format!("adapter {adapter}: {needs}; use --engine reference")));
+        }
+
         let constants = kernel.constants.iter().map(|(name, value)| (*name, value.to_bits())).collect();
         let key = (gpu.with_replaced(&kernel).source(), kernel.bindings.clone(), constants);
         let known = || gpu.pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(compiled) = known().get(&key).and_then(Weak::upgrade) {
-            return Pipeline(compiled);
+            return Ok(Pipeline(compiled));
         }
         // others may compile meanwhile
         let pipeline = Pipeline(Arc::new(Compiled::new(gpu, kernel)));
         let mut known = known();
         known.retain(|_, other| other.strong_count() > 0);
         known.insert(key, Arc::downgrade(&pipeline.0));
-        pipeline
+        Ok(pipeline)
     }
 
     pub fn raw(&self) -> &wgpu::ComputePipeline {
@@ -325,11 +335,6 @@ impl Compiled {
     fn new(gpu: &Gpu, kernel: Kernel) -> Compiled {
         let device = &gpu.device;
         let label = Some(kernel.name);
-        let (binds, most) = (kernel.storage_buffers(), gpu.limits.max_storage_buffers_per_shader_stage);
-        if binds > most {
-            let advice = "use --engine reference";
-            gpu.failed(format!("kernel {} needs {binds} storage buffers, there are {most}; {advice}", kernel.name));
-        }
         let module = gpu.compile(&kernel);
         let (name, constants) = (kernel.name, kernel.constants.clone());
         let binder = Binder::new(device, kernel, wgpu::ShaderStages::COMPUTE);

@@ -59,7 +59,7 @@ pub fn bandwidths(gpu: &Gpu) -> Result<Vec<Timed>> {
 
 fn time(gpu: &Gpu, kernel: Kernel, buffers: &Buffers, bytes: u64) -> Result<Timed> {
     let name = kernel.name;
-    let pipeline = Pipeline::new(gpu, kernel);
+    let pipeline = Pipeline::new(gpu, kernel)?;
     let groups = (bytes / 16).div_ceil(ITEMS_A_THREAD * u64::from(GROUP)) as u32;
     let groups = groups.min(gpu.limits.max_compute_workgroups_per_dimension);
     let mut times = Vec::new();
@@ -114,7 +114,7 @@ pub fn subgroup_widths(gpu: &Gpu) -> Result<Option<[u32; 2]>> {
     }
     let mut buffers = Buffers::default();
     buffers.create(gpu, "found", 4 * u64::from(GROUP), BufferUsages::empty())?;
-    run(gpu, "subgroup_width", &Pipeline::new(gpu, subgroup_width()), &buffers, 1)?;
+    run(gpu, "subgroup_width", &Pipeline::new(gpu, subgroup_width())?, &buffers, 1)?;
     let widths = buffers.get("found").map(|found| words(gpu, found)).transpose()?.unwrap_or_default();
     Ok(widths.iter().min().copied().zip(widths.iter().max().copied()).map(|(least, most)| [least, most]))
 }

@@ -99,7 +99,7 @@ pub fn wrong(gpu: &Gpu) -> Result<Option<&'static str>> {
     let mut buffers = Buffers::default();
     buffers.upload(gpu, "given", &CASES.map(|case| case.given()))?;
     buffers.create(gpu, "found", (4 * CASE_WORDS * CASES.len()) as u64, wgpu::BufferUsages::empty())?;
-    run(gpu, "exact", &Pipeline::new(gpu, kernel()), &buffers, 1)?;
+    run(gpu, "exact", &Pipeline::new(gpu, kernel())?, &buffers, 1)?;
     let found = buffers.get("found").map(|found| words(gpu, found)).transpose()?.unwrap_or_default();
     let is_right = |words: &std::ops::Range<usize>| {
         let found = found.chunks(CASE_WORDS);

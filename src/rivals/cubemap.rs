@@ -35,7 +35,7 @@ pub fn cubemap(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     Ok(Box::new(CubeMap {
         draw: Draw::new(gpu, kernels::cube()),
         raster_target: RasterTarget::new(gpu, (COLUMNS * side, FACES / COLUMNS * side)),
-        unfold: Pipeline::new(gpu, kernels::unfold(setup.variant)),
+        unfold: Pipeline::new(gpu, kernels::unfold(setup.variant))?,
         own,
         side,
         width: setup.camera.width,

@@ -166,10 +166,10 @@ pub struct BandRaster {
 }
 
 impl BandRaster {
-    pub fn new(gpu: &Gpu, setup: &Setup) -> BandRaster {
+    pub fn new(gpu: &Gpu, setup: &Setup) -> Result<BandRaster> {
         let width = setup.camera.width;
-        let take = Pipeline::new(gpu, kernels::take(setup.variant));
-        BandRaster { raster_target: RasterTarget::new(gpu, (width, setup.rows)), take, width }
+        let take = Pipeline::new(gpu, kernels::take(setup.variant))?;
+        Ok(BandRaster { raster_target: RasterTarget::new(gpu, (width, setup.rows)), take, width })
     }
 
     /// Brings a band from the picture to the visibility buffer.

@@ -62,7 +62,7 @@ fn trace(gpu: &Gpu, setup: &Setup, search: Search, segments: u32) -> Result<Box<
     let layers = setup.camera.layers.len() as u32;
     let kernel = kernels::trace(setup.variant, layers, segments, search == Search::Brute);
     Ok(Box::new(Trace {
-        pipeline: Pipeline::new(gpu, kernel),
+        pipeline: Pipeline::new(gpu, kernel)?,
         search,
         anchor: setup.anchor,
         hierarchy: None,

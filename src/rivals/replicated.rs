@@ -40,9 +40,9 @@ pub fn replicated(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     own.create(gpu, "draw_args", 16, BufferUsages::INDIRECT)?;
     own.upload(gpu, "no_draw", &[0u32, 1, 0, 0])?;
     Ok(Box::new(Replicated {
-        replicate: Pipeline::new(gpu, kernels::replicate(setup.variant.culling)),
+        replicate: Pipeline::new(gpu, kernels::replicate(setup.variant.culling))?,
         draw: Draw::clipped(gpu, kernels::perspective(setup.layers(), setup.variant.culling))?,
-        band_raster: BandRaster::new(gpu, setup),
+        band_raster: BandRaster::new(gpu, setup)?,
         pieces,
         own,
     }))

@@ -48,7 +48,7 @@ fn splat(gpu: &Gpu, setup: &Setup, is_each: bool) -> Result<Box<dyn Rival>> {
     Ok(Box::new(ByTexture {
         project: Draw::onto(gpu, kernels::splat_project(samples), S, None),
         scatter: Draw::clipped(gpu, kernels::splat_move(setup.layers(), setup.variant.culling, samples))?,
-        band_raster: BandRaster::new(gpu, setup),
+        band_raster: BandRaster::new(gpu, setup)?,
         own,
         pieces,
         s: texture(gpu, (SIDE, SIDE), S),

@@ -48,7 +48,7 @@ impl ThroughPieces {
     fn new(gpu: &Gpu, setup: &Setup, draw: Draw, parts: u32) -> Result<ThroughPieces> {
         let mut own = Buffers::default();
         let pieces = outline::upload(gpu, setup, &mut own)?;
-        let band_raster = BandRaster::new(gpu, setup);
+        let band_raster = BandRaster::new(gpu, setup)?;
         Ok(ThroughPieces { draw, band_raster, own, parts, pieces, is_each: false })
     }
 }

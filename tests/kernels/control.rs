@@ -11,7 +11,7 @@ const ITEMS: u32 = 1009;
 #[test]
 fn every_item_is_written() {
     let Some(gpu) = needs::adapter() else { return };
-    let pipeline = Pipeline::new(&gpu, write_only());
+    let pipeline = Pipeline::new(&gpu, write_only()).unwrap();
     for groups in [1, 3, 40] {
         let mut buffers = Buffers::default();
         buffers.upload(&gpu, "list", &vec![[NONE; 4]; ITEMS as usize]).unwrap();
@@ -24,7 +24,7 @@ fn every_item_is_written() {
 #[test]
 fn every_item_is_read() {
     let Some(gpu) = needs::adapter() else { return };
-    let pipeline = Pipeline::new(&gpu, read_only());
+    let pipeline = Pipeline::new(&gpu, read_only()).unwrap();
     let places = [None, Some(0), Some(500), Some(ITEMS as usize - 1)];
     for (groups, place) in [1, 3, 40].into_iter().flat_map(|groups| places.map(|place| (groups, place))) {
         let mut list = vec![[0; 4]; ITEMS as usize];

@@ -162,7 +162,7 @@ fn total(words: &[u32], k: usize) -> u64 {
 #[test]
 fn the_kernel_deposits_what_its_twin_does_and_loses_nothing() {
     let Some(gpu) = adapter() else { return };
-    let kernel = Deposit::new(&gpu);
+    let kernel = Deposit::new(&gpu).unwrap();
     let mut rng = Rng(11);
     for count in [1, 20, 300, 5000] {
         let caustic_triangles = caustic_triangles(any(&mut rng, count));
@@ -179,7 +179,7 @@ fn the_kernel_deposits_what_its_twin_does_and_loses_nothing() {
 #[test]
 fn sums_carry_into_their_high_words_and_do_not_depend_on_the_order() {
     let Some(gpu) = adapter() else { return };
-    let kernel = Deposit::new(&gpu);
+    let kernel = Deposit::new(&gpu).unwrap();
     let mut rng = Rng(12);
     let mut triangles = any(&mut rng, 2000);
     triangles.extend((0..3000).map(|_| triangle(0, [DVec2::new(3.5, 2.5); 3], [MOST, MOST - 1, 7])));

@@ -77,8 +77,8 @@ impl CausticTriangles {
 }
 
 impl<'g> Deposit<'g> {
-    pub fn new(gpu: &'g Gpu) -> Deposit<'g> {
-        Deposit { gpu, pipeline: Pipeline::new(gpu, kernel()) }
+    pub fn new(gpu: &'g Gpu) -> Result<Deposit<'g>> {
+        Ok(Deposit { gpu, pipeline: Pipeline::new(gpu, kernel())? })
     }
 
     /// Adds up the flux of all triangles in `sums`, which `buffers` gets together with `receivers`; returns the sums: 6

@@ -259,10 +259,10 @@ impl Stages {
         // all at once: a GPU's driver takes a tenth of a second and more for a kernel
         let kernels = KernelId::ALL.into_par_iter().filter_map(|id| {
             let kernel = id.kernel(variant, planes)?;
-            let pipeline = if id.is_lazy() { OnceLock::new() } else { Pipeline::new(gpu, kernel).into() };
-            Some((id, pipeline))
+            let pipeline = if id.is_lazy() { Ok(OnceLock::new()) } else { Pipeline::new(gpu, kernel).map(OnceLock::from) };
+            Some(pipeline.map(|pipeline| (id, pipeline)))
         });
-        Ok(Stages { kernels: kernels.collect(), steps, variant, planes: planes.to_vec() })
+        Ok(Stages { kernels: kernels.collect::<Result<_>>()?, steps, variant, planes: planes.to_vec() })
     }
 
     /// Compiles what dispatches take, where it is not yet.
@@ -313,13 +313,14 @@ impl Stages {
     }
 
     fn pipeline(&self, gpu: &Gpu, id: KernelId) -> Result<&Pipeline> {
-        let there = || self.kernels.get(&id).zip(id.kernel(self.variant, &self.planes));
-        match self.kernels.get(&id).and_then(OnceLock::get) {
-            Some(pipeline) => Ok(pipeline),
-            None => there()
-                .map(|(slot, kernel)| slot.get_or_init(|| Pipeline::new(gpu, kernel)))
-                .ok_or_else(|| Error::work(format!("a frame takes {id:?}, which its kernels lack"))),
+        if let Some(pipeline) = self.kernels.get(&id).and_then(OnceLock::get) {
+            return Ok(pipeline);
         }
+        let Some((slot, kernel)) = self.kernels.get(&id).zip(id.kernel(self.variant, &self.planes)) else {
+            return Err(Error::work(format!("a frame takes {id:?}, which its kernels lack")));
+        };
+        let pipeline = Pipeline::new(gpu, kernel)?;
+        Ok(slot.get_or_init(|| pipeline))
     }
 }
 

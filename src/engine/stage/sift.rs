@@ -65,7 +65,7 @@ const OVER: usize = 16;
 impl<'g> Sift<'g> {
     /// For the points of one camera; the device holds 64 bytes a node of its trees.
     pub fn new(gpu: &'g Gpu, projector: &Projector) -> Result<Sift<'g>> {
-        let pipeline = Pipeline::new(gpu, kernel());
+        let pipeline = Pipeline::new(gpu, kernel())?;
         let most = (gpu.binding_limit() / BEAM_BYTES) as usize;
         let layer = |tree| {
             let beams = Beams::new(tree, most);
