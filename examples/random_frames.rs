@@ -86,7 +86,7 @@ fn main() -> ExitCode {
             for k in wrong.take(3) {
                 let (x, y) = (k as u32 % SIZE.0, k as u32 / SIZE.0);
                 println!("pixel {x},{y} shows {:?}, proven {}", ids(&frame)[k], proven[k]);
-                println!("{}", explain(&scene, &camera, x, y));
+                println!("{}", explain(&scene, &camera, x, y).text);
             }
         }
         let has = engine.gpu.has;

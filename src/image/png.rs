@@ -15,24 +15,38 @@ use crate::input::{Error, Result};
 /// # Errors
 /// [`Error::Work`] if the bytes do not fit the size, [`Error::Write`] if `path` cannot be written.
 pub fn write_png(path: &Path, width: u32, height: u32, srgb8: &[u8]) -> Result<()> {
-    let pixels = u64::from(width) * u64::from(height);
-    let color = match srgb8.len() as u64 {
-        _ if pixels == 0 => None,
-        bytes if bytes == 3 * pixels => Some(ExtendedColorType::Rgb8),
-        bytes if bytes == 4 * pixels => Some(ExtendedColorType::Rgba8),
-        _ => None,
-    };
-    let Some(color) = color else {
-        let bytes = srgb8.len();
-        return Err(Error::work(format!("{}: {bytes} bytes are not {width} x {height} pixels", path.display())));
-    };
+    let color = color_type(width, height, srgb8).map_err(|why| Error::work(format!("{}: {why}", path.display())))?;
     write_whole(path, |file| {
         let mut writer = BufWriter::new(file);
-        PngEncoder::new(&mut writer).write_image(srgb8, width, height, color).map_err(|e| match e {
-            image::ImageError::IoError(e) => e,
-            other => io::Error::other(other),
-        })?;
+        encode(&mut writer, (width, height), srgb8, color)?;
         writer.flush()
+    })
+}
+
+/// The bytes of the file that [`write_png`] writes.
+///
+/// # Errors
+/// [`Error::Work`] if the bytes do not fit the size.
+pub fn png_bytes(width: u32, height: u32, srgb8: &[u8]) -> Result<Vec<u8>> {
+    let color = color_type(width, height, srgb8).map_err(Error::work)?;
+    let mut bytes = Vec::new();
+    encode(&mut bytes, (width, height), srgb8, color).map_err(|e| Error::work(e.to_string()))?;
+    Ok(bytes)
+}
+
+fn color_type(width: u32, height: u32, srgb8: &[u8]) -> std::result::Result<ExtendedColorType, String> {
+    let pixels = u64::from(width) * u64::from(height);
+    match srgb8.len() as u64 {
+        bytes if pixels > 0 && bytes == 3 * pixels => Ok(ExtendedColorType::Rgb8),
+        bytes if pixels > 0 && bytes == 4 * pixels => Ok(ExtendedColorType::Rgba8),
+        bytes => Err(format!("{bytes} bytes are not {width} x {height} pixels")),
+    }
+}
+
+fn encode(to: &mut dyn Write, (width, height): (u32, u32), srgb8: &[u8], color: ExtendedColorType) -> io::Result<()> {
+    PngEncoder::new(to).write_image(srgb8, width, height, color).map_err(|e| match e {
+        image::ImageError::IoError(e) => e,
+        other => io::Error::other(other),
     })
 }
 

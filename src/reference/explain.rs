@@ -5,17 +5,30 @@ use super::path::{Path, Segment};
 use super::{Finding, Reference};
 use crate::camera::Camera;
 use crate::scene::Scene;
+use glam::DVec3;
 use std::fmt::Write;
 
-/// Text for the user about one pixel: its ray or segments, layer by layer, the visible hit, and the other candidates.
-pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> String {
+/// A pixel, explained.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Explained {
+    /// For the user: its ray or segments, layer by layer, the visible hit, and the other candidates.
+    pub text: String,
+    /// The visible triangle.
+    pub triangle: Option<u32>,
+    /// Where it is hit, world units.
+    pub point: Option<DVec3>,
+}
+
+/// Explains pixel `(i, j)` in f64.
+pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> Explained {
     let camera = &*own_for_few(camera);
     let path = Path::of_pixel(camera, i, j);
     let finding = Reference::build(&scene.mesh).finding(camera, &path, (i, j));
     let mut text = format!("pixel {i},{j}\n");
     // writing to a String cannot fail
     let _ = write_path(&mut text, &path).and_then(|()| write_finding(&mut text, camera, &path, &finding));
-    text
+    let point = finding.seen.and_then(|seen| Some(path.segments[seen.layer]?.1.point(seen.hit.t)));
+    Explained { text, triangle: finding.seen.map(|seen| seen.hit.triangle), point }
 }
 
 fn write_path(text: &mut String, path: &Path) -> std::fmt::Result {

@@ -95,17 +95,37 @@ pub fn load(path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> 
 /// # Errors
 /// As [`load`].
 pub fn parse_text(text: &str, folder: &Path) -> Result<SceneFile> {
-    read_scene(text, parse::Format::Toml, &folder.join("scene"), &[], 0.0)
+    of_text(text, &folder.join("scene"), 0.0)
+}
+
+/// Reads the text of a scene file in TOML as if it were that of the file `path`.
+///
+/// # Errors
+/// As [`load`].
+pub fn of_text(text: &str, path: &Path, frame: f64) -> Result<SceneFile> {
+    read_scene(text, parse::Format::Toml, path, &[], frame)
+}
+
+/// All values of such a text at a frame, unchecked.
+///
+/// # Errors
+/// [`crate::input::error::Error::Input`] for text that is not TOML, and for wrong keyframes or poses.
+pub(crate) fn values(text: &str, path: &Path, frame: f64) -> Result<Node> {
+    read_values(text, parse::Format::Toml, path, &[], frame)
 }
 
 fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
+    let root = read_values(text, format, path, overrides, frame)?;
+    read_tree(root, path, path.parent().unwrap_or(Path::new("")))
+}
+
+fn read_values(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<Node> {
     let mut root = parse::parse(text, format, path)?;
     overrides::apply(&mut root, overrides)?;
-    let dir = path.parent().unwrap_or(Path::new(""));
-    let source = Source::new(path, dir);
+    let source = Source::new(path, path.parent().unwrap_or(Path::new("")));
     poses::expand(&mut root, &source)?;
     keyframes::pick(&mut root, "", &source, frame)?;
-    read_tree(root, path, dir)
+    Ok(root)
 }
 
 /// A table alone, as a program gives it: TOML, or JSON where it begins with a brace. Errors name it by `key`; relative paths start from

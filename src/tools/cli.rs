@@ -20,6 +20,8 @@ mod render;
 mod say;
 #[cfg(unix)]
 mod signals;
+#[cfg(feature = "view")]
+mod view;
 
 use crate::gpu::device::one_line;
 use crate::input::{Error, Result};
@@ -64,6 +66,8 @@ fn run(arguments: Vec<OsString>, started: Instant) -> Result<()> {
         Command::Camera(args) => camera::run(args),
         Command::Project(args) => project::run(args),
         Command::Info(args) => info::run(args),
+        #[cfg(feature = "view")]
+        Command::View(args) => view::run(args),
         Command::Example(args) => example::run(args),
         Command::Batch(args) => batch::run(args),
         Command::Bench(args) => bench::run(args),

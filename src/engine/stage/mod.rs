@@ -259,7 +259,8 @@ impl Stages {
         // all at once: a GPU's driver takes a tenth of a second and more for a kernel
         let kernels = KernelId::ALL.into_par_iter().filter_map(|id| {
             let kernel = id.kernel(variant, planes)?;
-            let pipeline = if id.is_lazy() { Ok(OnceLock::new()) } else { Pipeline::new(gpu, kernel).map(OnceLock::from) };
+            let pipeline =
+                if id.is_lazy() { Ok(OnceLock::new()) } else { Pipeline::new(gpu, kernel).map(OnceLock::from) };
             Some(pipeline.map(|pipeline| (id, pipeline)))
         });
         Ok(Stages { kernels: kernels.collect::<Result<_>>()?, steps, variant, planes: planes.to_vec() })

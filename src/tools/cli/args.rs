@@ -36,6 +36,10 @@ pub enum Command {
     /// List adapters and the code paths they select; with FILE: counts and bounds of a model or scene, and a camera for it
     #[command(after_help = limits::help())]
     Info(InfoArgs),
+    /// Show a scene in the browser, to look at and to change
+    #[cfg(feature = "view")]
+    #[command(after_help = limits::help())]
+    View(ViewArgs),
     /// Write an example scene
     Example(ExampleArgs),
     /// Measure error against run time, of this engine and of its rivals
@@ -77,6 +81,8 @@ impl Command {
             Command::Batch(args) => Some(&args.caps),
             Command::Project(args) => Some(&args.caps),
             Command::Info(args) => Some(&args.caps),
+            #[cfg(feature = "view")]
+            Command::View(args) => Some(&args.caps),
             Command::Example(_) | Command::Bench(_) | Command::GpuReport(_) => None,
         }
     }
@@ -342,6 +348,42 @@ pub struct InfoArgs {
     pub json: bool,
     #[command(flatten)]
     pub caps: Caps,
+}
+
+#[cfg(feature = "view")]
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    /// Scene file, .toml or .json
+    pub scene: PathBuf,
+    /// Port on 127.0.0.1 [default: any that is free]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    /// Open the page in the default browser
+    #[arg(long)]
+    pub open: bool,
+    /// Token in the address, 16 characters or more [default: a random one]
+    #[arg(long, value_name = "TEXT", value_parser = token)]
+    pub token: Option<String>,
+    #[command(flatten)]
+    pub change: Change,
+    /// Adapter to use: a part of its name
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    #[command(flatten)]
+    pub caps: Caps,
+}
+
+/// Characters that a token needs at least: too many to try.
+#[cfg(feature = "view")]
+const TOKEN_MIN: usize = 16;
+
+#[cfg(feature = "view")]
+fn token(text: &str) -> Result<String, String> {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    match text.len() >= TOKEN_MIN && text.chars().all(is_plain) {
+        true => Ok(text.into()),
+        false => Err(format!("write {TOKEN_MIN} or more letters and digits")),
+    }
 }
 
 #[derive(Debug, Args)]

@@ -6,7 +6,6 @@ mod layer;
 mod space;
 mod svg;
 mod view;
-mod wires;
 
 use crate::camera::Camera;
 use crate::geometry::mesh::Mesh;

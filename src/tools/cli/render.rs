@@ -77,6 +77,6 @@ fn explain_pixel(scene: &Scene, camera: &Camera, x: u32, y: u32) -> Result<()> {
         let last = format!("columns go from 0 to {} and rows from 0 to {}", width - 1, height - 1);
         return Err(Error::input(format!("--pixel {x},{y} is outside the image of {width}x{height}; {last}")));
     }
-    let text = reference::image::explain(scene, camera, x, y);
+    let text = reference::image::explain(scene, camera, x, y).text;
     print(&format!("{}\n", text.trim_end()))
 }

@@ -2,6 +2,7 @@
 
 use super::svg::{Frame, Svg};
 use crate::camera::{Camera, Pieces, Rays};
+use crate::tools::drawing::volume::{runs, spread};
 use glam::DVec2;
 
 /// Pieces of a layer that are drawn at most.
@@ -79,16 +80,4 @@ fn draw_grid(svg: &mut Svg, picture: Frame, camera: &Camera, layer: usize) -> St
         Rays::Curves(c) => format!("a curve of degree {} for each pixel", c.map.degree()),
         _ => "a ray for each pixel".into(),
     }
-}
-
-/// Pixel `k` of `0..=n` that are spread evenly over `count`, ends included.
-pub(super) fn spread(k: u32, n: u32, count: u32) -> u32 {
-    // the product is under 2^16 * 2^5
-    (k * (count - 1) + n / 2).checked_div(n).unwrap_or(0)
-}
-
-/// The parts of a line between its gaps, of two points at least.
-pub(super) fn runs<T: Copy>(line: &[Option<T>]) -> impl Iterator<Item = Vec<T>> + '_ {
-    let parts = line.split(Option::is_none).filter(|part| part.len() > 1);
-    parts.map(|part| part.iter().flatten().copied().collect())
 }

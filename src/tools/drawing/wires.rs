@@ -1,8 +1,7 @@
 //! The lines that say what a scene's meshes look like: creases, borders and outlines.
 
-use super::view::View;
 use crate::geometry::mesh::Mesh;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
 /// Lines that are drawn at most, the longest ones.
@@ -27,13 +26,21 @@ struct Edge {
     thirds: Vec<DVec3>,
 }
 
-pub fn of(mesh: &Mesh, view: &View) -> Wires {
+/// Projects a world direction onto a page.
+pub type OnPage<'a> = &'a dyn Fn(DVec3) -> DVec2;
+
+/// The creases and borders of a mesh; as seen on a page also its outlines, and lengths are those on the page.
+pub fn of(mesh: &Mesh, on_page: Option<OnPage>) -> Wires {
     if mesh.triangles.len() > TRIANGLES_MAX {
         let step = mesh.positions.len().div_ceil(POINTS_MAX);
         return Wires::Points(mesh.positions.iter().step_by(step).copied().collect());
     }
-    let length = |edge: &Edge| view.on_page(edge.ends[1] - edge.ends[0]).length();
-    let shown = edges(mesh).into_iter().filter(|e| is_crease(e) || is_outline(e, view));
+    let length = |edge: &Edge| {
+        let along = edge.ends[1] - edge.ends[0];
+        on_page.map_or(along.length(), |on_page| on_page(along).length())
+    };
+    let is_shown = |edge: &Edge| is_crease(edge) || on_page.is_some_and(|on_page| is_outline(edge, on_page));
+    let shown = edges(mesh).into_iter().filter(is_shown);
     let mut lines: Vec<(f64, [DVec3; 2])> = shown.map(|e| (length(&e), e.ends)).filter(|(l, _)| *l > 0.0).collect();
     let count = lines.len();
     // stable: equal lengths stay in the order of the triangles
@@ -74,9 +81,9 @@ fn is_crease(edge: &Edge) -> bool {
 }
 
 /// Both faces lie on one side of the edge as the viewer sees it.
-fn is_outline(edge: &Edge, view: &View) -> bool {
+fn is_outline(edge: &Edge, on_page: OnPage) -> bool {
     let [a, b] = edge.ends;
-    let side = |p: &DVec3| view.on_page(b - a).perp_dot(view.on_page(*p - a));
+    let side = |p: &DVec3| on_page(b - a).perp_dot(on_page(*p - a));
     match edge.thirds.as_slice() {
         [c, d] => side(c) * side(d) > 0.0,
         _ => true,
@@ -90,7 +97,9 @@ mod tests {
 
     fn lines(builtin: Builtin) -> (usize, usize) {
         let mesh = generate(&builtin).unwrap();
-        match of(&mesh, &View::beside(DVec3::new(1.0, 0.0, 0.3))) {
+        // seen from the side, a little from above
+        let (right, up) = (DVec3::new(0.8, 0.0, -0.6), DVec3::new(-0.24, 0.9, -0.32));
+        match of(&mesh, Some(&|d| DVec2::new(right.dot(d), -up.dot(d)))) {
             Wires::Lines(lines, count) => (lines.len(), count),
             Wires::Points(_) => panic!("a small mesh"),
         }

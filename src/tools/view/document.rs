@@ -1,0 +1,279 @@
+//! The text of the scene file that is viewed: edits that keep its comments, undo and redo, saving, and the command line that renders it.
+
+use super::paths;
+use super::values::{self, is_keys};
+use crate::image::{read_pairs, write_text};
+use crate::input::load::read_text;
+use crate::input::parse::{self, Format};
+use crate::input::tree::Node;
+use crate::scene::file::{self, SceneFile};
+use crate::{Error, Result};
+use serde::Deserialize;
+use serde_json::Value as Json;
+use std::path::{Path, PathBuf};
+use toml_edit::DocumentMut;
+
+/// A change of one value.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Edit {
+    /// Its dotted path, as for `--set`; one past a list's last index adds an item.
+    pub path: String,
+    /// The new value; `null` removes the key or the item of a list.
+    pub value: Json,
+}
+
+/// A drag of a handle or a slider: a page, and its number there. The edits of one gesture are undone together.
+pub type Gesture = (u64, u64);
+
+/// Texts kept for undo: at most so many, and so many bytes together.
+const UNDO_MAX: usize = 500;
+const UNDO_BYTES: usize = 32 << 20;
+/// Offsets that are written into a scene's text.
+const OFFSETS_MAX: usize = 1024;
+/// The longest text of a scene that is edited.
+pub const TEXT_MAX: usize = 4 << 20;
+
+pub struct Document {
+    /// The scene file.
+    path: PathBuf,
+    /// Where it is saved: the scene file, or for a .json the .toml beside it.
+    target: PathBuf,
+    text: String,
+    /// The text of `target`; `None`: there is no such file yet, as far as this program wrote it.
+    saved: Option<String>,
+    undo: Vec<String>,
+    redo: Vec<String>,
+    gesture: Option<Gesture>,
+}
+
+impl Document {
+    /// Reads a scene file. JSON becomes TOML.
+    ///
+    /// # Errors
+    /// Those of [`file::load`].
+    pub fn open(path: &Path) -> Result<Document> {
+        let text = read_text(path)?;
+        let (target, text, saved) = match Format::of(path)? {
+            Format::Toml => (path.to_owned(), text.clone(), Some(text)),
+            Format::Json => {
+                let root = parse::parse(&text, Format::Json, path)?;
+                (
+                    path.with_extension("toml"),
+                    values::toml(&root).map_err(|why| Error::input(why).at(path.display()))?,
+                    None,
+                )
+            }
+        };
+        if text.len() > TEXT_MAX {
+            let (name, bytes) = (path.display(), text.len());
+            return Err(Error::input(format!("{name}: {bytes} bytes of text; view takes at most {TEXT_MAX}")));
+        }
+        let (undo, redo) = (Vec::new(), Vec::new());
+        Ok(Document { path: path.to_owned(), target, text, saved, undo, redo, gesture: None })
+    }
+
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The file that [`Document::save`] writes.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    pub fn is_saved(&self) -> bool {
+        self.saved.as_ref() == Some(&self.text)
+    }
+
+    pub fn can_undo(&self) -> bool {
+        !self.undo.is_empty()
+    }
+
+    pub fn can_redo(&self) -> bool {
+        !self.redo.is_empty()
+    }
+
+    /// The scene at a frame, its values checked.
+    ///
+    /// # Errors
+    /// Those of [`file::load`].
+    pub fn scene_file(&self, frame: f64) -> Result<SceneFile> {
+        file::of_text(&self.text, &self.path, frame)
+    }
+
+    /// All values at a frame: keyframed ones as numbers.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for text that is not TOML, and for wrong keyframes.
+    pub fn values(&self, frame: f64) -> Result<Json> {
+        file::values(&self.text, &self.path, frame).map(|root| values::json(&root))
+    }
+
+    /// The first and the last frame with a key; `None` without keys.
+    pub fn frames(&self) -> Option<[f64; 2]> {
+        values::frames(&self.root().ok()?)
+    }
+
+    /// The dotted paths of all keyframed values.
+    pub fn keyframed(&self) -> Vec<String> {
+        self.root().map(|root| values::keyframed(&root)).unwrap_or_default()
+    }
+
+    /// Changes values. A keyframed value gets a key at `frame`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a path that leads nowhere; the text is then unchanged.
+    pub fn edit(&mut self, edits: &[Edit], frame: f64, gesture: Option<Gesture>) -> Result<()> {
+        let wrong = |edit: &Edit, why: String| Error::input(format!("{}: {why}", edit.path));
+        let mut document: DocumentMut = self.text.parse().map_err(|_| Error::input("the scene's text is not TOML"))?;
+        let mut at_frame = None;
+        for edit in edits {
+            let steps: Vec<&str> = edit.path.split('.').collect();
+            if steps.iter().any(|step| step.is_empty()) {
+                return Err(wrong(edit, "write a dotted path, as camera.eye".into()));
+            }
+            let keys = (1..=steps.len()).find(|n| paths::get(&document, &steps[..*n]).is_some_and(is_keys));
+            match (keys, &edit.value) {
+                (None, Json::Null) => paths::remove(&mut document, &steps).map_err(|why| wrong(edit, why))?,
+                (None, value) => {
+                    let value = values::value(value).map_err(|why| wrong(edit, why))?;
+                    paths::set(&mut document, &steps, value).map_err(|why| wrong(edit, why))?;
+                }
+                (Some(n), value) => {
+                    let all = match &at_frame {
+                        Some(all) => all,
+                        None => at_frame.insert(self.values(frame)?),
+                    };
+                    let mut whole = values::get(all, &steps[..n]).cloned().unwrap_or_default();
+                    match values::get_mut(&mut whole, &steps[n..]) {
+                        Some(part) => *part = value.clone(),
+                        None => return Err(wrong(edit, "there is no such number".into())),
+                    }
+                    let whole = values::value(&whole).map_err(|why| wrong(edit, why))?;
+                    paths::set_key(&mut document, &steps[..n], frame, whole).map_err(|why| wrong(edit, why))?;
+                }
+            }
+        }
+        self.replace(document.to_string(), gesture)
+    }
+
+    /// Writes the offsets of a `camera_texture`, which are in a file, into the scene.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the camera has no such file, or too many offsets for a scene's text; those of reading the file.
+    pub fn inline_offsets(&mut self, values: &Json, frame: f64) -> Result<()> {
+        let Some(file) = values["camera"]["file"].as_str() else {
+            return Err(Error::input("camera: its offsets are in no file"));
+        };
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let (columns, rows, offsets) = read_pairs(&folder.join(file))?;
+        if offsets.len() > OFFSETS_MAX {
+            let size = format!("{columns} x {rows}");
+            return Err(Error::input(format!(
+                "{file}: {size} offsets are too many to edit; {OFFSETS_MAX} are the most"
+            )));
+        }
+        let rows: Vec<Vec<[f64; 2]>> =
+            offsets.chunks(columns as usize).map(|row| row.iter().map(|o| o.to_array()).collect()).collect();
+        let edit = |path: &str, value: Json| Edit { path: path.into(), value };
+        self.edit(&[edit("camera.offsets", rows.into()), edit("camera.file", Json::Null)], frame, None)
+    }
+
+    /// Replaces the whole text, which need not be valid.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if it is too long.
+    pub fn replace(&mut self, text: String, gesture: Option<Gesture>) -> Result<()> {
+        if text.len() > TEXT_MAX {
+            return Err(Error::input(format!("{} bytes of text; view takes at most {TEXT_MAX}", text.len())));
+        }
+        if text == self.text {
+            return Ok(());
+        }
+        let before = std::mem::replace(&mut self.text, text);
+        if gesture.is_none() || gesture != self.gesture || self.undo.is_empty() {
+            self.undo.push(before);
+            let bytes = |undo: &[String]| undo.iter().map(String::len).sum::<usize>();
+            while self.undo.len() > UNDO_MAX || bytes(&self.undo) > UNDO_BYTES {
+                self.undo.remove(0);
+            }
+        }
+        self.redo.clear();
+        self.gesture = gesture;
+        Ok(())
+    }
+
+    pub fn undo(&mut self) {
+        if let Some(text) = self.undo.pop() {
+            self.redo.push(std::mem::replace(&mut self.text, text));
+            self.gesture = None;
+        }
+    }
+
+    pub fn redo(&mut self) {
+        if let Some(text) = self.redo.pop() {
+            self.undo.push(std::mem::replace(&mut self.text, text));
+            self.gesture = None;
+        }
+    }
+
+    /// Writes the text to its file, whole or not at all.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the file was changed by others since it was read or written here; [`Error::Write`] if it cannot be written.
+    pub fn save(&mut self) -> Result<()> {
+        let found = std::fs::read_to_string(&self.target).ok();
+        if found != self.saved && found.as_ref() != Some(&self.text) {
+            let name = self.target.display();
+            return Err(Error::input(format!(
+                "{name}: another program has changed or created it; download the scene, or move that file away"
+            )));
+        }
+        write_text(&self.target, &self.text)?;
+        self.saved = Some(self.text.clone());
+        Ok(())
+    }
+
+    /// The command that renders what is viewed: the file as it is saved, and `--set` for what differs from it.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if no `--set` can say it, since keys were removed.
+    pub fn command(&self, frame: f64, samples: u32) -> Result<String> {
+        let on_disk = match (&self.saved, self.target == self.path) {
+            (Some(saved), _) => parse::parse(saved, Format::Toml, &self.target)?,
+            (None, true) => return Err(Error::input("save the scene first")),
+            (None, false) => parse::parse(&read_text(&self.path)?, Format::Json, &self.path)?,
+        };
+        let file = if self.saved.is_some() { &self.target } else { &self.path };
+        let Some(sets) = values::assignments(&on_disk, &self.root()?) else {
+            return Err(Error::input("keys were removed, which no --set can say; save the scene first"));
+        };
+        let mut words = vec!["anamorph".into(), "render".into(), quoted(&file.display().to_string())];
+        words.extend(sets.iter().flat_map(|set| ["--set".into(), quoted(set)]));
+        if frame != 0.0 {
+            words.extend(["--frame".into(), frame.to_string()]);
+        }
+        if samples > 1 {
+            words.extend(["--samples".into(), samples.to_string()]);
+        }
+        let picture = file.with_extension("png");
+        let name = picture.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        words.extend(["-o".into(), quoted(&name)]);
+        Ok(words.join(" "))
+    }
+
+    fn root(&self) -> Result<Node> {
+        parse::parse(&self.text, Format::Toml, &self.path)
+    }
+}
+
+/// A word of a POSIX shell.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.into()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}

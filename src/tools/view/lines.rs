@@ -1,0 +1,91 @@
+//! The camera's volume and the scene as lines, and where points of the scene file appear in the picture, as JSON for the page.
+
+use crate::camera::project::Projector;
+use crate::camera::{Camera, Curve};
+use crate::geometry::mesh::Mesh;
+use crate::tools::drawing::volume;
+use crate::tools::drawing::wires::{self, Wires};
+use glam::DVec3;
+use serde::Serialize;
+use serde_json::{Value as Json, json};
+
+/// Points on a drawn curve.
+const CURVE_POINTS: u32 = 12;
+/// Lines of the scene that are sent.
+const LINES_MAX: usize = 4000;
+
+/// x, y, z of the points of a line, one after another.
+#[derive(Serialize)]
+struct Line(Vec<f32>);
+
+impl Line {
+    fn of(points: impl IntoIterator<Item = DVec3>) -> Line {
+        Line(points.into_iter().flat_map(|p| p.as_vec3().to_array()).collect())
+    }
+}
+
+/// The volume of a camera around the scene in `mesh`. Straight rays without a far end go to where most have left the scene.
+pub fn of_camera(camera: &Camera, mesh: &Mesh) -> Json {
+    let (layers, _) = volume::layers(camera, mesh.bounds());
+    let near = layers.iter().flat_map(|layer| layer.near()).map(Line::of);
+    let outline = |[a, b, c]: &[DVec3; 3]| Line::of([*a, *b, *c, *a]);
+    let outlines = layers.iter().flat_map(|layer| layer.outlines.iter().map(outline));
+    let rays = layers.iter().flat_map(|layer| layer.rays()).map(along);
+    let (eyes, slits): (Vec<_>, Vec<_>) = layers.iter().flat_map(|layer| &layer.slits).partition(|[a, b]| a == b);
+    json!({
+        "near": near.chain(outlines).collect::<Vec<_>>(),
+        "far": layers.iter().flat_map(|layer| layer.far()).map(Line::of).collect::<Vec<_>>(),
+        "rays": rays.collect::<Vec<_>>(),
+        "slits": slits.into_iter().map(|ends: &[DVec3; 2]| Line::of(*ends)).collect::<Vec<_>>(),
+        "eyes": eyes.into_iter().map(|[eye, _]| Line::of([*eye])).collect::<Vec<_>>(),
+    })
+}
+
+fn along(curve: &Curve) -> Line {
+    match curve.degree() {
+        1 => Line::of([curve.at(0.0), curve.at(1.0)]),
+        _ => Line::of((0..=CURVE_POINTS).map(|k| curve.at(f64::from(k) / f64::from(CURVE_POINTS)))),
+    }
+}
+
+/// The creases and borders of a mesh, or some of its edges or vertices where there are few; and the box around it.
+pub fn of_scene(mesh: &Mesh) -> Json {
+    let bounds = mesh.bounds();
+    let (lines, points) = match wires::of(mesh, None) {
+        Wires::Lines(lines, _) => (lines, Vec::new()),
+        Wires::Points(points) => (Vec::new(), points),
+    };
+    let lines: Vec<Line> = match lines.len() {
+        n if n * 20 >= mesh.triangles.len().min(LINES_MAX) => {
+            lines.iter().take(LINES_MAX).map(|line| Line::of(*line)).collect()
+        }
+        // smooth all over: the outlines of some triangles
+        _ => {
+            let step = mesh.triangles.len().div_ceil(LINES_MAX / 2).max(1);
+            let outline = |t: &[u32; 3]| Line::of([t[0], t[1], t[2]].map(|v| mesh.positions[v as usize]));
+            mesh.triangles.iter().step_by(step).map(outline).collect()
+        }
+    };
+    json!({
+        "lines": lines,
+        "points": Line::of(points),
+        "bounds": bounds.map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
+    })
+}
+
+/// The image places of the targets of a camera's table, by their paths: a and b of each image.
+pub fn marks(camera: &Camera, values: &Json) -> Json {
+    let targets = values["camera"]["targets"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let at = |target: &Json| {
+        let numbers: Vec<f64> = target["at"].as_array()?.iter().filter_map(Json::as_f64).collect();
+        <[f64; 3]>::try_from(numbers).ok().map(DVec3::from_array)
+    };
+    let points: Vec<DVec3> = targets.iter().map(|target| at(target).unwrap_or(DVec3::NAN)).collect();
+    let known: Vec<DVec3> = points.iter().copied().filter(|p| p.is_finite()).collect();
+    let mut images = Projector::project_all(camera, &known).into_iter();
+    let places = points.iter().map(|p| match p.is_finite().then(|| images.next()).flatten() {
+        Some(found) => found.images.iter().map(|image| [image.a, image.b]).collect(),
+        None => Vec::new(),
+    });
+    json!(places.collect::<Vec<Vec<[f64; 2]>>>())
+}

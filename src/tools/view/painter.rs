@@ -1,0 +1,433 @@
+//! Draws what pages ask for: from the scene's text to the bytes of a picture.
+
+use super::display::{Legend, Shown};
+use super::lines;
+use super::messages::{Header, Quality, Times};
+use super::session::{At, Inspection, Job, Session, Work};
+use super::values;
+use crate::camera::Camera;
+use crate::engine::plan::Wanted;
+use crate::engine::planned::Planned;
+use crate::engine::sequence::Sequence;
+use crate::engine::{Engine, Rendered, RunOptions};
+use crate::geometry::texture::ImagesRead;
+use crate::gpu::device::GpuOptions;
+use crate::image::png_bytes;
+use crate::input::{Error, Result};
+use crate::jobs::backend::STYLE;
+use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options, samples};
+use crate::reference;
+use crate::scene::labels::Labels;
+use crate::scene::library::Library;
+use crate::scene::{Scene, file};
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use serde_json::json;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Weak};
+use std::time::Instant;
+
+/// Larger pictures are shown smaller.
+const PIXELS_MAX: u64 = 1 << 24;
+/// Moving pictures should take at most so long, ms: with what it takes to send and draw one, under 50.
+const MOVING_MS: f64 = 36.0;
+/// Moving pictures in a row that are too slow before smaller ones follow: single ones wait for kernels that are compiled.
+const SLOW_MAX: u32 = 3;
+/// Those that are fast before larger ones are tried; twice as many after each time that these were too slow.
+const FAST_MIN: u32 = 8;
+/// Steps of the size of moving pictures: eighths of the size at rest.
+const STEPS: u32 = 8;
+/// JPEG quality, in percent.
+const MOVING_QUALITY: u8 = 80;
+/// The camera of a drawn volume needs few pixels.
+const VOLUME_SIDE: u32 = 192;
+/// Scenes of fewer triangles are kept on the device once for each quality.
+const LANES_TRIANGLES: usize = 1 << 20;
+
+/// What loads scenes, for the painter and the inspector.
+pub struct Loader {
+    library: Library,
+    path: PathBuf,
+}
+
+impl Loader {
+    pub fn new(path: &Path) -> Loader {
+        Loader { library: Library::default(), path: path.to_owned() }
+    }
+
+    pub fn scene(&self, at: &At) -> Result<Scene> {
+        let file = file::of_text(&at.text, &self.path, at.frame)?;
+        self.library.scene(file, ImagesRead::All).map_err(|e| e.at(self.path.display()))
+    }
+
+    pub fn camera(&self, scene: &Scene, size: Option<(u32, u32)>) -> Result<Arc<Camera>> {
+        self.library.camera(scene, size).map_err(|e| e.at(self.path.display()))
+    }
+
+    /// A camera for pictures `eighths` / 8 as large as `scene`'s own, or of its own size where the camera has only that.
+    fn scaled(&self, scene: &Scene, eighths: u32) -> Result<Arc<Camera>> {
+        let shrunk = |side: u32| (side * eighths).div_ceil(STEPS).max(1);
+        match scene.size.filter(|_| eighths < STEPS) {
+            Some((w, h)) => self.camera(scene, Some((shrunk(w), shrunk(h)))).or_else(|_| self.camera(scene, None)),
+            None => self.camera(scene, None),
+        }
+    }
+}
+
+/// A scene on the device, as of the last picture of one quality.
+#[derive(Default)]
+struct Lane {
+    sequence: Sequence,
+    last: Option<Planned>,
+}
+
+/// Draws pictures, one after another.
+struct Painter {
+    loader: Arc<Loader>,
+    options: GpuOptions,
+    engine: Option<Engine>,
+    is_open: bool,
+    lanes: [Lane; 3],
+    pace: Pace,
+    /// The meshes whose lines were sent, and their number.
+    wires: (Weak<crate::geometry::mesh::Mesh>, u64),
+}
+
+/// The size of moving pictures.
+#[derive(Debug)]
+struct Pace {
+    /// In eighths of the size at rest.
+    eighths: u32,
+    /// Pictures in a row that were too slow, or fast enough for a larger size.
+    slow: u32,
+    fast: u32,
+    /// Fast pictures before a larger size is tried.
+    patience: u32,
+    /// The last change was to a larger size.
+    has_grown: bool,
+}
+
+impl Pace {
+    fn new() -> Pace {
+        Pace { eighths: STEPS, slow: 0, fast: 0, patience: FAST_MIN, has_grown: false }
+    }
+
+    /// Adapts the size to what a picture of it took; `most` eighths are the most.
+    fn took(&mut self, ms: f64, most: u32) {
+        let area = |to: u32| f64::from(to * to) / f64::from(self.eighths * self.eighths);
+        // half of the time at least does not depend on the size
+        let larger_ms = ms * (1.0 + area(self.eighths + 1)) / 2.0;
+        (self.slow, self.fast) = match ms {
+            ms if ms > MOVING_MS => (self.slow + 1, 0),
+            _ if larger_ms < MOVING_MS => (0, self.fast + 1),
+            _ => (0, 0),
+        };
+        if self.slow >= SLOW_MAX && self.eighths > 1 {
+            let fitting = (1..self.eighths).rev().find(|k| ms * area(*k) <= MOVING_MS).unwrap_or(1);
+            self.patience = if self.has_grown { self.patience.saturating_mul(2) } else { self.patience };
+            *self = Pace { eighths: fitting, slow: 0, fast: 0, patience: self.patience, has_grown: false };
+        } else if self.fast >= self.patience && self.eighths < most {
+            *self = Pace { eighths: self.eighths + 1, slow: 0, fast: 0, patience: self.patience, has_grown: true };
+        }
+    }
+}
+
+/// Pixels of a picture, and what is known of them.
+struct Pixels {
+    rgb: Vec<u8>,
+    size: (u32, u32),
+    whole: (u32, u32),
+    legend: Option<Legend>,
+    times: Times,
+    notes: Vec<String>,
+}
+
+/// Works for a session until it ends. `engine` is open; `options` open it again after it was lost.
+pub fn paint(session: &Session, loader: Arc<Loader>, engine: Option<Engine>, options: GpuOptions) {
+    let mut painter = Painter {
+        loader,
+        options,
+        engine,
+        is_open: true,
+        lanes: Default::default(),
+        pace: Pace::new(),
+        wires: (Weak::new(), 0),
+    };
+    while let Some(work) = session.next_work() {
+        match work {
+            Work::Picture(job) => session.drawn(&job, painter.guarded(|painter| painter.picture(&job))),
+            Work::Beside(job) => session.drawn_beside(&job, painter.guarded(|painter| painter.beside(&job))),
+            Work::Lines(at) => {
+                let drawn = painter.guarded(|painter| painter.lines(session, &at));
+                // what is wrong with the camera is said of its picture
+                if drawn.is_err() {
+                    session.lined(&at, json!({}), json!([]));
+                }
+            }
+        }
+    }
+}
+
+/// Answers what takes long on the CPU, until the session ends.
+pub fn inspect(session: &Session, loader: &Loader) {
+    while let Some(inspection) = session.next_inspection() {
+        match inspection {
+            Inspection::Pixel { page, x, y, tag, scene } => {
+                let answer = guarded(|| pixel(loader, &scene, x, y));
+                let mut answer = answer.unwrap_or_else(|why| json!({ "why": why }));
+                (answer["is"], answer["tag"], answer["x"], answer["y"]) =
+                    ("pixel".into(), tag.into(), x.into(), y.into());
+                session.answer(page, &answer);
+            }
+            Inspection::Beside(job) => session.drawn_beside(&job, guarded(|| by_reference(loader, &job))),
+        }
+    }
+}
+
+/// The result of some work; a panic is a defect of the program, and an error for the user.
+fn guarded<T>(work: impl FnOnce() -> Result<T>) -> std::result::Result<T, String> {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(result) => result.map_err(|e| e.to_string()),
+        Err(_) => Err("internal error; please report it with the scene's text".into()),
+    }
+}
+
+impl Painter {
+    fn guarded<T>(&mut self, work: impl FnOnce(&mut Painter) -> Result<T>) -> std::result::Result<T, String> {
+        let result = catch_unwind(AssertUnwindSafe(|| work(self)));
+        if !matches!(result, Ok(Ok(_) | Err(Error::Input(_)))) {
+            // what failed may be half done, and the device lost
+            self.lanes = Default::default();
+            (self.engine, self.is_open) = (None, false);
+        }
+        guarded(|| result.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    }
+
+    fn open(&mut self) -> Result<()> {
+        if !self.is_open {
+            self.engine = Engine::open(&self.options)?;
+            self.is_open = true;
+        }
+        Ok(())
+    }
+
+    fn picture(&mut self, job: &Job) -> Result<(Header, Arc<Vec<u8>>)> {
+        self.open()?;
+        let started = Instant::now();
+        let scene = self.loader.scene(&job.scene)?;
+        let quality = job.asked.quality;
+        let fits = |(w, h): (u32, u32), eighths: u32| {
+            u64::from(w) * u64::from(h) * u64::from(eighths * eighths) <= PIXELS_MAX * u64::from(STEPS * STEPS)
+        };
+        let most = (1..=STEPS).rev().find(|k| scene.size.is_none_or(|size| fits(size, *k))).unwrap_or(1);
+        let eighths = if quality == Quality::Moving { self.pace.eighths.min(most) } else { most };
+        let camera = self.loader.scaled(&scene, eighths)?;
+        let read = since(started);
+        let mut pixels = self.pixels(job, &scene, &camera)?;
+        pixels.whole = scene.size.unwrap_or(pixels.size);
+        pixels.times.read = read;
+        if most < STEPS {
+            pixels.notes.push(format!("shown at {most} eighths of its size"));
+        }
+        let encoded = encoded(job, pixels)?;
+        if quality == Quality::Moving {
+            self.pace.took(since(started), most);
+        }
+        Ok(encoded)
+    }
+
+    fn pixels(&mut self, job: &Job, scene: &Scene, camera: &Arc<Camera>) -> Result<Pixels> {
+        let started = Instant::now();
+        let shown = job.asked.look.shown;
+        let count = if job.asked.quality == Quality::Rest { job.asked.look.samples } else { 1 };
+        let wanted = shown.wanted();
+        check_memory(camera.width, camera.height, wanted.channels.len() + 3, 0)?;
+        let lane = match job.asked.quality {
+            _ if scene.mesh.triangles.len() >= LANES_TRIANGLES => 0,
+            quality => quality as usize,
+        };
+        let rendered = self.render(lane, scene, camera, &wanted, count)?;
+        let mut pixels = coloured(shown, scene, camera, &rendered)?;
+        pixels.times.render = since(started);
+        Ok(pixels)
+    }
+
+    fn render(
+        &mut self,
+        lane: usize,
+        scene: &Scene,
+        camera: &Arc<Camera>,
+        wanted: &Wanted,
+        count: u32,
+    ) -> Result<Rendered> {
+        let run = RunOptions::default();
+        if let Some(engine) = &mut self.engine
+            && let Some(wanted) = samples::in_sequence(scene, camera, wanted, count, false)
+        {
+            let Lane { sequence, last } = &mut self.lanes[lane];
+            let planner = engine.planner();
+            planner.check_size(camera, &wanted)?;
+            let planned = planner.plan(scene, camera.clone(), &wanted, &run, last.as_ref())?;
+            *last = Some(planned.clone());
+            return Ok(sequence.render(engine, planned, &run)?.rendered());
+        }
+        let mut backend = Backend::of(self.engine.as_mut(), &RenderJob::of(""))?;
+        samples::render(&mut backend, scene, camera, wanted, count, &run, &mut [])
+    }
+
+    /// The same picture by a rival.
+    fn beside(&mut self, job: &Job) -> Result<(Header, Arc<Vec<u8>>)> {
+        self.open()?;
+        let (scene, camera, render_job) = beside(&self.loader, job)?;
+        let started = Instant::now();
+        let mut backend = Backend::of(self.engine.as_mut(), &render_job)?;
+        let rendered = samples::render(
+            &mut backend,
+            &scene,
+            &camera,
+            &job.asked.look.shown.wanted(),
+            1,
+            &RunOptions::default(),
+            &mut [],
+        )?;
+        let mut pixels = coloured(job.asked.look.shown, &scene, &camera, &rendered)?;
+        pixels.times.render = since(started);
+        encoded(job, pixels)
+    }
+
+    fn lines(&mut self, session: &Session, at: &At) -> Result<()> {
+        let scene = self.loader.scene(at)?;
+        if self.wires.0.as_ptr() != Arc::as_ptr(&scene.mesh) {
+            self.wires = (Arc::downgrade(&scene.mesh), self.wires.1 + 1);
+            session.wired(self.wires.1, lines::of_scene(&scene.mesh));
+        }
+        let side = scene.size.map_or(0, |(w, h)| w.max(h));
+        let eighths = (1..=STEPS).rev().find(|k| side * k <= VOLUME_SIDE * STEPS).unwrap_or(1);
+        let camera = self.loader.scaled(&scene, eighths)?;
+        let root = file::values(&at.text, &self.loader.path, at.frame)?;
+        let marks = lines::marks(&camera, &values::json(&root));
+        session.lined(at, lines::of_camera(&camera, &scene.mesh), marks);
+        Ok(())
+    }
+}
+
+/// The scene of a second picture, and the job of its engine.
+fn beside(loader: &Loader, job: &Job) -> Result<(Scene, Arc<Camera>, RenderJob)> {
+    let name = job.asked.look.beside.as_deref().unwrap_or("reference");
+    let engine = options::engine(name).map_err(Error::Input)?;
+    let scene = loader.scene(&job.scene)?;
+    let camera = loader.camera(&scene, None)?;
+    if u64::from(camera.width) * u64::from(camera.height) > PIXELS_MAX {
+        return Err(Error::input("the picture is too large for a second one beside it; make it smaller"));
+    }
+    Ok((scene, camera, RenderJob { engine: Some(engine), ..RenderJob::of("") }))
+}
+
+fn by_reference(loader: &Loader, job: &Job) -> Result<(Header, Arc<Vec<u8>>)> {
+    let (scene, camera, render_job) = beside(loader, job)?;
+    debug_assert!(matches!(render_job.engine, Some(EngineName::Reference)));
+    let started = Instant::now();
+    let shown = job.asked.look.shown;
+    let rendered =
+        samples::render(&mut Backend::Reference, &scene, &camera, &shown.wanted(), 1, &RunOptions::default(), &mut [])?;
+    let mut pixels = coloured(shown, &scene, &camera, &rendered)?;
+    pixels.times.render = since(started);
+    encoded(job, pixels)
+}
+
+fn coloured(shown: Shown, scene: &Scene, camera: &Camera, rendered: &Rendered) -> Result<Pixels> {
+    let colours = shown.colours(scene, camera, &rendered.frame, rendered.srgb8.as_deref())?;
+    let size = (camera.width, camera.height);
+    let stages = rendered.stages.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
+    // what the engine leaves out is nothing that this picture lacks, but for a style
+    let left_out = rendered.left_out.iter().filter(|left| left.what == STYLE).map(|left| left.line());
+    let notes = left_out.chain(camera.notes.iter().chain(&camera.unfulfilled).cloned()).collect();
+    let times = Times { stages, ..Times::default() };
+    Ok(Pixels { rgb: colours.rgb, size, whole: size, legend: colours.legend, times, notes })
+}
+
+/// A picture's bytes: PNG at rest, as `anamorph render` writes it; else JPEG.
+fn encoded(job: &Job, pixels: Pixels) -> Result<(Header, Arc<Vec<u8>>)> {
+    let started = Instant::now();
+    let Pixels { rgb, size: (width, height), whole, legend, mut times, notes } = pixels;
+    let rest = if job.asked.look.samples > 1 { Quality::Rest } else { Quality::Whole };
+    let (bytes, mime) = if job.asked.quality >= rest {
+        (png_bytes(width, height, &rgb)?, "image/png")
+    } else {
+        let mut bytes = Vec::new();
+        let encoder = JpegEncoder::new_with_quality(&mut bytes, MOVING_QUALITY);
+        let written = encoder.write_image(&rgb, width, height, ExtendedColorType::Rgb8);
+        written.map_err(|e| Error::work(format!("the picture cannot be encoded: {e}")))?;
+        (bytes, "image/jpeg")
+    };
+    times.encode = since(started);
+    let header = Header {
+        id: 0,
+        beside: false,
+        revision: job.asked.revision,
+        seq: job.seq,
+        quality: job.asked.quality,
+        width,
+        height,
+        whole: [whole.0, whole.1],
+        mime,
+        legend,
+        times,
+        notes,
+    };
+    Ok((header, Arc::new(bytes)))
+}
+
+fn since(started: Instant) -> f64 {
+    started.elapsed().as_secs_f64() * 1e3
+}
+
+/// What `render --pixel` prints, with names, and where the ray and the hit are.
+fn pixel(loader: &Loader, at: &At, x: u32, y: u32) -> Result<serde_json::Value> {
+    let scene = loader.scene(at)?;
+    let camera = loader.camera(&scene, None)?;
+    if x >= camera.width || y >= camera.height {
+        let (width, height) = (camera.width, camera.height);
+        return Err(Error::input(format!("pixel {x},{y} is outside the image of {width}x{height}")));
+    }
+    let explained = reference::image::explain(&scene, &camera, x, y);
+    let labels = Labels::of(&scene);
+    let object = explained.triangle.and_then(|t| scene.objects.get(labels.object(t) as usize));
+    let material = explained.triangle.and_then(|t| scene.mesh.materials.get(labels.material(t) as usize));
+    let curve = camera.curve(0, x, y).map(|(_, curve)| curve.points().iter().map(|p| p.to_array()).collect::<Vec<_>>());
+    Ok(json!({
+        "text": explained.text.trim_end(),
+        "triangle": explained.triangle,
+        "point": explained.point.map(|p| p.to_array()),
+        "object": object.map(|o| o.name.as_str()),
+        "material": material.map(|m| m.name.as_str()),
+        "ray": curve,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The size after many pictures that take `fixed` ms and `whole` ms more at full size, and how often it changed in the last half.
+    fn settled(fixed: f64, whole: f64) -> (u32, usize) {
+        let mut pace = Pace::new();
+        let mut sizes = Vec::new();
+        for _ in 0..2000 {
+            pace.took(fixed + whole * f64::from(pace.eighths * pace.eighths) / f64::from(STEPS * STEPS), STEPS);
+            sizes.push(pace.eighths);
+        }
+        (pace.eighths, sizes[1000..].windows(2).filter(|pair| pair[0] != pair[1]).count())
+    }
+
+    #[test]
+    fn moving_pictures_are_as_large_as_their_time_allows() {
+        assert_eq!(settled(2.0, 10.0), (8, 0));
+        // 5 + 60 (6 / 8)^2 = 39 is too slow, 5 + 60 (5 / 8)^2 = 28 is not
+        let (size, changes) = settled(5.0, 60.0);
+        assert!(size == 5 && changes <= 4, "{size} {changes}");
+        assert_eq!(settled(5.0, 5000.0).0, 1);
+        assert_eq!(settled(500.0, 0.0), (1, 0));
+    }
+}

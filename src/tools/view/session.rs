@@ -1,0 +1,587 @@
+//! The scene that is viewed, and the pages that watch it. The server changes it by requests; the painter asks it what to draw next.
+
+use super::document::{Document, Gesture};
+use super::messages::{Header, Look, Quality, Request};
+use crate::jobs::options;
+use crate::{Error, Result};
+use serde_json::{Value as Json, json};
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+use tokio::sync::Notify;
+
+/// Without input for so long, a gesture that is still held gets a picture as at rest.
+const HELD: Duration = Duration::from_millis(400);
+/// A picture of several samples waits so long for further input.
+const SETTLED: Duration = Duration::from_millis(150);
+/// While pictures come, the scene's values are sent at most so often.
+const VALUES: Duration = Duration::from_millis(100);
+/// Pages that may watch at once.
+const PAGES_MAX: usize = 16;
+/// Pixels that a page may ask about before the answers come.
+const PIXELS_MAX: usize = 8;
+
+pub struct Session {
+    state: Mutex<State>,
+    /// There is something for the painter, or the inspector, to do.
+    work: Condvar,
+}
+
+/// A picture on its way to a page.
+pub struct Picture {
+    pub header: Header,
+    pub bytes: Arc<Vec<u8>>,
+}
+
+/// A message for a page.
+pub enum Outgoing {
+    Text(String),
+    Picture(Picture),
+}
+
+/// What a picture is of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Asked {
+    pub revision: u64,
+    pub look: Look,
+    pub quality: Quality,
+}
+
+/// A picture to draw.
+#[derive(Clone)]
+pub struct Job {
+    pub page: u64,
+    pub asked: Asked,
+    /// Of the page's last input.
+    pub seq: u64,
+    pub scene: At,
+}
+
+/// The text of a scene, and a frame of it.
+#[derive(Clone)]
+pub struct At {
+    pub revision: u64,
+    pub text: Arc<str>,
+    pub frame: f64,
+}
+
+/// Work for the painter.
+pub enum Work {
+    Picture(Job),
+    /// The second picture, by a rival.
+    Beside(Job),
+    /// The camera's volume.
+    Lines(At),
+}
+
+/// Work for the inspector: what takes long on the CPU.
+pub enum Inspection {
+    Pixel {
+        page: u64,
+        x: u32,
+        y: u32,
+        tag: u64,
+        scene: At,
+    },
+    /// The second picture, by the reference.
+    Beside(Job),
+}
+
+struct State {
+    document: Document,
+    frame: f64,
+    /// Counts the states of the scene.
+    revision: u64,
+    text: Arc<str>,
+    values: Json,
+    /// Why the scene of this revision cannot be shown.
+    problem: Option<String>,
+    /// Counts what pages see of the scene besides pictures.
+    version: u64,
+    last_input: Instant,
+    is_moving: bool,
+    pages: BTreeMap<u64, Page>,
+    next_page: u64,
+    next_picture: u64,
+    inspections: VecDeque<Inspection>,
+    /// The camera's volume, and the revision that it is of.
+    lines: Option<(u64, Arc<str>)>,
+    /// The scene's lines, and a number that changes with them.
+    wires: Option<(u64, Arc<str>)>,
+    adapter: String,
+    has_ended: bool,
+}
+
+struct Page {
+    look: Look,
+    seq: u64,
+    notify: Arc<Notify>,
+    /// What was last drawn for it.
+    drawn: Option<Asked>,
+    /// The same of the second picture.
+    drawn_beside: Option<(u64, Look)>,
+    outgoing: VecDeque<Picture>,
+    /// A picture was sent that the page has not drawn yet.
+    awaited: Option<u64>,
+    answers: Vec<String>,
+    sent_version: u64,
+    sent_at: Option<Instant>,
+    sent_lines: u64,
+    sent_wires: u64,
+}
+
+impl Session {
+    /// # Errors
+    /// Those of [`Document::values`].
+    pub fn new(document: Document, frame: f64, adapter: String) -> Result<Session> {
+        let (text, values) = (document.text().into(), document.values(frame)?);
+        let state = State {
+            document,
+            frame,
+            revision: 1,
+            text,
+            values,
+            problem: None,
+            version: 1,
+            last_input: Instant::now(),
+            is_moving: false,
+            pages: BTreeMap::new(),
+            next_page: 1,
+            next_picture: 1,
+            inspections: VecDeque::new(),
+            lines: None,
+            wires: None,
+            adapter,
+            has_ended: false,
+        };
+        Ok(Session { state: Mutex::new(state), work: Condvar::new() })
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        // a state is whole between statements; what panics elsewhere is reported
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A new page: its number, and what tells it that there are messages. `None`: too many watch.
+    pub fn join(&self) -> Option<(u64, Arc<Notify>)> {
+        let mut state = self.state();
+        if state.pages.len() >= PAGES_MAX {
+            return None;
+        }
+        let (id, notify) = (state.next_page, Arc::new(Notify::new()));
+        state.next_page += 1;
+        let page = Page {
+            look: Look { volume: false, ..Look::default() },
+            seq: 0,
+            notify: notify.clone(),
+            drawn: None,
+            drawn_beside: None,
+            outgoing: VecDeque::new(),
+            awaited: None,
+            answers: Vec::new(),
+            sent_version: 0,
+            sent_at: None,
+            sent_lines: 0,
+            sent_wires: 0,
+        };
+        state.pages.insert(id, page);
+        drop(state);
+        notify.notify_one();
+        self.work.notify_all();
+        Some((id, notify))
+    }
+
+    pub fn leave(&self, page: u64) {
+        self.state().pages.remove(&page);
+    }
+
+    /// Ends the threads that work for it.
+    pub fn end(&self) {
+        self.state().has_ended = true;
+        self.work.notify_all();
+    }
+
+    /// Does what a page asks. What is wrong with it is a message to that page.
+    pub fn take(&self, page: u64, text: &str) {
+        let mut state = self.state();
+        let request = serde_json::from_str::<Request>(text).map_err(|e| Error::input(format!("not a message: {e}")));
+        if let Err(error) = request.and_then(|request| state.take(page, request)) {
+            state.answer(page, &json!({ "is": "refused", "why": error.to_string() }));
+        }
+        drop(state);
+        self.work.notify_all();
+    }
+
+    /// Tells a page why something that it sent was refused.
+    pub fn refuse(&self, page: u64, why: &str) {
+        self.state().answer(page, &json!({ "is": "refused", "why": why }));
+    }
+
+    /// The messages that a page has to get now, and how long to wait for those that are held back.
+    pub fn outgoing(&self, page: u64) -> (Vec<Outgoing>, Option<Duration>) {
+        self.state().outgoing(page, Instant::now())
+    }
+
+    /// Waits for what the painter is to do next; `None` at the end.
+    pub fn next_work(&self) -> Option<Work> {
+        let mut state = self.state();
+        loop {
+            if state.has_ended {
+                return None;
+            }
+            let now = Instant::now();
+            let work = state.next_work(now);
+            if !state.inspections.is_empty() {
+                self.work.notify_all();
+            }
+            if work.is_some() {
+                return work;
+            }
+            state = self.work.wait_timeout(state, SETTLED.min(HELD) / 2).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    /// Waits for what the inspector is to do next; `None` at the end.
+    pub fn next_inspection(&self) -> Option<Inspection> {
+        let mut state = self.state();
+        loop {
+            if state.has_ended {
+                return None;
+            }
+            if let Some(inspection) = state.inspections.pop_front() {
+                return Some(inspection);
+            }
+            state = self.work.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Hands over a picture, or why there is none. Pages that ask for the same get it too.
+    pub fn drawn(&self, job: &Job, result: std::result::Result<(Header, Arc<Vec<u8>>), String>) {
+        self.state().drawn(job, result);
+        self.work.notify_all();
+    }
+
+    /// Hands over a second picture, or why there is none.
+    pub fn drawn_beside(&self, job: &Job, result: std::result::Result<(Header, Arc<Vec<u8>>), String>) {
+        let mut state = self.state();
+        let id = state.next_picture;
+        state.next_picture += 1;
+        let Some(page) = state.pages.get_mut(&job.page) else { return };
+        match result {
+            Ok((header, bytes)) if page.look == job.asked.look => {
+                page.outgoing.push_back(Picture { header: Header { id, beside: true, ..header }, bytes });
+                page.notify.notify_one();
+            }
+            Ok(_) => {}
+            Err(why) => {
+                let why = json!({ "is": "refused", "why": why });
+                state.answer(job.page, &why);
+            }
+        }
+    }
+
+    /// Hands over the volume of a camera.
+    pub fn lined(&self, at: &At, camera: Json, marks: Json) {
+        let mut state = self.state();
+        let text = json!({ "is": "volume", "revision": at.revision, "camera": camera, "marks": marks }).to_string();
+        state.lines = Some((at.revision, text.into()));
+        state.pages.values().for_each(|page| page.notify.notify_one());
+    }
+
+    /// Hands over the lines of the scene's meshes.
+    pub fn wired(&self, number: u64, scene: Json) {
+        let mut state = self.state();
+        let mut whole = scene;
+        whole["is"] = "wires".into();
+        state.wires = Some((number, whole.to_string().into()));
+    }
+
+    /// Sends a page an answer.
+    pub fn answer(&self, page: u64, answer: &Json) {
+        self.state().answer(page, answer);
+    }
+}
+
+impl State {
+    fn take(&mut self, id: u64, request: Request) -> Result<()> {
+        let Some(page) = self.pages.get_mut(&id) else { return Ok(()) };
+        let seq = match request {
+            Request::Edit { seq, .. }
+            | Request::Text { seq, .. }
+            | Request::Undo { seq }
+            | Request::Redo { seq }
+            | Request::Frame { seq, .. }
+            | Request::Look { seq, .. }
+            | Request::Rest { seq }
+            | Request::Offsets { seq } => Some(seq),
+            _ => None,
+        };
+        page.seq = seq.unwrap_or(0).max(page.seq);
+        match request {
+            Request::Edit { edits, gesture, .. } => {
+                let gesture: Option<Gesture> = gesture.map(|number| (id, number));
+                self.document.edit(&edits, self.frame, gesture)?;
+                self.touch(gesture.is_some());
+                self.changed();
+            }
+            Request::Text { text, .. } => {
+                self.document.replace(text, None)?;
+                self.touch(false);
+                self.changed();
+            }
+            Request::Undo { .. } => {
+                self.document.undo();
+                self.touch(false);
+                self.changed();
+            }
+            Request::Redo { .. } => {
+                self.document.redo();
+                self.touch(false);
+                self.changed();
+            }
+            Request::Save {} => {
+                self.document.save()?;
+                self.say();
+            }
+            Request::Frame { frame, playing, .. } => {
+                if !frame.is_finite() {
+                    return Err(Error::input("frame: use a finite number"));
+                }
+                self.frame = frame;
+                self.touch(playing);
+                self.changed();
+            }
+            Request::Look { look, .. } => {
+                options::samples(&look.samples.to_string()).map_err(Error::Input)?;
+                if let Some(name) = &look.beside {
+                    options::engine(name).map_err(|why| Error::Input(format!("{name}: {why}")))?;
+                }
+                // drawn anew even if it is the same, so that each such request has its picture
+                (page.look, page.drawn, page.drawn_beside) = (look, None, None);
+                self.say();
+            }
+            Request::Rest { .. } => {
+                self.is_moving = false;
+                self.say();
+            }
+            Request::Drawn { id: picture } => {
+                if page.awaited == Some(picture) {
+                    page.awaited = None;
+                    page.notify.notify_one();
+                }
+            }
+            Request::Pixel { x, y, tag } => {
+                let is_own = |i: &&Inspection| matches!(i, Inspection::Pixel { page, .. } if *page == id);
+                if self.inspections.iter().filter(is_own).count() >= PIXELS_MAX {
+                    return Err(Error::input("too many pixels at once; wait for the answers"));
+                }
+                self.inspections.push_back(Inspection::Pixel { page: id, x, y, tag, scene: self.at() });
+            }
+            Request::Command {} => {
+                let samples = page.look.samples;
+                let answer = match self.document.command(self.frame, samples) {
+                    Ok(command) => json!({ "is": "command", "text": command }),
+                    Err(why) => json!({ "is": "command", "why": why.to_string() }),
+                };
+                self.answer(id, &answer);
+            }
+            Request::Offsets { .. } => {
+                self.document.inline_offsets(&self.values, self.frame)?;
+                self.touch(false);
+                self.changed();
+            }
+        }
+        Ok(())
+    }
+
+    fn touch(&mut self, is_moving: bool) {
+        self.last_input = Instant::now();
+        self.is_moving = is_moving;
+    }
+
+    /// The scene is another one.
+    fn changed(&mut self) {
+        self.revision += 1;
+        self.text = self.document.text().into();
+        self.problem = None;
+        match self.document.values(self.frame) {
+            Ok(values) => self.values = values,
+            // pages keep the last values, and see why the text is wrong
+            Err(why) => self.problem = Some(why.to_string()),
+        }
+        self.say();
+    }
+
+    /// Pages see another state.
+    fn say(&mut self) {
+        self.version += 1;
+        self.pages.values().for_each(|page| page.notify.notify_one());
+    }
+
+    fn at(&self) -> At {
+        At { revision: self.revision, text: self.text.clone(), frame: self.frame }
+    }
+
+    fn answer(&mut self, id: u64, answer: &Json) {
+        if let Some(page) = self.pages.get_mut(&id) {
+            page.answers.push(answer.to_string());
+            page.notify.notify_one();
+        }
+    }
+
+    fn outgoing(&mut self, id: u64, now: Instant) -> (Vec<Outgoing>, Option<Duration>) {
+        let scene =
+            self.pages.get(&id).filter(|page| page.sent_version != self.version).map(|_| self.scene_message(id));
+        let Some(page) = self.pages.get_mut(&id) else { return (Vec::new(), None) };
+        let mut messages: Vec<Outgoing> = page.answers.drain(..).map(Outgoing::Text).collect();
+        let mut later = None;
+        if let Some(scene) = scene {
+            let wait = page.sent_at.map_or(Duration::ZERO, |at| VALUES.saturating_sub(now - at));
+            if wait.is_zero() || !self.is_moving {
+                messages.push(Outgoing::Text(scene));
+                (page.sent_version, page.sent_at) = (self.version, Some(now));
+            } else {
+                later = Some(wait);
+            }
+        }
+        if page.look.volume {
+            for (sent, lines) in [(&mut page.sent_wires, &self.wires), (&mut page.sent_lines, &self.lines)] {
+                if let Some((number, text)) = lines.as_ref().filter(|(number, _)| number != sent) {
+                    messages.push(Outgoing::Text(text.to_string()));
+                    *sent = *number;
+                }
+            }
+        }
+        if page.awaited.is_none()
+            && let Some(picture) = page.outgoing.pop_front()
+        {
+            page.awaited = Some(picture.header.id);
+            messages.push(Outgoing::Picture(picture));
+        }
+        (messages, later)
+    }
+
+    fn scene_message(&self, id: u64) -> String {
+        let document = &self.document;
+        let is_first = self.pages.get(&id).is_none_or(|page| page.sent_version == 0);
+        let mut message = json!({
+            "is": "scene",
+            "revision": self.revision,
+            "seq": self.pages.get(&id).map_or(0, |page| page.seq),
+            "text": &*self.text,
+            "values": self.values,
+            "problem": self.problem,
+            "frame": self.frame,
+            "frames": document.frames(),
+            "keyframed": document.keyframed(),
+            "saved": document.is_saved(),
+            "undo": document.can_undo(),
+            "redo": document.can_redo(),
+        });
+        if is_first {
+            message["name"] = document.target().display().to_string().into();
+            message["adapter"] = self.adapter.as_str().into();
+            message["cameras"] = json!(super::keys::of_cameras());
+            message["sections"] = json!(super::keys::of_sections());
+            let rivals: Vec<&str> = crate::rivals::TECHNIQUES.iter().map(|t| t.name).collect();
+            message["engines"] = json!([vec!["reference"], rivals].concat());
+        }
+        message.to_string()
+    }
+
+    fn next_work(&mut self, now: Instant) -> Option<Work> {
+        let idle = now - self.last_input;
+        let is_moving = self.is_moving && idle < HELD;
+        let at = self.at();
+        // a page that is served waits for its picture to be drawn, so that the others have their turns
+        let mut beside = None;
+        for (id, page) in &mut self.pages {
+            if page.awaited.is_some() || !page.outgoing.is_empty() {
+                continue;
+            }
+            let known = page.drawn.as_ref().filter(|drawn| drawn.revision == self.revision && drawn.look == page.look);
+            let known = known.map(|drawn| drawn.quality);
+            let rest = if page.look.samples > 1 { Quality::Rest } else { Quality::Whole };
+            let next = match known {
+                None if is_moving => Some(Quality::Moving),
+                None | Some(Quality::Moving) if !is_moving => Some(Quality::Whole),
+                Some(Quality::Whole) if rest == Quality::Rest && !is_moving && idle >= SETTLED => Some(Quality::Rest),
+                _ => None,
+            };
+            let job = |quality| Job {
+                page: *id,
+                asked: Asked { revision: self.revision, look: page.look.clone(), quality },
+                seq: page.seq,
+                scene: at.clone(),
+            };
+            if let Some(quality) = next {
+                return Some(Work::Picture(job(quality)));
+            }
+            let is_at_rest = !is_moving && known >= Some(rest);
+            let wanted = (self.revision, page.look.clone());
+            if page.look.beside.is_some()
+                && is_at_rest
+                && page.drawn_beside.as_ref() != Some(&wanted)
+                && beside.is_none()
+            {
+                beside = Some(job(rest));
+                page.drawn_beside = Some(wanted);
+            }
+        }
+        if self.problem.is_none()
+            && self.pages.values().any(|page| page.look.volume)
+            && self.lines.as_ref().is_none_or(|(revision, _)| *revision != self.revision)
+        {
+            if let Some(job) = beside {
+                // it is found again next time
+                self.pages.get_mut(&job.page)?.drawn_beside = None;
+            }
+            return Some(Work::Lines(at));
+        }
+        match beside {
+            Some(job) if job.asked.look.beside.as_deref() == Some("reference") => {
+                self.inspections.retain(|i| !matches!(i, Inspection::Beside(old) if old.page == job.page));
+                self.inspections.push_back(Inspection::Beside(job));
+                None
+            }
+            beside => beside.map(Work::Beside),
+        }
+    }
+
+    fn drawn(&mut self, job: &Job, result: std::result::Result<(Header, Arc<Vec<u8>>), String>) {
+        match result {
+            Ok((header, bytes)) => {
+                for (id, page) in &mut self.pages {
+                    let is_wanted = *id == job.page
+                        || (page.look == job.asked.look && page.awaited.is_none() && page.outgoing.is_empty());
+                    let is_newer = page.drawn.as_ref().is_none_or(|drawn| {
+                        (drawn.revision, drawn.quality) < (job.asked.revision, job.asked.quality)
+                            || drawn.look != page.look
+                    });
+                    if !(is_wanted && is_newer && page.look == job.asked.look) {
+                        continue;
+                    }
+                    let (id, seq) = (self.next_picture, if *id == job.page { job.seq } else { page.seq });
+                    self.next_picture += 1;
+                    page.drawn = Some(job.asked.clone());
+                    page.outgoing
+                        .push_back(Picture { header: Header { id, seq, ..header.clone() }, bytes: bytes.clone() });
+                    page.notify.notify_one();
+                }
+                if self.problem.is_some() && self.revision == job.asked.revision {
+                    self.problem = None;
+                    self.say();
+                }
+            }
+            Err(why) => {
+                if let Some(page) = self.pages.get_mut(&job.page) {
+                    page.drawn = Some(Asked { quality: Quality::Rest, ..job.asked.clone() });
+                }
+                if self.revision == job.asked.revision && self.problem.as_ref() != Some(&why) {
+                    self.problem = Some(why);
+                    self.say();
+                }
+            }
+        }
+    }
+}
