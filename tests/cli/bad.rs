@@ -10,7 +10,10 @@ fn wrong_command_lines() {
     let more = |extra: &[&'static str]| [&RENDER[..], extra].concat();
     for (args, says) in [
         (vec![], "no command given"),
-        (vec!["draw"], "'draw'; use one of render, compare, camera, batch, project, info, example, bench, gpu-report"),
+        (
+            vec!["draw"],
+            "'draw'; use one of render, compare, camera, batch, project, info, view, example, bench, gpu-report",
+        ),
         (vec!["rendr"], "a similar subcommand exists: 'render'"),
         (vec!["render"], "SCENE"),
         (vec!["render", "scene.toml"], "nothing to write; add -o"),

@@ -334,3 +334,37 @@ fn touch_turns_and_pinches() {
     assert!((distance() / before - 1.0 / 3.0).abs() < 0.02, "{} of {before}", distance());
     is_quiet(&viewed, &mut browser);
 }
+
+/// How often pictures come while the camera is dragged, and how long after it the whole picture does, by the page's clock. Other tests that
+/// run beside make it slower: `ANAMORPH_VIEW_RATES` asks that it be fast enough.
+#[test]
+fn rates() {
+    let scene = CITY.replace("width = 320", "width = 800").replace("height = 240", "height = 600");
+    let Some((viewed, mut browser)) = open(&format!("{scene}{PINHOLE}\n")) else { return };
+    // 4 seconds of moves, one each 16 ms, as a mouse gives them
+    let measured = browser.run(
+        "return (async () => { const [view, seen] = [document.getElementById('view'), []]; \
+         on('picture', (h) => seen.push({ at: performance.now(), moving: h.quality === 'moving', width: h.width, since: performance.now() - sentAt.get(h.seq) })); \
+         const box = view.getBoundingClientRect(); let [x, y] = [box.x + box.width / 2, box.y + box.height / 2]; \
+         const event = (type) => view.dispatchEvent(new PointerEvent(type, { clientX: x, clientY: y, pointerId: 1, buttons: 1, bubbles: true, cancelable: true })); \
+         view.setPointerCapture = () => {}; event('pointerdown'); \
+         for (let k = 0; k < 250; k++) { await new Promise((done) => setTimeout(done, 16)); x += 2 * Math.cos(k / 20); y += Math.sin(k / 15); event('pointermove'); } \
+         const released = performance.now(); event('pointerup'); delete view.setPointerCapture; \
+         while (!seen.some((s) => s.at > released && !s.moving)) await new Promise((done) => setTimeout(done, 5)); \
+         const moving = seen.filter((s) => s.moving).slice(5); const whole = seen.find((s) => s.at > released && !s.moving); \
+         const since = moving.map((s) => s.since).sort((a, b) => a - b); \
+         return { rate: (moving.length - 1) / ((moving.at(-1).at - moving[0].at) / 1000), since: since[since.length >> 1], most: since[Math.floor(since.length * 0.95)], \
+                  width: moving.at(-1).width, whole: whole.at - released } })()",
+    );
+    let [rate, since, most, width, whole] =
+        ["rate", "since", "most", "width", "whole"].map(|name| number(&measured[name]));
+    eprintln!(
+        "800x600, 15,000 triangles: {rate:.1} pictures a second while dragging, the last {width} px wide; {since:.0} ms after the input, \
+         95 % within {most:.0} ms; the whole picture {whole:.0} ms after release"
+    );
+    if std::env::var_os("ANAMORPH_VIEW_RATES").is_some() {
+        assert!(rate >= 8.0 && whole < 300.0);
+    }
+    assert!(rate > 0.5, "pictures come while the pointer moves");
+    is_quiet(&viewed, &mut browser);
+}

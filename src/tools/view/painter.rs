@@ -32,7 +32,9 @@ use std::time::Instant;
 const PIXELS_MAX: u64 = 1 << 24;
 /// Moving pictures should take at most so long, ms: with what it takes to send and draw one, under 50.
 const MOVING_MS: f64 = 36.0;
-/// Moving pictures in a row that are too slow before smaller ones follow: single ones wait for kernels that are compiled.
+/// The first pictures of a size do not count: the scene is uploaded for them, and kernels may be compiled.
+const FIRST: u32 = 2;
+/// Moving pictures in a row that are too slow before smaller ones follow.
 const SLOW_MAX: u32 = 3;
 /// Those that are fast before larger ones are tried; twice as many after each time that these were too slow.
 const FAST_MIN: u32 = 8;
@@ -106,15 +108,21 @@ struct Pace {
     patience: u32,
     /// The last change was to a larger size.
     has_grown: bool,
+    /// Pictures of this size so far.
+    count: u32,
 }
 
 impl Pace {
     fn new() -> Pace {
-        Pace { eighths: STEPS, slow: 0, fast: 0, patience: FAST_MIN, has_grown: false }
+        Pace { eighths: STEPS, slow: 0, fast: 0, patience: FAST_MIN, has_grown: false, count: 0 }
     }
 
     /// Adapts the size to what a picture of it took; `most` eighths are the most.
     fn took(&mut self, ms: f64, most: u32) {
+        self.count += 1;
+        if self.count <= FIRST {
+            return;
+        }
         let area = |to: u32| f64::from(to * to) / f64::from(self.eighths * self.eighths);
         // half of the time at least does not depend on the size
         let larger_ms = ms * (1.0 + area(self.eighths + 1)) / 2.0;
@@ -126,9 +134,16 @@ impl Pace {
         if self.slow >= SLOW_MAX && self.eighths > 1 {
             let fitting = (1..self.eighths).rev().find(|k| ms * area(*k) <= MOVING_MS).unwrap_or(1);
             self.patience = if self.has_grown { self.patience.saturating_mul(2) } else { self.patience };
-            *self = Pace { eighths: fitting, slow: 0, fast: 0, patience: self.patience, has_grown: false };
+            *self = Pace { eighths: fitting, slow: 0, fast: 0, patience: self.patience, has_grown: false, count: 0 };
         } else if self.fast >= self.patience && self.eighths < most {
-            *self = Pace { eighths: self.eighths + 1, slow: 0, fast: 0, patience: self.patience, has_grown: true };
+            *self = Pace {
+                eighths: self.eighths + 1,
+                slow: 0,
+                fast: 0,
+                patience: self.patience,
+                has_grown: true,
+                count: 0,
+            };
         }
     }
 }
