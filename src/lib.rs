@@ -75,7 +75,8 @@
 //!
 //! # Features
 //!
-//! `cli` (default): the program `anamorph`, with what only it needs. `simplify` (by `cli`): the key `facets` of mirrors and lenses, by
+//! `cli` (default): the program `anamorph`, with what only it needs. `view` (default): `Viewer`, a page in the browser, and the program's
+//! command for it. `simplify` (by `cli`): the key `facets` of mirrors and lenses, by
 //! meshoptimizer, which takes a C++ compiler. `internals`: for this project's own tests, with no promise that anything stays.
 
 #![cfg_attr(not(feature = "internals"), deny(missing_docs))]
@@ -109,6 +110,9 @@ mod layers {
     pub mod twin;
 
     pub mod jobs;
+
+    #[cfg(feature = "view")]
+    pub mod view;
 
     #[cfg(feature = "cli")]
     pub mod tools;

@@ -19,6 +19,7 @@ from ._frame import NO_ID, Comparison, Frame, Views, compare
 from ._mesh import Mesh
 from ._render import Projection, Renderer, check, project, render
 from ._scene import Scene
+from ._view import Viewer, view
 from .camera import Camera
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "RayCaster",
     "Renderer",
     "Scene",
+    "Viewer",
     "Views",
     "camera",
     "cast",
@@ -40,4 +42,5 @@ __all__ = [
     "compare",
     "project",
     "render",
+    "view",
 ]

@@ -6,6 +6,7 @@ mod cast;
 mod frame;
 mod renderer;
 mod scene;
+mod view;
 
 use pyo3::prelude::*;
 
@@ -24,6 +25,8 @@ mod _native {
     use super::renderer::Renderer;
     #[pymodule_export]
     use super::scene::Scene;
+    #[pymodule_export]
+    use super::view::Viewer;
 }
 
 /// Runs the program on these arguments, the first of which is its name; its exit code.

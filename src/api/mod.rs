@@ -8,6 +8,8 @@ mod mesh;
 mod objects;
 mod renderer;
 mod scene;
+#[cfg(feature = "view")]
+mod view;
 mod views;
 
 pub use self::batch::Batch;
@@ -17,6 +19,8 @@ pub use self::job::Job;
 pub use self::mesh::Mesh;
 pub use self::renderer::{RenderOptions, Rendered, Renderer, check, reference};
 pub use self::scene::{Placed, Scene};
+#[cfg(feature = "view")]
+pub use self::view::Viewer;
 pub use self::views::Views;
 pub use crate::camera::project::{Degenerate, Image, Images};
 pub use crate::image::compare::{Comparison, Difference, Matched, Measure, Quantiles};

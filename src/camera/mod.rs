@@ -31,6 +31,7 @@ pub mod spec;
 pub mod stack;
 pub mod tessellate;
 pub mod view;
+pub mod volume;
 
 use crate::camera::optics::Optics;
 use crate::camera::spec::CameraSpec;

@@ -20,3 +20,4 @@ mod smooth;
 pub mod spec;
 pub mod stl;
 pub mod texture;
+pub mod wires;

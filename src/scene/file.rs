@@ -114,6 +114,16 @@ pub(crate) fn values(text: &str, path: &Path, frame: f64) -> Result<Node> {
     read_values(text, parse::Format::Toml, path, &[], frame)
 }
 
+/// The same with the poses of a file as keyframes, and all keyframes as they are.
+///
+/// # Errors
+/// As [`values`].
+pub(crate) fn expanded(text: &str, path: &Path) -> Result<Node> {
+    let mut root = parse::parse(text, parse::Format::Toml, path)?;
+    poses::expand(&mut root, &Source::new(path, path.parent().unwrap_or(Path::new(""))))?;
+    Ok(root)
+}
+
 fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
     let root = read_values(text, format, path, overrides, frame)?;
     read_tree(root, path, path.parent().unwrap_or(Path::new("")))

@@ -1,9 +1,6 @@
-//! The program: its commands, its benchmarks, its examples, its report on an adapter, and its page in the browser.
+//! The program: its commands, its benchmarks, its examples and its report on an adapter.
 
 pub mod bench;
 pub mod cli;
-mod drawing;
 pub mod example;
 pub mod gpu_report;
-#[cfg(feature = "view")]
-pub mod view;

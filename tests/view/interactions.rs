@@ -16,6 +16,7 @@ fn numbers(browser: &Browser, path: &str) -> Vec<f64> {
 
 /// Drags a handle of the volume by some pixels.
 fn drag_handle(browser: &Browser, id: &str, [dx, dy]: [f64; 2]) {
+    browser.wait("turntable.isFitted && state.volume.revision === state.scene.revision && drawing === null");
     let [x, y] = browser.middle(&format!("#handles [data-id='{id}']"));
     browser.drag(&[[x, y], [x + dx, y + dy]]);
     browser.rest();

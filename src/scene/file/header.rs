@@ -39,6 +39,11 @@ impl CameraKeys {
         CameraKeys { camera, meshes, names_files, dir: dir.into() }
     }
 
+    /// The folder that relative paths in them start from.
+    pub fn folder(&self) -> &Path {
+        &self.dir
+    }
+
     /// For the header of a picture in `folder`: `keys` is the camera; `mesh` the meshes, if `uses_scene`, that is, the camera depends on
     /// them; and `folder`, if these name files, the path from the picture's folder to the folder that relative paths start from. Empty if
     /// the camera is not from a file.

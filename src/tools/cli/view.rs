@@ -5,26 +5,23 @@ use super::progress::Progress;
 use super::say::{note, print};
 use crate::gpu::device::GpuOptions;
 use crate::input::Result;
-use crate::tools::view::{Options, serve};
+use crate::view::{Document, Options, Server};
 
 pub fn run(args: &ViewArgs) -> Result<()> {
     let progress = Progress::start("reading the scene");
-    let options = Options {
-        port: args.port,
-        token: args.token.clone(),
-        frame: args.change.frame,
-        size: args.change.size,
-        set: &args.change.set,
-        gpu: GpuOptions { adapter: args.adapter.clone(), ..Default::default() },
-    };
-    serve(&args.scene, options, |address| {
-        drop(progress);
-        print(&format!("{address}\n"))?;
-        if args.open
-            && let Err(why) = open::that_detached(address)
-        {
-            note(format_args!("no browser can be opened: {why}; open the address above"));
-        }
-        Ok(())
-    })
+    let change = &args.change;
+    let mut document = Document::open(&args.scene)?;
+    document.change(change.size, &change.set, change.frame)?;
+    let gpu = GpuOptions { adapter: args.adapter.clone(), ..Default::default() };
+    let options = Options { port: args.port, token: args.token.clone(), frame: change.frame, gpu };
+    let server = Server::start(document, None, options)?;
+    drop(progress);
+    print(&format!("{}\n", server.address()))?;
+    if args.open
+        && let Err(why) = open::that_detached(server.address())
+    {
+        note(format_args!("no browser can be opened: {why}; open the address above"));
+    }
+    server.wait();
+    Ok(())
 }

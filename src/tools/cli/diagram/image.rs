@@ -1,8 +1,8 @@
 //! The image with its pieces, one picture a layer.
 
 use super::svg::{Frame, Svg};
+use crate::camera::volume::{runs, spread};
 use crate::camera::{Camera, Pieces, Rays};
-use crate::tools::drawing::volume::{runs, spread};
 use glam::DVec2;
 
 /// Pieces of a layer that are drawn at most.

@@ -2,7 +2,7 @@
 
 use super::svg::Svg;
 use super::view::View;
-use crate::tools::drawing::volume::LayerVolume;
+use crate::camera::volume::LayerVolume;
 use glam::{DVec2, DVec3};
 
 pub fn draw(svg: &mut Svg, layer: &LayerVolume, view: &View) {

@@ -3,10 +3,10 @@
 use super::layer;
 use super::svg::{Frame, Svg};
 use super::view::View;
+use crate::camera::volume::{self, Box3, LayerVolume, box_edges, corners};
 use crate::camera::{Camera, Curve};
 use crate::geometry::mesh::Mesh;
-use crate::tools::drawing::volume::{self, Box3, LayerVolume, box_edges, corners};
-use crate::tools::drawing::wires::{self, Wires};
+use crate::geometry::wires::{self, Wires};
 use glam::{DVec2, DVec3};
 
 pub fn draw(svg: &mut Svg, frame: Frame, mesh: &Mesh, camera: &Camera) {

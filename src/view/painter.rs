@@ -10,22 +10,27 @@ use crate::engine::plan::Wanted;
 use crate::engine::planned::Planned;
 use crate::engine::sequence::Sequence;
 use crate::engine::{Engine, Rendered, RunOptions};
+use crate::geometry::load::{Object, with_unique_names};
+use crate::geometry::mesh::Mesh;
+use crate::geometry::place;
 use crate::geometry::texture::ImagesRead;
 use crate::gpu::device::GpuOptions;
 use crate::image::png_bytes;
+use crate::image::tone::Tone;
 use crate::input::{Error, Result};
 use crate::jobs::backend::STYLE;
 use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options, samples};
 use crate::reference;
 use crate::scene::labels::Labels;
 use crate::scene::library::Library;
+use crate::scene::style::Style;
 use crate::scene::{Scene, file};
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use serde_json::json;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::Instant;
 
 /// Larger pictures are shown smaller.
@@ -51,16 +56,59 @@ const LANES_TRIANGLES: usize = 1 << 20;
 pub struct Loader {
     library: Library,
     path: PathBuf,
+    /// A scene in memory, whose text is that of the camera alone.
+    base: Option<Scene>,
+    /// The meshes of `base` and of the last text, and these in one.
+    joined: Mutex<Option<(Arc<Mesh>, Joined)>>,
 }
 
+/// Meshes in one, and their objects.
+type Joined = (Arc<Mesh>, Vec<Object>);
+
 impl Loader {
-    pub fn new(path: &Path) -> Loader {
-        Loader { library: Library::default(), path: path.to_owned() }
+    pub fn new(path: &Path, base: Option<Scene>) -> Loader {
+        Loader { library: Library::default(), path: path.to_owned(), base, joined: Mutex::default() }
     }
 
     pub fn scene(&self, at: &At) -> Result<Scene> {
         let file = file::of_text(&at.text, &self.path, at.frame)?;
-        self.library.scene(file, ImagesRead::All).map_err(|e| e.at(self.path.display()))
+        let scene = self.library.scene(file, ImagesRead::All).map_err(|e| e.at(self.path.display()))?;
+        match &self.base {
+            Some(base) => self.with_base(scene, base),
+            None => Ok(scene),
+        }
+    }
+
+    /// A scene of a text with the meshes of `base` before its own, and the lights and the style of `base` where it has none.
+    fn with_base(&self, scene: Scene, base: &Scene) -> Result<Scene> {
+        let (mesh, objects) = if scene.mesh.triangles.is_empty() {
+            (base.mesh.clone(), base.objects.clone())
+        } else {
+            let mut joined = self.joined.lock().unwrap_or_else(PoisonError::into_inner);
+            match joined.as_ref().filter(|(own, _)| Arc::ptr_eq(own, &scene.mesh)) {
+                Some((_, joined)) => joined.clone(),
+                None => {
+                    place::check_counts([&*base.mesh, &*scene.mesh])?;
+                    let mut mesh = (*base.mesh).clone();
+                    place::append_with_all(&mut mesh, (*scene.mesh).clone());
+                    let objects = with_unique_names(base.objects.iter().chain(&scene.objects).cloned());
+                    joined.insert((scene.mesh.clone(), (Arc::new(mesh), objects))).1.clone()
+                }
+            }
+        };
+        let is_black = scene.background == [0.0; 3];
+        Ok(Scene {
+            mesh,
+            objects,
+            lights: if scene.lights.is_empty() { base.lights.clone() } else { scene.lights },
+            style: if scene.style == Style::default() { base.style } else { scene.style },
+            ambient_occlusion: scene.ambient_occlusion.or(base.ambient_occlusion),
+            sky: scene.sky.or_else(|| base.sky.clone()),
+            background: if is_black { base.background } else { scene.background },
+            tone: if scene.tone == Tone::default() { base.tone } else { scene.tone },
+            caustics: scene.caustics.or_else(|| base.caustics.clone()),
+            ..scene
+        })
     }
 
     pub fn camera(&self, scene: &Scene, size: Option<(u32, u32)>) -> Result<Arc<Camera>> {
@@ -93,7 +141,7 @@ struct Painter {
     lanes: [Lane; 3],
     pace: Pace,
     /// The meshes whose lines were sent, and their number.
-    wires: (Weak<crate::geometry::mesh::Mesh>, u64),
+    wires: (Weak<Mesh>, u64),
 }
 
 /// The size of moving pictures.

@@ -21,11 +21,11 @@ pub struct Key {
 
 /// The sections of a scene file besides the camera that have controls.
 pub const SECTIONS: [(&str, &str); 5] = [
-    ("image", include_str!("../../scene/help/image.txt")),
-    ("light", include_str!("../../scene/help/light.txt")),
-    ("ambient_occlusion", include_str!("../../scene/help/ambient_occlusion.txt")),
-    ("environment", include_str!("../../scene/help/environment.txt")),
-    ("style", include_str!("../../scene/help/style.txt")),
+    ("image", include_str!("../scene/help/image.txt")),
+    ("light", include_str!("../scene/help/light.txt")),
+    ("ambient_occlusion", include_str!("../scene/help/ambient_occlusion.txt")),
+    ("environment", include_str!("../scene/help/environment.txt")),
+    ("style", include_str!("../scene/help/style.txt")),
 ];
 
 /// The keys of each kind of camera.

@@ -4,6 +4,8 @@ let refusal = null;
 function showProblem() {
   const problem = refusal ?? state.scene?.problem ?? null;
   const box = $("problem");
+  if (box.dataset.said === (problem ?? "")) return;
+  box.dataset.said = problem ?? "";
   box.hidden = problem === null;
   box.replaceChildren(problem ?? "");
   // "x is missing; add e.g. x = 1"
@@ -24,15 +26,16 @@ on("scene", (isOwn) => {
   if (!isOwn) {
     $("name").textContent = scene.name;
     document.title = `${fileName("")} - anamorph`;
-    $("saved").textContent = scene.saved ? "saved" : "not saved";
+    $("saved").textContent = !scene.has_file ? "" : scene.saved ? "saved" : "not saved";
     $("undo").disabled = !scene.undo;
     $("redo").disabled = !scene.redo;
-    $("save").disabled = scene.saved;
+    $("save").disabled = scene.saved || !scene.has_file;
+    $("copy-command").disabled = !scene.has_file;
     if ($("beside").options.length === 1) scene.engines.forEach((name) => $("beside").append(element("option", { value: name }, name)));
     $("timeline").hidden = !scene.frames;
     if (scene.frames) {
       [$("frame").min, $("frame").max] = scene.frames;
-      if (document.activeElement !== $("frame") || playing === null) $("frame").value = scene.frame;
+      if (document.activeElement !== $("frame") || playing !== null) $("frame").value = scene.frame;
       $("frame-number").textContent = Number(scene.frame.toPrecision(6));
     }
     showText();
@@ -63,14 +66,18 @@ $("samples").onchange = () => look({ samples: Number($("samples").value) });
 $("beside").onchange = () => { picture.beside = null; look({ beside: $("beside").value || null }); wipe(); };
 $("wiper").oninput = wipe;
 $("tool").onchange = showTools;
-$("pose").onchange = drawOverlay;
+$("pose").onchange = () => { aimRegion($("pose").value); drawOverlay(); };
 $("fit").onclick = () => { fitVolume(); drawVolume(); };
 $("show-rays").onchange = $("show-scene").onchange = drawVolume;
 $("save-view").onclick = saveView;
 $("join-views").onclick = joinViews;
 $("pixel-form").onsubmit = (event) => { event.preventDefault(); inspect(Number($("pixel-x").value), Number($("pixel-y").value)); };
 $("scene-text").oninput = () => { isTyped = true; showText(); };
-$("apply-text").onclick = () => { isTyped = false; ask("text", { text: $("scene-text").value }); };
+function applyText() {
+  if (ask("text", { text: $("scene-text").value })) isTyped = false;
+  else tell("refused", "not connected: the text is kept here; apply it when the connection is back");
+}
+$("apply-text").onclick = applyText;
 $("revert-text").onclick = () => { isTyped = false; showText(); };
 
 let playing = null;
@@ -102,7 +109,11 @@ document.addEventListener("keydown", (event) => {
   if (!(event.ctrlKey || event.metaKey)) return;
   const isText = event.target.matches?.("textarea, input[type=text], input[type=number]");
   const key = event.key.toLowerCase();
-  if (key === "s") send({ do: "save" });
+  if (key === "s") {
+    if (isTyped) applyText();
+    document.activeElement?.blur?.();
+    send({ do: "save" });
+  }
   else if (key === "z" && !isText) ask(event.shiftKey ? "redo" : "undo");
   else if (key === "y" && !isText) ask("redo");
   else return;

@@ -9,7 +9,9 @@ const HANDLES_MAX = 200;
 function handles() {
   const camera = state.values.camera ?? {};
   const found = [];
-  const round = (place) => roundedAll(place, extent());
+  const pose = poseOf(camera);
+  const size = pose ? Math.min(extent(), length(sub(pose.eye, pose.target))) : extent();
+  const round = (place) => roundedAll(place, size);
   const walk = (value, path, name, inPlace) => {
     if (found.length >= HANDLES_MAX || value === null || typeof value !== "object") return;
     if (isVector(value)) {
@@ -97,7 +99,7 @@ function special(camera, round) {
       });
     });
   }
-  (camera.surfaces ?? []).forEach((surface, k) => {
+  listOf(camera.surfaces).forEach((surface, k) => {
     if (!isVector(surface.center) || typeof surface.radius !== "number") return;
     const path = `camera.surfaces.${k}.radius`;
     const along = surface.kind === "sphere" ? [1, 0, 0] : radial(surface.axis ?? surface.normal ?? [0, 1, 0]);
@@ -137,17 +139,19 @@ function dragged(shape, moved, nudge) {
   shape.addEventListener("pointerdown", (event) => {
     event.preventDefault();
     event.stopPropagation();
+    if (event.button !== 0) return;
     shape.focus();
     shape.setPointerCapture(event.pointerId);
-    beginGesture();
+    const gesture = beginGesture();
     const move = (now) => moved(now);
+    // also if the shape is gone by then
     const up = () => {
       shape.removeEventListener("pointermove", move);
-      endGesture();
+      for (const name of ["pointerup", "pointercancel", "blur"]) removeEventListener(name, up, true);
+      endGesture(gesture);
     };
     shape.addEventListener("pointermove", move);
-    shape.addEventListener("pointerup", up, { once: true });
-    shape.addEventListener("pointercancel", up, { once: true });
+    for (const name of ["pointerup", "pointercancel", "blur"]) addEventListener(name, up, true);
   });
   shape.addEventListener("keydown", (event) => {
     const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };

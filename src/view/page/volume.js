@@ -68,7 +68,8 @@ function drawLines() {
   const ratio = window.devicePixelRatio || 1;
   const [w, h] = [Math.round(box.clientWidth * ratio), Math.round(box.clientHeight * ratio)];
   if (w === 0) return;
-  if (!turntable.isFitted) fitVolume();
+  // once both are there
+  if (!turntable.isFitted && state.wires && state.volume) fitVolume();
   if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
   const context = canvas.getContext("2d");
   context.setTransform(ratio, 0, 0, ratio, 0, 0);

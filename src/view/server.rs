@@ -16,8 +16,9 @@ use std::time::Duration;
 
 /// The longest message of a page, bytes: a scene's text, and what goes with it.
 const MESSAGE_MAX: usize = super::document::TEXT_MAX + (1 << 20);
-/// A page that takes nothing for so long is let go.
+/// A page that has not taken what is sent after so long is let go: a minute, and a second for each of so many bytes.
 const SEND_TIMEOUT: Duration = Duration::from_secs(60);
+const SLOWEST: u64 = 50_000;
 
 #[derive(Clone)]
 struct Shared {
@@ -31,15 +32,23 @@ struct Access {
     token: String,
 }
 
-/// Serves until the process ends.
-pub async fn serve(listener: tokio::net::TcpListener, session: Arc<Session>, token: String) -> std::io::Result<()> {
+/// Serves until it is stopped.
+pub async fn serve(
+    listener: tokio::net::TcpListener,
+    session: Arc<Session>,
+    token: String,
+    stop: Arc<tokio::sync::Notify>,
+) -> std::io::Result<()> {
     let shared = Shared { session, token: token.into() };
     let router = Router::new()
         .route("/", get(page))
         .route("/socket", get(socket))
         .layer(middleware::from_fn(only_local))
         .with_state(shared);
-    axum::serve(listener, router).await
+    tokio::select! {
+        served = async { axum::serve(listener, router).await } => served,
+        () = stop.notified() => Ok(()),
+    }
 }
 
 /// Refuses other names of this machine, which a page of another site may use to reach it (DNS rebinding), and requests from such pages.
@@ -134,7 +143,8 @@ async fn watch(mut socket: WebSocket, session: Arc<Session>) {
         }
         let (messages, wait) = session.outgoing(id);
         later = wait;
-        let sent = tokio::time::timeout(SEND_TIMEOUT, async {
+        let bytes = messages.iter().map(Outgoing::bytes).sum::<usize>() as u64;
+        let sent = tokio::time::timeout(SEND_TIMEOUT + Duration::from_secs(bytes / SLOWEST), async {
             for message in messages {
                 socket.send(message.into()).await?;
             }

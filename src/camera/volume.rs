@@ -1,8 +1,8 @@
 //! A layer of a camera's rays as lines in the world: near surface, far ends, sample rays, slits.
 
-use crate::camera::describe::piece_class;
-use crate::camera::glc::Class;
-use crate::camera::{Camera, Curve, Piece, Pieces, Rays};
+use super::describe::piece_class;
+use super::glc::Class;
+use super::{Camera, Curve, Piece, Pieces, Rays};
 use glam::{DVec2, DVec3};
 
 /// Pixels between which surfaces are drawn, across and down; every [`STEP`]th has a line and a ray.

@@ -34,11 +34,22 @@ const OFFSETS_MAX: usize = 1024;
 /// The longest text of a scene that is edited.
 pub const TEXT_MAX: usize = 4 << 20;
 
+/// Keyframes of a scene.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Keys {
+    /// The first and the last frame with a key; `None` without keys.
+    pub frames: Option<[f64; 2]>,
+    /// The dotted paths of all keyframed values.
+    pub paths: Vec<String>,
+    /// The camera's keys are poses of a file.
+    pub has_poses: bool,
+}
+
 pub struct Document {
     /// The scene file.
     path: PathBuf,
-    /// Where it is saved: the scene file, or for a .json the .toml beside it.
-    target: PathBuf,
+    /// Where it is saved: the scene file, or for a .json the .toml beside it; `None` for a scene in memory.
+    target: Option<PathBuf>,
     text: String,
     /// The text of `target`; `None`: there is no such file yet, as far as this program wrote it.
     saved: Option<String>,
@@ -70,16 +81,69 @@ impl Document {
             return Err(Error::input(format!("{name}: {bytes} bytes of text; view takes at most {TEXT_MAX}")));
         }
         let (undo, redo) = (Vec::new(), Vec::new());
-        Ok(Document { path: path.to_owned(), target, text, saved, undo, redo, gesture: None })
+        Ok(Document { path: path.to_owned(), target: Some(target), text, saved, undo, redo, gesture: None })
+    }
+
+    /// The document of a scene in memory: its camera, a table in TOML or, where it begins with a brace, JSON; and the size of the image.
+    /// Relative paths in it start from `folder`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a table that is neither.
+    pub fn of_camera(camera: &str, size: Option<(u32, u32)>, folder: &Path) -> Result<Document> {
+        let path = folder.join("scene.toml");
+        let format = if camera.trim_start().starts_with('{') { Format::Json } else { Format::Toml };
+        let mut scene = serde_json::Map::new();
+        if let Some((width, height)) = size {
+            scene.insert("image".into(), serde_json::json!({ "width": width, "height": height }));
+        }
+        scene.insert("camera".into(), values::json(&parse::parse(camera, format, Path::new("camera"))?));
+        let root = parse::parse(&Json::Object(scene).to_string(), Format::Json, &path)?;
+        let text = values::toml(&root).map_err(Error::input)?;
+        let (undo, redo) = (Vec::new(), Vec::new());
+        Ok(Document { path, target: None, text, saved: None, undo, redo, gesture: None })
+    }
+
+    /// Applies the changes of a command line: the image's size, and `key=value` texts as of `--set`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a text without a value, and for a path that leads nowhere.
+    pub fn change(&mut self, size: Option<(u32, u32)>, set: &[String], frame: f64) -> Result<()> {
+        let edit = |path: &str, value: Json| Edit { path: path.into(), value };
+        let sides =
+            |(width, height): (u32, u32)| [edit("image.width", width.into()), edit("image.height", height.into())];
+        self.edit(&size.map(sides).into_iter().flatten().collect::<Vec<Edit>>(), frame, None)?;
+        if set.is_empty() {
+            return Ok(());
+        }
+        // in place of keyframes too, as `render` has it
+        let mut document = self.parsed()?;
+        for text in set {
+            let wrong = |why: &dyn std::fmt::Display| Error::input(format!("--set {text:?}: {why}"));
+            let (path, value) = text.split_once('=').ok_or_else(|| wrong(&"no '='; write it as key=value"))?;
+            let steps: Vec<&str> = path.trim().split('.').collect();
+            let value = values::value(&values::json(&parse::parse_set_value(value))).map_err(|why| wrong(&why))?;
+            paths::set(&mut document, &steps, value).map_err(|why| wrong(&why))?;
+        }
+        self.replace(self.with_line_ends(document.to_string()), None)
+    }
+
+    /// The scene file, from whose folder relative paths start.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The file that [`Document::save`] writes.
-    pub fn target(&self) -> &Path {
-        &self.target
+    /// What it is called: the file that [`Document::save`] writes, if there is one.
+    pub fn name(&self) -> String {
+        self.target.as_ref().map_or("a scene in memory".into(), |target| target.display().to_string())
+    }
+
+    /// Whether it can be saved to a file.
+    pub fn has_file(&self) -> bool {
+        self.target.is_some()
     }
 
     pub fn is_saved(&self) -> bool {
@@ -110,14 +174,13 @@ impl Document {
         file::values(&self.text, &self.path, frame).map(|root| values::json(&root))
     }
 
-    /// The first and the last frame with a key; `None` without keys.
-    pub fn frames(&self) -> Option<[f64; 2]> {
-        values::frames(&self.root().ok()?)
-    }
-
-    /// The dotted paths of all keyframed values.
-    pub fn keyframed(&self) -> Vec<String> {
-        self.root().map(|root| values::keyframed(&root)).unwrap_or_default()
+    /// What moves from frame to frame.
+    pub fn keys(&self) -> Keys {
+        // of text that cannot be read, nothing does
+        let Ok(root) = self.root() else { return Keys::default() };
+        let Ok(expanded) = file::expanded(&self.text, &self.path) else { return Keys::default() };
+        let has_poses = values::keyframed(&expanded) != values::keyframed(&root);
+        Keys { frames: values::frames(&expanded), paths: values::keyframed(&root), has_poses }
     }
 
     /// Changes values. A keyframed value gets a key at `frame`.
@@ -126,7 +189,10 @@ impl Document {
     /// [`Error::Input`] for a path that leads nowhere; the text is then unchanged.
     pub fn edit(&mut self, edits: &[Edit], frame: f64, gesture: Option<Gesture>) -> Result<()> {
         let wrong = |edit: &Edit, why: String| Error::input(format!("{}: {why}", edit.path));
-        let mut document: DocumentMut = self.text.parse().map_err(|_| Error::input("the scene's text is not TOML"))?;
+        if edits.is_empty() {
+            return Ok(());
+        }
+        let mut document = self.parsed()?;
         let mut at_frame = None;
         for edit in edits {
             let steps: Vec<&str> = edit.path.split('.').collect();
@@ -136,6 +202,9 @@ impl Document {
             let keys = (1..=steps.len()).find(|n| paths::get(&document, &steps[..*n]).is_some_and(is_keys));
             match (keys, &edit.value) {
                 (None, Json::Null) => paths::remove(&mut document, &steps).map_err(|why| wrong(edit, why))?,
+                (Some(n), Json::Null) if n == steps.len() => {
+                    paths::remove(&mut document, &steps).map_err(|why| wrong(edit, why))?;
+                }
                 (None, value) => {
                     let value = values::value(value).map_err(|why| wrong(edit, why))?;
                     paths::set(&mut document, &steps, value).map_err(|why| wrong(edit, why))?;
@@ -155,7 +224,19 @@ impl Document {
                 }
             }
         }
-        self.replace(document.to_string(), gesture)
+        self.replace(self.with_line_ends(document.to_string()), gesture)
+    }
+
+    /// The text, to be changed.
+    fn parsed(&self) -> Result<DocumentMut> {
+        // its errors name the line
+        self.root()?;
+        self.text.parse().map_err(|_| Error::input("the scene's text is not TOML"))
+    }
+
+    /// Text with lines that end as those of the file; `toml_edit` ends them by a line feed alone.
+    fn with_line_ends(&self, text: String) -> String {
+        if self.text.contains("\r\n") { text.replace("\r\n", "\n").replace('\n', "\r\n") } else { text }
     }
 
     /// Writes the offsets of a `camera_texture`, which are in a file, into the scene.
@@ -223,14 +304,22 @@ impl Document {
     /// # Errors
     /// [`Error::Input`] if the file was changed by others since it was read or written here; [`Error::Write`] if it cannot be written.
     pub fn save(&mut self) -> Result<()> {
-        let found = std::fs::read_to_string(&self.target).ok();
-        if found != self.saved && found.as_ref() != Some(&self.text) {
-            let name = self.target.display();
+        let Some(target) = &self.target else { return Err(Error::input("this scene has no file; download it")) };
+        let name = target.display();
+        let is_ours = match std::fs::metadata(target) {
+            Err(e) => e.kind() == std::io::ErrorKind::NotFound,
+            Ok(file) if !file.is_file() => return Err(Error::input(format!("{name}: not a file; download the scene"))),
+            Ok(_) => {
+                let found = std::fs::read_to_string(target).ok();
+                found.is_some() && (found == self.saved || found.as_ref() == Some(&self.text))
+            }
+        };
+        if !is_ours {
             return Err(Error::input(format!(
                 "{name}: another program has changed or created it; download the scene, or move that file away"
             )));
         }
-        write_text(&self.target, &self.text)?;
+        write_text(target, &self.text)?;
         self.saved = Some(self.text.clone());
         Ok(())
     }
@@ -238,16 +327,18 @@ impl Document {
     /// The command that renders what is viewed: the file as it is saved, and `--set` for what differs from it.
     ///
     /// # Errors
-    /// [`Error::Input`] if no `--set` can say it, since keys were removed.
+    /// [`Error::Input`] if no `--set` can say it, since a section was removed.
     pub fn command(&self, frame: f64, samples: u32) -> Result<String> {
-        let on_disk = match (&self.saved, self.target == self.path) {
-            (Some(saved), _) => parse::parse(saved, Format::Toml, &self.target)?,
-            (None, true) => return Err(Error::input("save the scene first")),
-            (None, false) => parse::parse(&read_text(&self.path)?, Format::Json, &self.path)?,
+        let Some(target) = &self.target else {
+            return Err(Error::input("this scene is in memory; no command line renders it"));
         };
-        let file = if self.saved.is_some() { &self.target } else { &self.path };
+        let (file, on_disk) = match &self.saved {
+            Some(saved) => (target, parse::parse(saved, Format::Toml, target)?),
+            // of JSON, which the text was made from
+            None => (&self.path, parse::parse(&read_text(&self.path)?, Format::Json, &self.path)?),
+        };
         let Some(sets) = values::assignments(&on_disk, &self.root()?) else {
-            return Err(Error::input("keys were removed, which no --set can say; save the scene first"));
+            return Err(Error::input("a section was removed, which no --set can say; save the scene first"));
         };
         let mut words = vec!["anamorph".into(), "render".into(), quoted(&file.display().to_string())];
         words.extend(sets.iter().flat_map(|set| ["--set".into(), quoted(set)]));

@@ -20,7 +20,7 @@ async function takePicture(buffer) {
     send({ do: "drawn", id: header.id });
   }
   if (header.beside) {
-    picture.beside = header;
+    picture.beside = header.revision === picture.header?.revision ? header : null;
     wipe();
   } else {
     Object.assign(picture, { header, bytes, count: picture.count + 1 });
@@ -58,10 +58,12 @@ function pixelAt([a, b]) {
 // Tables of the scene that have an eye and a target, by their paths.
 function poses() {
   const found = [];
+  // keyframes of a file: there is nothing to change in the scene's text
+  if (state.scene.has_poses) return found;
   const look = (at, path) => {
     if (Array.isArray(at)) at.forEach((item, k) => look(item, `${path}.${k}`));
     else if (at && typeof at === "object") {
-      if (poseOf(at)) found.push(path);
+      if (poseOf(at) || lacksTarget(at)) found.push(path);
       for (const [key, value] of Object.entries(at)) if (value && typeof value === "object" && !isVector(value)) look(value, `${path}.${key}`);
     }
   };
@@ -69,11 +71,23 @@ function poses() {
   return found;
 }
 
-// Eye, target and up of a table; null where it has none. A region of top_down may lack a target.
+// A region of top_down may lack a target: it looks at what the root sees in its middle.
+const lacksTarget = (table) => isVector(table.eye) && !table.target && (table.rect || table.polygon);
+
+// Gives such a region its target, before it is moved.
+async function aimRegion(path) {
+  const region = get(path);
+  if (!region || !lacksTarget(region) || !picture.header) return;
+  const corners = region.polygon ?? [region.rect.slice(0, 2), region.rect.slice(2)];
+  const middle = scale(corners.reduce(add), 1 / corners.length);
+  const found = await pixel(...pixelAt(middle));
+  if (found.point) edit([[`${path}.target`, roundedAll(found.point, extent())]]);
+}
+
+// Eye, target and up of a table; null where it has none.
 function poseOf(table) {
   const up = isVector(table.up) ? table.up : get("camera.up") ?? [0, 1, 0];
   if (isVector(table.eye) && isVector(table.target)) return { eye: table.eye, target: table.target, up };
-  if (isVector(table.eye) && table.rect && isVector(get("camera.target"))) return { eye: table.eye, target: get("camera.target"), up };
   const isOpencv = table.convention === "opencv";
   const of = (eye, x, y, z) => {
     const forward = isOpencv ? z : scale(z, -1);
@@ -93,12 +107,15 @@ function poseOf(table) {
 
 // Edits that give a table another pose.
 function posed(path, { eye, target, up }) {
-  const [table, size] = [get(path), extent()];
+  const table = get(path);
+  // fine enough for the scene, and for views of a small part of it
+  const size = Math.min(extent(), length(sub(eye, target)));
   const gone = ["quaternion", "matrix", "convention", "distance"].filter((key) => key in table);
   const edits = gone.map((key) => [`${path}.${key}`, null]);
   edits.push([`${path}.eye`, roundedAll(eye, size)]);
-  if (gone.length > 0 || table.target || table.rect) edits.push([`${path}.target`, roundedAll(target, size)]);
-  if (gone.length > 0) edits.push([`${path}.up`, roundedAll(up, 1)]);
+  edits.push([`${path}.target`, roundedAll(target, size)]);
+  const before = isVector(table.up) ? table.up : [0, 1, 0];
+  if (gone.length > 0 || length(sub(unit(before), unit(up))) > 1e-6) edits.push([`${path}.up`, roundedAll(up, 1)]);
   return edits;
 }
 
@@ -140,7 +157,10 @@ function dolly(factor) {
   const own = moved();
   if (!own) return;
   const { eye, target, up } = own.pose;
-  edit(posed(own.path, { eye: add(target, scale(sub(eye, target), factor)), target, up }));
+  // parallel rays and slits: the size of what is seen
+  const height = get(own.path).height;
+  if (typeof height === "number") edit([[`${own.path}.height`, rounded(height * factor, height)]]);
+  else edit(posed(own.path, { eye: add(target, scale(sub(eye, target), factor)), target, up }));
 }
 
 // Turns the view about the eye.
@@ -169,12 +189,13 @@ const RADIANS_A_PIXEL = 0.008;
 // Pointers on the picture: one orbits, or pans with shift or another button; two pan and pinch.
 function navigateBy(element) {
   const pointers = new Map();
+  let gesture = null;
   element.addEventListener("pointerdown", (event) => {
     if (event.target.closest?.(".handle, .area") || toolTakes(event)) return;
     element.focus();
     element.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
-    if (pointers.size === 1) beginGesture();
+    if (pointers.size === 1) gesture = beginGesture();
     event.preventDefault();
   });
   element.addEventListener("pointermove", (event) => {
@@ -193,17 +214,18 @@ function navigateBy(element) {
     pointers.set(event.pointerId, now);
   });
   const done = (event) => {
-    if (pointers.delete(event.pointerId) && pointers.size === 0) endGesture();
+    if (pointers.delete(event.pointerId) && pointers.size === 0) endGesture(gesture);
   };
   element.addEventListener("pointerup", done);
   element.addEventListener("pointercancel", done);
   element.addEventListener("contextmenu", (event) => event.preventDefault());
-  let wheel = null;
+  let wheel = null; // the gesture of turning the wheel, until it rests
+  let wheelEnd = null;
   element.addEventListener("wheel", (event) => {
     event.preventDefault();
-    if (wheel === null && state.gesture === null) beginGesture();
-    clearTimeout(wheel);
-    wheel = setTimeout(() => { wheel = null; endGesture(); }, 200);
+    if (state.gesture === null) wheel = beginGesture();
+    clearTimeout(wheelEnd);
+    wheelEnd = setTimeout(() => endGesture(wheel), 200);
     dolly(Math.exp(Math.max(-100, Math.min(100, event.deltaY)) * 0.002));
   }, { passive: false });
   moveByKeys(element);
@@ -213,9 +235,9 @@ function navigateBy(element) {
 function moveByKeys(element) {
   const held = new Set();
   const fly = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], q: [0, -1, 0], e: [0, 1, 0] };
-  let flying = null;
+  let [flying, gesture] = [null, null];
   const step = (last) => (now) => {
-    if (held.size === 0) { flying = null; endGesture(); return; }
+    if (held.size === 0) { flying = null; endGesture(gesture); return; }
     const way = [...held].map((key) => fly[key]).reduce(add, [0, 0, 0]);
     const by = scale(way, (extent() / 4) * Math.min(0.1, (now - last) / 1000));
     shift(...by);
@@ -227,7 +249,7 @@ function moveByKeys(element) {
     const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     if (fly[key]) {
       held.add(key);
-      if (flying === null) { beginGesture(); flying = requestAnimationFrame(step(performance.now())); }
+      if (flying === null) { gesture = beginGesture(); flying = requestAnimationFrame(step(performance.now())); }
     } else if (arrows[key]) {
       const [x, y] = arrows[key];
       if (event.shiftKey) shift(x * 20 * unitsAPixel(), y * 20 * unitsAPixel(), 0);

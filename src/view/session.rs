@@ -1,6 +1,6 @@
 //! The scene that is viewed, and the pages that watch it. The server changes it by requests; the painter asks it what to draw next.
 
-use super::document::{Document, Gesture};
+use super::document::{Document, Gesture, Keys};
 use super::messages::{Header, Look, Quality, Request};
 use crate::jobs::options;
 use crate::{Error, Result};
@@ -16,6 +16,8 @@ const HELD: Duration = Duration::from_millis(400);
 const SETTLED: Duration = Duration::from_millis(150);
 /// While pictures come, the scene's values are sent at most so often.
 const VALUES: Duration = Duration::from_millis(100);
+/// The camera's volume is drawn after so many pictures at the latest.
+const LINES_EVERY: u32 = 4;
 /// Pages that may watch at once.
 const PAGES_MAX: usize = 16;
 /// Pixels that a page may ask about before the answers come.
@@ -37,6 +39,15 @@ pub struct Picture {
 pub enum Outgoing {
     Text(String),
     Picture(Picture),
+}
+
+impl Outgoing {
+    pub fn bytes(&self) -> usize {
+        match self {
+            Outgoing::Text(text) => text.len(),
+            Outgoing::Picture(picture) => picture.bytes.len(),
+        }
+    }
 }
 
 /// What a picture is of.
@@ -87,6 +98,15 @@ pub enum Inspection {
     Beside(Job),
 }
 
+impl Inspection {
+    fn page(&self) -> u64 {
+        match self {
+            Inspection::Pixel { page, .. } => *page,
+            Inspection::Beside(job) => job.page,
+        }
+    }
+}
+
 struct State {
     document: Document,
     frame: f64,
@@ -94,15 +114,18 @@ struct State {
     revision: u64,
     text: Arc<str>,
     values: Json,
-    /// Why the scene of this revision cannot be shown.
+    keys: Keys,
+    /// Why the text of this revision cannot be read.
     problem: Option<String>,
-    /// Counts what pages see of the scene besides pictures.
-    version: u64,
     last_input: Instant,
     is_moving: bool,
     pages: BTreeMap<u64, Page>,
     next_page: u64,
     next_picture: u64,
+    /// The page that was drawn for last.
+    last_served: u64,
+    /// Pictures since the camera's volume was last drawn.
+    since_lines: u32,
     inspections: VecDeque<Inspection>,
     /// The camera's volume, and the revision that it is of.
     lines: Option<(u64, Arc<str>)>,
@@ -115,6 +138,10 @@ struct State {
 struct Page {
     look: Look,
     seq: u64,
+    /// Why its picture cannot be drawn.
+    problem: Option<String>,
+    /// It sees another state of the scene than there is.
+    is_stale: bool,
     notify: Arc<Notify>,
     /// What was last drawn for it.
     drawn: Option<Asked>,
@@ -124,7 +151,8 @@ struct Page {
     /// A picture was sent that the page has not drawn yet.
     awaited: Option<u64>,
     answers: Vec<String>,
-    sent_version: u64,
+    /// It has had the first message of the scene, which has more.
+    is_greeted: bool,
     sent_at: Option<Instant>,
     sent_lines: u64,
     sent_wires: u64,
@@ -134,20 +162,22 @@ impl Session {
     /// # Errors
     /// Those of [`Document::values`].
     pub fn new(document: Document, frame: f64, adapter: String) -> Result<Session> {
-        let (text, values) = (document.text().into(), document.values(frame)?);
+        let (text, values, keys) = (document.text().into(), document.values(frame)?, document.keys());
         let state = State {
             document,
             frame,
             revision: 1,
             text,
             values,
+            keys,
             problem: None,
-            version: 1,
             last_input: Instant::now(),
             is_moving: false,
             pages: BTreeMap::new(),
             next_page: 1,
             next_picture: 1,
+            last_served: 0,
+            since_lines: 0,
             inspections: VecDeque::new(),
             lines: None,
             wires: None,
@@ -173,13 +203,15 @@ impl Session {
         let page = Page {
             look: Look { volume: false, ..Look::default() },
             seq: 0,
+            problem: None,
+            is_stale: true,
             notify: notify.clone(),
             drawn: None,
             drawn_beside: None,
             outgoing: VecDeque::new(),
             awaited: None,
             answers: Vec::new(),
-            sent_version: 0,
+            is_greeted: false,
             sent_at: None,
             sent_lines: 0,
             sent_wires: 0,
@@ -192,7 +224,9 @@ impl Session {
     }
 
     pub fn leave(&self, page: u64) {
-        self.state().pages.remove(&page);
+        let mut state = self.state();
+        state.pages.remove(&page);
+        state.inspections.retain(|inspection| inspection.page() != page);
     }
 
     /// Ends the threads that work for it.
@@ -207,6 +241,8 @@ impl Session {
         let request = serde_json::from_str::<Request>(text).map_err(|e| Error::input(format!("not a message: {e}")));
         if let Err(error) = request.and_then(|request| state.take(page, request)) {
             state.answer(page, &json!({ "is": "refused", "why": error.to_string() }));
+            // what the page has put into its own copy is not there
+            state.say();
         }
         drop(state);
         self.work.notify_all();
@@ -248,7 +284,7 @@ impl Session {
             if state.has_ended {
                 return None;
             }
-            if let Some(inspection) = state.inspections.pop_front() {
+            if let Some(inspection) = state.next_inspection() {
                 return Some(inspection);
             }
             state = self.work.wait(state).unwrap_or_else(PoisonError::into_inner);
@@ -266,13 +302,15 @@ impl Session {
         let mut state = self.state();
         let id = state.next_picture;
         state.next_picture += 1;
-        let Some(page) = state.pages.get_mut(&job.page) else { return };
+        let is_current = state.revision == job.asked.revision;
+        let Some(page) = state.pages.get_mut(&job.page).filter(|page| is_current && page.look == job.asked.look) else {
+            return;
+        };
         match result {
-            Ok((header, bytes)) if page.look == job.asked.look => {
+            Ok((header, bytes)) => {
                 page.outgoing.push_back(Picture { header: Header { id, beside: true, ..header }, bytes });
                 page.notify.notify_one();
             }
-            Ok(_) => {}
             Err(why) => {
                 let why = json!({ "is": "refused", "why": why });
                 state.answer(job.page, &why);
@@ -403,6 +441,7 @@ impl State {
     fn changed(&mut self) {
         self.revision += 1;
         self.text = self.document.text().into();
+        self.keys = self.document.keys();
         self.problem = None;
         match self.document.values(self.frame) {
             Ok(values) => self.values = values,
@@ -414,8 +453,10 @@ impl State {
 
     /// Pages see another state.
     fn say(&mut self) {
-        self.version += 1;
-        self.pages.values().for_each(|page| page.notify.notify_one());
+        for page in self.pages.values_mut() {
+            page.is_stale = true;
+            page.notify.notify_one();
+        }
     }
 
     fn at(&self) -> At {
@@ -430,19 +471,17 @@ impl State {
     }
 
     fn outgoing(&mut self, id: u64, now: Instant) -> (Vec<Outgoing>, Option<Duration>) {
-        let scene =
-            self.pages.get(&id).filter(|page| page.sent_version != self.version).map(|_| self.scene_message(id));
         let Some(page) = self.pages.get_mut(&id) else { return (Vec::new(), None) };
         let mut messages: Vec<Outgoing> = page.answers.drain(..).map(Outgoing::Text).collect();
-        let mut later = None;
-        if let Some(scene) = scene {
-            let wait = page.sent_at.map_or(Duration::ZERO, |at| VALUES.saturating_sub(now - at));
-            if wait.is_zero() || !self.is_moving {
-                messages.push(Outgoing::Text(scene));
-                (page.sent_version, page.sent_at) = (self.version, Some(now));
-            } else {
-                later = Some(wait);
-            }
+        let wait = page.sent_at.map_or(Duration::ZERO, |at| VALUES.saturating_sub(now - at));
+        let is_held = self.is_moving && !wait.is_zero();
+        let later = (page.is_stale && is_held).then_some(wait);
+        if page.is_stale && !is_held {
+            messages.push(Outgoing::Text(self.scene_message(id)));
+        }
+        let Some(page) = self.pages.get_mut(&id) else { return (messages, later) };
+        if page.is_stale && !is_held {
+            (page.is_stale, page.is_greeted, page.sent_at) = (false, true, Some(now));
         }
         if page.look.volume {
             for (sent, lines) in [(&mut page.sent_wires, &self.wires), (&mut page.sent_lines, &self.lines)] {
@@ -463,23 +502,25 @@ impl State {
 
     fn scene_message(&self, id: u64) -> String {
         let document = &self.document;
-        let is_first = self.pages.get(&id).is_none_or(|page| page.sent_version == 0);
+        let page = self.pages.get(&id);
         let mut message = json!({
             "is": "scene",
             "revision": self.revision,
-            "seq": self.pages.get(&id).map_or(0, |page| page.seq),
+            "seq": page.map_or(0, |page| page.seq),
             "text": &*self.text,
             "values": self.values,
-            "problem": self.problem,
+            "problem": self.problem.as_ref().or(page.and_then(|page| page.problem.as_ref())),
             "frame": self.frame,
-            "frames": document.frames(),
-            "keyframed": document.keyframed(),
+            "frames": self.keys.frames,
+            "keyframed": self.keys.paths,
+            "has_poses": self.keys.has_poses,
             "saved": document.is_saved(),
             "undo": document.can_undo(),
             "redo": document.can_redo(),
         });
-        if is_first {
-            message["name"] = document.target().display().to_string().into();
+        if !page.is_some_and(|page| page.is_greeted) {
+            message["name"] = document.name().into();
+            message["has_file"] = document.has_file().into();
             message["adapter"] = self.adapter.as_str().into();
             message["cameras"] = json!(super::keys::of_cameras());
             message["sections"] = json!(super::keys::of_sections());
@@ -493,9 +534,13 @@ impl State {
         let idle = now - self.last_input;
         let is_moving = self.is_moving && idle < HELD;
         let at = self.at();
-        // a page that is served waits for its picture to be drawn, so that the others have their turns
+        let has_lines = self.lines.as_ref().is_some_and(|(revision, _)| *revision == self.revision);
+        let wants_lines = !has_lines && self.problem.is_none() && self.pages.values().any(|page| page.look.volume);
         let mut beside = None;
-        for (id, page) in &mut self.pages {
+        let mut picture = None;
+        // those after the page that was served last come first
+        let after = self.pages.range(self.last_served + 1..);
+        for (id, page) in after.chain(self.pages.range(..=self.last_served)) {
             if page.awaited.is_some() || !page.outgoing.is_empty() {
                 continue;
             }
@@ -515,73 +560,79 @@ impl State {
                 scene: at.clone(),
             };
             if let Some(quality) = next {
-                return Some(Work::Picture(job(quality)));
+                picture = Some(job(quality));
+                break;
             }
             let is_at_rest = !is_moving && known >= Some(rest);
-            let wanted = (self.revision, page.look.clone());
-            if page.look.beside.is_some()
-                && is_at_rest
-                && page.drawn_beside.as_ref() != Some(&wanted)
-                && beside.is_none()
-            {
+            let is_drawn =
+                page.drawn_beside.as_ref().is_some_and(|(r, look)| *r == self.revision && *look == page.look);
+            if page.look.beside.is_some() && is_at_rest && !is_drawn && beside.is_none() {
                 beside = Some(job(rest));
-                page.drawn_beside = Some(wanted);
             }
         }
-        if self.problem.is_none()
-            && self.pages.values().any(|page| page.look.volume)
-            && self.lines.as_ref().is_none_or(|(revision, _)| *revision != self.revision)
-        {
-            if let Some(job) = beside {
-                // it is found again next time
-                self.pages.get_mut(&job.page)?.drawn_beside = None;
-            }
+        if wants_lines && (picture.is_none() || self.since_lines >= LINES_EVERY) {
+            self.since_lines = 0;
             return Some(Work::Lines(at));
         }
-        match beside {
-            Some(job) if job.asked.look.beside.as_deref() == Some("reference") => {
-                self.inspections.retain(|i| !matches!(i, Inspection::Beside(old) if old.page == job.page));
-                self.inspections.push_back(Inspection::Beside(job));
-                None
-            }
-            beside => beside.map(Work::Beside),
+        if let Some(job) = picture {
+            (self.last_served, self.since_lines) = (job.page, self.since_lines + 1);
+            return Some(Work::Picture(job));
         }
+        let job = beside?;
+        self.pages.get_mut(&job.page)?.drawn_beside = Some((self.revision, job.asked.look.clone()));
+        if job.asked.look.beside.as_deref() == Some("reference") {
+            self.inspections.push_back(Inspection::Beside(job));
+            return None;
+        }
+        Some(Work::Beside(job))
+    }
+
+    /// Pixels first; what no page waits for any more is dropped.
+    fn next_inspection(&mut self) -> Option<Inspection> {
+        let State { inspections, pages, revision, .. } = self;
+        inspections.retain(|inspection| match inspection {
+            Inspection::Pixel { page, .. } => pages.contains_key(page),
+            Inspection::Beside(job) => {
+                job.asked.revision == *revision && pages.get(&job.page).is_some_and(|page| page.look == job.asked.look)
+            }
+        });
+        let pixel = inspections.iter().position(|inspection| matches!(inspection, Inspection::Pixel { .. }));
+        inspections.remove(pixel.unwrap_or(0))
     }
 
     fn drawn(&mut self, job: &Job, result: std::result::Result<(Header, Arc<Vec<u8>>), String>) {
-        match result {
-            Ok((header, bytes)) => {
-                for (id, page) in &mut self.pages {
-                    let is_wanted = *id == job.page
-                        || (page.look == job.asked.look && page.awaited.is_none() && page.outgoing.is_empty());
-                    let is_newer = page.drawn.as_ref().is_none_or(|drawn| {
-                        (drawn.revision, drawn.quality) < (job.asked.revision, job.asked.quality)
-                            || drawn.look != page.look
-                    });
-                    if !(is_wanted && is_newer && page.look == job.asked.look) {
-                        continue;
-                    }
-                    let (id, seq) = (self.next_picture, if *id == job.page { job.seq } else { page.seq });
-                    self.next_picture += 1;
-                    page.drawn = Some(job.asked.clone());
-                    page.outgoing
-                        .push_back(Picture { header: Header { id, seq, ..header.clone() }, bytes: bytes.clone() });
+        let is_newest = self.revision == job.asked.revision;
+        let (header, bytes) = match result {
+            Ok(drawn) => drawn,
+            Err(why) => {
+                let Some(page) = self.pages.get_mut(&job.page) else { return };
+                // not tried again
+                page.drawn = Some(Asked { quality: Quality::Rest, ..job.asked.clone() });
+                if is_newest && page.look == job.asked.look {
+                    (page.problem, page.is_stale) = (Some(why), true);
                     page.notify.notify_one();
                 }
-                if self.problem.is_some() && self.revision == job.asked.revision {
-                    self.problem = None;
-                    self.say();
-                }
+                return;
             }
-            Err(why) => {
-                if let Some(page) = self.pages.get_mut(&job.page) {
-                    page.drawn = Some(Asked { quality: Quality::Rest, ..job.asked.clone() });
-                }
-                if self.revision == job.asked.revision && self.problem.as_ref() != Some(&why) {
-                    self.problem = Some(why);
-                    self.say();
-                }
+        };
+        for (id, page) in &mut self.pages {
+            let is_free = page.awaited.is_none() && page.outgoing.is_empty();
+            let is_newer = page.drawn.as_ref().is_none_or(|drawn| {
+                (drawn.revision, drawn.quality) < (job.asked.revision, job.asked.quality) || drawn.look != page.look
+            });
+            if page.look != job.asked.look || !is_newer || !(is_free || *id == job.page) {
+                continue;
             }
+            // one of the newest state shows all that the page has asked for so far
+            let seq = if is_newest { page.seq } else { job.seq };
+            page.drawn = Some(job.asked.clone());
+            let header = Header { id: self.next_picture, seq, ..header.clone() };
+            self.next_picture += 1;
+            page.outgoing.push_back(Picture { header, bytes: bytes.clone() });
+            if is_newest && page.problem.take().is_some() {
+                page.is_stale = true;
+            }
+            page.notify.notify_one();
         }
     }
 }

@@ -1,10 +1,10 @@
 //! The camera's volume and the scene as lines, and where points of the scene file appear in the picture, as JSON for the page.
 
 use crate::camera::project::Projector;
+use crate::camera::volume;
 use crate::camera::{Camera, Curve};
 use crate::geometry::mesh::Mesh;
-use crate::tools::drawing::volume;
-use crate::tools::drawing::wires::{self, Wires};
+use crate::geometry::wires::{self, Wires};
 use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value as Json, json};

@@ -8,6 +8,7 @@ const state = {
   look: { shown: "color", samples: 1, beside: null, volume: true },
   seq: 0, // counts what this page has asked for
   lookSeq: 0, // the number of its last change of look
+  tags: 0, // counts its questions about pixels
   gesture: null, // the number of the drag that is going on
   gestures: 0,
   socket: null,
@@ -54,6 +55,8 @@ const waiting = new Map();
 
 // Changes values: [[path, value], ...]; null removes a key.
 function edit(edits) {
+  const isNumber = (value) => (Array.isArray(value) ? value.every(isNumber) : typeof value !== "number" || Number.isFinite(value));
+  if (!edits.every(([, value]) => isNumber(value))) return;
   edits.forEach(([path, value]) => put(path, value));
   if (state.gesture === null) {
     ask("edit", { edits: edits.map(([path, value]) => ({ path, value })), gesture: null });
@@ -71,12 +74,14 @@ function flush() {
   ask("edit", { edits, gesture: state.gesture ?? state.gestures });
 }
 
+// A gesture's number, by which it is ended: one that begins ends the last.
 function beginGesture() {
-  state.gesture = ++state.gestures;
+  if (state.gesture !== null) endGesture(state.gesture);
+  return (state.gesture = ++state.gestures);
 }
 
-function endGesture() {
-  if (state.gesture === null) return;
+function endGesture(number) {
+  if (state.gesture === null || state.gesture !== number) return;
   flush();
   state.gesture = null;
   ask("rest");
@@ -102,7 +107,8 @@ function connect() {
   };
   socket.onmessage = ({ data }) => (typeof data === "string" ? take(JSON.parse(data)) : takePicture(data));
   socket.onclose = () => {
-    $("connection").textContent = "connection lost; trying again";
+    $("connection").textContent = state.refusal ?? "connection lost; trying again";
+    state.refusal = null;
     setTimeout(connect, 1000);
   };
 }
@@ -114,10 +120,10 @@ function take(message) {
       const known = message.name ? {} : state.scene;
       const lost = message.name && state.scene && state.scene.text !== message.text ? state.scene.text : null;
       state.scene = { ...known, ...message };
-      // while this page drags, its own values are newer
-      if (state.gesture === null && waiting.size === 0) state.values = message.values;
+      // what this page has asked for since, and drags, is newer
+      if (state.gesture === null && waiting.size === 0 && message.seq >= state.seq) state.values = message.values;
       tell("scene", false);
-      if (lost !== null) offerText(lost);
+      if (lost !== null && message.saved) offerText(lost);
       break;
     }
     case "volume": state.volume = message; tell("volume"); break;
@@ -125,7 +131,7 @@ function take(message) {
     case "pixel": tell("pixel", message); break;
     case "command": takeCommand(message); break;
     case "refused": tell("refused", message.why); break;
-    case "full": $("connection").textContent = message.why; break;
+    case "full": state.refusal = message.why; break;
   }
 }
 
@@ -137,7 +143,7 @@ function extent() {
 
 // Asks about a pixel; the answer.
 function pixel(x, y) {
-  const tag = ++state.seq;
+  const tag = ++state.tags;
   return new Promise((resolve) => {
     const listen = (answer) => {
       if (answer.tag !== tag) return;

@@ -8,7 +8,8 @@ const open = new Set(["camera"]); // paths of the groups that are unfolded
 function shapeOf(value) {
   if (Array.isArray(value)) return `[${value.length <= 40 ? value.map(shapeOf).join() : value.length}]`;
   if (value && typeof value === "object") return `{${Object.entries(value).map(([key, item]) => `${key}:${shapeOf(item)}`).join()}}`;
-  return typeof value === "string" ? "s" : typeof value;
+  // ends of t may be "inf"
+  return value === "inf" || value === "-inf" ? "number" : typeof value;
 }
 
 function showControls() {
@@ -37,15 +38,17 @@ function element(name, attributes = {}, ...children) {
 function makeControls() {
   controls.length = 0;
   const focused = document.activeElement?.dataset?.path;
+  const pressed = document.activeElement?.closest?.("#controls") ? document.activeElement.getAttribute("aria-label") : null;
   const panel = $("controls");
   const groups = [group("camera", "camera", state.values.camera, state.scene.cameras[state.values.camera?.kind] ?? [])];
   for (const [section, keys] of Object.entries(state.scene.sections)) {
     const value = state.values[section];
-    if (section === "light") groups.push(lights(value ?? [], keys));
+    if (section === "light") groups.push(lights(listOf(value), keys));
     else groups.push(group(section, section.replace("_", " "), value ?? {}, keys));
   }
   panel.replaceChildren(...groups);
-  if (focused) panel.querySelector(`[data-path="${CSS.escape(focused)}"]`)?.focus();
+  const again = focused ? `[data-path="${CSS.escape(focused)}"]` : pressed ? `[aria-label="${CSS.escape(pressed)}"]` : null;
+  if (again) panel.querySelector(again)?.focus();
 }
 
 function folded(path, name, content) {
@@ -60,7 +63,7 @@ function lights(list, keys) {
     own.append(remover(`light.${k}`, `Remove light ${k + 1}`));
     return own;
   });
-  const more = element("button", {}, "Add a light");
+  const more = element("button", { ariaLabel: "Add a light" }, "Add a light");
   more.onclick = () => edit([[`light.${list.length}`, { direction: [-1, -2, -1] }]]);
   return folded("light", "light", element("fieldset", {}, ...items, more));
 }
@@ -76,18 +79,17 @@ function group(path, name, table, keys) {
   const fields = element("fieldset");
   const order = ["kind", ...keys.map((key) => key.name)];
   const rank = (key) => (order.includes(key) ? order.indexOf(key) : order.length);
-  for (const key of Object.keys(table ?? {}).sort((a, b) => rank(a) - rank(b))) {
+  const known = table && typeof table === "object" && !Array.isArray(table) ? table : {};
+  for (const key of Object.keys(known).sort((a, b) => rank(a) - rank(b))) {
     fields.append(control(`${path}.${key}`, key, table[key], keys.find((k) => k.name === key)));
   }
-  const absent = keys.filter((key) => !(key.name in (table ?? {})) && initial(key) !== undefined);
+  const absent = keys.filter((key) => !(key.name in known) && initial(key) !== undefined);
   if (absent.length > 0) {
-    const choice = element("select", { ariaLabel: `Add a key to ${name}` }, element("option", { value: "" }, "add a key"));
+    const choice = element("select", { ariaLabel: `Key to add to ${name}` });
     absent.forEach((key) => choice.append(element("option", { value: key.name, title: key.about }, key.name)));
-    choice.onchange = () => {
-      const key = keys.find((k) => k.name === choice.value);
-      if (key) edit([[`${path}.${key.name}`, initial(key)]]);
-    };
-    fields.append(choice);
+    const button = element("button", { ariaLabel: `Add the key to ${name}` }, "Add");
+    button.onclick = () => edit([[`${path}.${choice.value}`, initial(keys.find((key) => key.name === choice.value))]]);
+    fields.append(element("div", { className: "add" }, choice, button));
   }
   return folded(path, name, fields);
 }
@@ -179,9 +181,11 @@ function choice(path, name, choices) {
 function number(path, label, [least, most, step]) {
   const slider = element("input", { type: "range", min: least, max: most, step, ariaLabel: label });
   const field = element("input", { type: "number", step: "any", ariaLabel: `${label}, exact` });
+  field.dataset.path = `${path} exact`;
   slider.dataset.path = path;
-  slider.onpointerdown = beginGesture;
-  slider.onpointerup = slider.onpointercancel = endGesture;
+  let gesture = null;
+  slider.onpointerdown = (event) => { if (event.button === 0) gesture = beginGesture(); };
+  slider.onpointerup = slider.onpointercancel = slider.onblur = slider.onlostpointercapture = () => endGesture(gesture);
   slider.oninput = () => {
     const value = Number(slider.value);
     field.value = value;

@@ -1,6 +1,6 @@
 //! The values of a scene file, as JSON for pages and as TOML for files: conversion, keyframes, differences.
 
-use crate::input::tree::{Node, Value};
+use crate::input::tree::{Entry, Node, Value};
 use serde_json::{Map, Number, Value as Json};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table};
 
@@ -148,7 +148,7 @@ pub fn keyframed(root: &Node) -> Vec<String> {
     paths
 }
 
-/// `key=value` texts for `--set` that make `new` of `old`; `None` if a key of `old` is not in `new`.
+/// `key=value` texts for `--set` that make `new` of `old`; `None` if a section of `old` is not in `new`.
 pub fn assignments(old: &Node, new: &Node) -> Option<Vec<String>> {
     let mut found = Vec::new();
     differences(old, new, "", &mut found).then_some(found)
@@ -157,39 +157,28 @@ pub fn assignments(old: &Node, new: &Node) -> Option<Vec<String>> {
 fn differences(old: &Node, new: &Node, path: &str, found: &mut Vec<String>) -> bool {
     let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
     match (&old.value, &new.value) {
-        (Value::Table(old), Value::Table(new)) => {
-            let entry =
-                |e: &crate::input::tree::Entry, found: &mut Vec<String>| match old.iter().find(|o| o.key == e.key) {
-                    Some(o) => differences(&o.node, &e.node, &below(&e.key), found),
-                    None => assign(&e.node, &below(&e.key), found),
-                };
-            old.iter().all(|o| new.iter().any(|e| e.key == o.key)) && new.iter().all(|e| entry(e, found))
-        }
-        (Value::List(old), Value::List(new)) if old.len() == new.len() => {
-            let start = found.len();
-            let mut pairs = old.iter().zip(new).enumerate();
-            if pairs.all(|(k, (old, new))| differences(old, new, &below(&k.to_string()), found)) {
-                return true;
+        (Value::Table(before), Value::Table(after)) => {
+            let is_kept = |entry: &Entry| after.iter().any(|e| e.key == entry.key);
+            if !before.iter().all(is_kept) {
+                // a removed key: the table as a whole, where it has a name
+                return !path.is_empty() && assign(new, path, found);
             }
-            found.truncate(start);
-            // a removed key of an item: the list as a whole
-            assign_list(new, path, found)
+            after.iter().all(|entry| match before.iter().find(|e| e.key == entry.key) {
+                Some(known) => differences(&known.node, &entry.node, &below(&entry.key), found),
+                None => assign(&entry.node, &below(&entry.key), found),
+            })
         }
-        (old, _) => json_equal(old, &new.value) || assign(new, path, found),
+        (Value::List(before), Value::List(after)) if before.len() == after.len() => {
+            let mut pairs = before.iter().zip(after).enumerate();
+            pairs.all(|(k, (old, new))| differences(old, new, &below(&k.to_string()), found))
+        }
+        (before, after) => json_equal(before, after) || assign(new, path, found),
     }
 }
 
 fn assign(node: &Node, path: &str, found: &mut Vec<String>) -> bool {
     node.value.inline().is_some_and(|text| {
         found.push(format!("{path}={text}"));
-        true
-    })
-}
-
-fn assign_list(items: &[Node], path: &str, found: &mut Vec<String>) -> bool {
-    let texts: Option<Vec<String>> = items.iter().map(|item| item.value.inline()).collect();
-    texts.is_some_and(|texts| {
-        found.push(format!("{path}=[{}]", texts.join(", ")));
         true
     })
 }
@@ -201,9 +190,7 @@ fn json_equal(old: &Value, new: &Value) -> bool {
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| json_equal(&a.value, &b.value))
         }
         (Value::Table(a), Value::Table(b)) => {
-            let same = |e: &crate::input::tree::Entry| {
-                b.iter().any(|o| o.key == e.key && json_equal(&e.node.value, &o.node.value))
-            };
+            let same = |e: &Entry| b.iter().any(|o| o.key == e.key && json_equal(&e.node.value, &o.node.value));
             a.len() == b.len() && a.iter().all(same)
         }
         _ => old == new,
@@ -242,10 +229,8 @@ mod tests {
             ),
             ("a = 1\nb = { c = [1, 9, 3], d = \"x\" }\nm = [{ s = 1 }, { s = 3 }]\n", Some(vec!["b.c.1=9", "m.1.s=3"])),
             ("a = 1\nb = { c = [1], d = \"x\", e = 2 }\nm = [{ s = 1 }, { s = 2 }]\n", Some(vec!["b.c=[1]", "b.e=2"])),
-            (
-                "a = 1\nb = { c = [1, 2, 3], d = \"x\" }\nm = [{ s = 1 }, { t = 2 }]\n",
-                Some(vec!["m=[{ \"s\" = 1 }, { \"t\" = 2 }]"]),
-            ),
+            ("a = 1\nb = { c = [1, 2, 3], d = \"x\" }\nm = [{ s = 1 }, { t = 2 }]\n", Some(vec!["m.1={ \"t\" = 2 }"])),
+            ("a = 1\nb = { c = [1, 2, 3] }\nm = [{ s = 1 }, { s = 2 }]\n", Some(vec!["b={ \"c\" = [1, 2, 3] }"])),
             ("b = { c = [1, 2, 3], d = \"x\" }\nm = [{ s = 1 }, { s = 2 }]\n", None),
         ] {
             let sets = assignments(&read(old), &read(new));

@@ -31,12 +31,14 @@ function showTools() {
   const isGridInFile = kind === "camera_texture" && typeof state.values.camera.file === "string" && select.value === "grid";
   const isFixed = select.value === "navigate" && paths.length === 0;
   const hint = isFixed ? "This camera has no eye and target: use the handles of its volume, and the controls." : TOOLS[select.value]?.hint ?? "";
-  $("hint").replaceChildren(isGridInFile ? "The grid is in a file. " : hint);
-  if (isGridInFile) {
+  const said = isGridInFile ? "The grid is in a file. " : hint;
+  if ($("hint").dataset.said !== said) $("hint").replaceChildren(said);
+  if (isGridInFile && $("hint").dataset.said !== said) {
     const button = element("button", {}, "Write it into the scene");
     button.onclick = () => ask("offsets");
     $("hint").append(button);
   }
+  $("hint").dataset.said = said;
   drawOverlay();
 }
 
@@ -95,7 +97,7 @@ async function addRegion(a, b) {
   const camera = state.values.camera;
   const [eye, target] = [camera.eye, middle.point ? roundedAll(middle.point, extent()) : camera.target];
   if (!isVector(eye) || !isVector(target)) return tell("refused", "regions need a camera with an eye and a target");
-  const count = (camera.regions ?? []).length;
+  const count = listOf(camera.regions).length;
   edit([...ofKind("top_down"), [`camera.regions.${count}`, { rect, eye: [...eye], target: [...target] }]]);
   showTools();
   $("pose").value = `camera.regions.${count}`;
@@ -107,7 +109,7 @@ async function addRegion(a, b) {
 async function addTarget(place) {
   const found = await pixel(...pixelAt(place));
   if (!found.point) return tell("refused", "nothing is hit here; click on a surface");
-  const count = (state.values.camera.targets ?? []).length;
+  const count = listOf(state.values.camera.targets).length;
   edit([...ofKind("track"), [`camera.targets.${count}`, { at: roundedAll(found.point, extent()), radius: rounded(extent() / 40, extent()) }]]);
 }
 
@@ -152,7 +154,7 @@ function overlayShapes() {
     },
   });
   if (camera.kind === "top_down" && $("tool").value === "region") {
-    (camera.regions ?? []).forEach((region, k) => {
+    listOf(camera.regions).forEach((region, k) => {
       if (!Array.isArray(region.rect)) return;
       const [path, rect] = [`camera.regions.${k}.rect`, region.rect];
       shapes.push({ id: path, at: { x: rect[0] * width, y: rect[1] * height, width: (rect[2] - rect[0]) * width, height: (rect[3] - rect[1]) * height },
@@ -169,7 +171,7 @@ function overlayShapes() {
     });
   }
   if (camera.kind === "track" && $("tool").value === "target") {
-    (camera.targets ?? []).forEach((target, k) => {
+    listOf(camera.targets).forEach((target, k) => {
       const place = viewPlace(target.at);
       const path = `camera.targets.${k}.at`;
       if (place) point(path, `target ${k + 1}`, place, (to) => moveTarget(path, to), (dx, dy) => {
@@ -236,16 +238,18 @@ function moveTarget(path, [a, b]) {
 
 // The displaced crossings of a camera texture's grid, and the lines between them.
 function gridShapes(camera, width, height, point) {
-  const [offsets, factor] = [camera.offsets, camera.scale ?? 1];
+  const offsets = camera.offsets;
   const [rows, columns] = [offsets.length, offsets[0]?.length ?? 0];
-  if (rows < 2 || columns < 2 || rows * columns > 1100) return [];
-  const rest = (i, j) => [j / (columns - 1), i / (rows - 1)];
-  const at = (i, j) => add(rest(i, j), scale(offsets[i][j], factor));
+  if (rows < 2 || columns < 2 || rows * columns > 1100 || !offsets.every((row) => row?.length === columns)) return [];
+  // as they are when they are asked for: handles outlive changes of the scene
+  const factor = () => state.values.camera.scale ?? 1;
+  const rest = (i, j) => [j / (get("camera.offsets.0").length - 1), i / (get("camera.offsets").length - 1)];
+  const at = (i, j) => add(rest(i, j), scale(get(`camera.offsets.${i}.${j}`), factor()));
   offsets.forEach((row, i) => row.forEach((_, j) => {
     const path = `camera.offsets.${i}.${j}`;
-    const moveTo = (place) => factor !== 0 && edit([[path, roundedAll(scale(sub(place, rest(i, j)), 1 / factor), 1)]]);
+    const moveTo = (place) => factor() !== 0 && edit([[path, roundedAll(scale(sub(place, rest(i, j)), 1 / factor()), 1)]]);
     point(path, `offset of row ${i + 1}, column ${j + 1}`, at(i, j), moveTo,
-      (dx, dy) => moveTo(add(add(rest(i, j), scale(get(path), factor)), [dx / width, dy / height])));
+      (dx, dy) => moveTo(add(at(i, j), [dx / picture.header.whole[0], dy / picture.header.whole[1]])));
   }));
   const line = (places) => places.map(([a, b], k) => `${k === 0 ? "M" : "L"}${(a * width).toFixed(1)} ${(b * height).toFixed(1)}`).join("");
   const across = offsets.map((row, i) => line(row.map((_, j) => at(i, j))));

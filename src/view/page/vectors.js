@@ -7,6 +7,7 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const length = (a) => Math.hypot(...a);
 const unit = (a) => { const l = length(a); return l > 0 ? scale(a, 1 / l) : [0, 0, 0]; };
+const listOf = (value) => (Array.isArray(value) ? value : []);
 const isVector = (v) => Array.isArray(v) && v.length === 3 && v.every((x) => typeof x === "number");
 
 // a, turned about the unit vector axis by radians.

@@ -40,6 +40,7 @@ function showText() {
 }
 
 function offerText(text) {
+  if (isTyped) return;
   $("scene-text").value = text;
   isTyped = true;
   showText();
@@ -110,7 +111,12 @@ function showViews() {
     box.dataset.view = k;
     box.onchange = () => ($("join-views").disabled = chosenViews().length !== 2);
     const go = element("button", {}, "Go there");
-    go.onclick = () => { const own = moved(); if (own) edit(posed(own.path, view)); };
+    go.onclick = () => {
+      const own = moved();
+      if (!own) return;
+      const hasAngle = typeof get(own.path).vfov === "number";
+      edit([...posed(own.path, view), ...(hasAngle ? [[`${own.path}.vfov`, view.vfov]] : [])]);
+    };
     const remove = element("button", { className: "remove", ariaLabel: `Remove view ${k + 1}` }, "remove");
     remove.onclick = () => { views.splice(k, 1); showViews(); };
     return element("li", {}, box, ` from ${view.eye.map((v) => Number(v.toPrecision(3))).join(", ")} `, go, remove);
