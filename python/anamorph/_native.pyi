@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Camera", "Renderer", "Scene", "camera_kinds", "cast", "cast_all", "channels_named", "check", "colmap_images", "compare", "meets_any", "program", "project", "read_exr", "write_exr", "write_png"]
+__all__ = ["Camera", "Renderer", "Scene", "Viewer", "camera_kinds", "cast", "cast_all", "channels_named", "check", "colmap_images", "compare", "meets_any", "program", "project", "read_exr", "write_exr", "write_png"]
 
 @final
 class Camera:
@@ -102,6 +102,19 @@ class Scene:
         """
     @property
     def triangle_count(self, /) -> int: ...
+
+@final
+class Viewer:
+    """
+    A server of a scene's page.
+    """
+    @property
+    def address(self, /) -> str: ...
+    def close(self, /) -> None: ...
+    @staticmethod
+    def of_file(path: str | PathLike[str], overrides: SupportsGetItem[int, str], frame: SupportsFloat | SupportsIndex, port: SupportsIndex) -> Viewer: ...
+    @staticmethod
+    def of_scene(scene: Scene, camera: str | None, folder: str | PathLike[str], size: tuple[SupportsIndex, SupportsIndex] | None, port: SupportsIndex) -> Viewer: ...
 
 def camera_kinds() -> list[tuple[str, str]]:
     """

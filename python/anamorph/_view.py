@@ -87,7 +87,7 @@ def view(
             raise ValueError("overrides and frame go with a scene file; give them to Scene.load")
         keys = None
         if camera is not None and camera._scene is not scene:
-            if not camera.kind:
+            if not camera.kind or camera._arrays is not None:
                 raise ValueError("a camera of arrays, or of another scene, has no keys to change; give one of anamorph.camera")
             keys = table({"kind": camera.kind, **camera.keys})
         return Viewer(_native.Viewer.of_scene(scene._native, keys, os.getcwd(), size, port), height)

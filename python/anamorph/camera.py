@@ -784,7 +784,7 @@ def fisheye(
       target   [x, y, z]   what the middle of the image looks at
       up       [x, y, z]   what points up in the image (default [0, 1, 0])
       fov      degrees     the angle across the circle or the image's diagonal, up to 360; orthographic up to 180
-      mapping  "NAME"      equidistant (default), equisolid, stereographic (under 360) or orthographic
+      mapping  "NAME"      "equidistant", "equisolid", "stereographic" (under 360) or "orthographic" (default "equidistant")
       frame    "circular"  the circle of the field of view touches the shorter sides, no ray outside (default)
                "full"      the field of view is the image's diagonal, every pixel has a ray
       pieces   "exact"     "exact" (default): a ray of its own for each pixel; N pieces; or "auto": as many as the error needs

@@ -368,3 +368,135 @@ fn quoted(word: &str) -> String {
         format!("'{}'", word.replace('\'', "'\\''"))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    const TEXT: &str = "# seen\n[camera]\nkind = \"pinhole\"\neye = [{ frame = 0, value = [0, 0, 4] }, { frame = 10, value = [0, 0, 8] }]\n\
+                        target = [0, 0, 0]\nvfov = 40 # degrees\n";
+
+    fn open(name: &str, text: &str) -> (tempfile::TempDir, Document) {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let document = Document::open(&path).unwrap();
+        (dir, document)
+    }
+
+    fn edit(document: &mut Document, path: &str, value: Json, gesture: Option<Gesture>) -> Result<()> {
+        document.edit(&[Edit { path: path.into(), value }], 5.0, gesture)
+    }
+
+    #[test]
+    fn edits_of_a_gesture_are_undone_together() {
+        let (_dir, mut document) = open("s.toml", TEXT);
+        for (vfov, gesture) in
+            [(41, Some((1, 1))), (42, Some((1, 1))), (43, Some((1, 2))), (44, Some((2, 2))), (45, None)]
+        {
+            edit(&mut document, "camera.vfov", json!(vfov), gesture).unwrap();
+        }
+        assert_eq!(document.text(), TEXT.replace("40", "45"));
+        let mut seen = Vec::new();
+        while document.can_undo() {
+            document.undo();
+            seen.push(document.values(0.0).unwrap()["camera"]["vfov"].clone());
+        }
+        assert_eq!(seen, [json!(44), json!(43), json!(42), json!(40)]);
+        assert!(document.text() == TEXT && document.is_saved());
+        document.redo();
+        assert_eq!(document.text(), TEXT.replace("40", "42"));
+        edit(&mut document, "camera.vfov", json!(50), None).unwrap();
+        assert!(!document.can_redo());
+    }
+
+    #[test]
+    fn keyframed_values_get_a_key_at_the_frame() {
+        let (_dir, mut document) = open("s.toml", TEXT);
+        assert_eq!(
+            document.keys(),
+            Keys { frames: Some([0.0, 10.0]), paths: vec!["camera.eye".into()], has_poses: false }
+        );
+        // one number of three: the others are those of the frame
+        edit(&mut document, "camera.eye.0", json!(1.5), None).unwrap();
+        assert_eq!(document.values(5.0).unwrap()["camera"]["eye"], json!([1.5, 0, 6]));
+        assert_eq!(document.values(10.0).unwrap()["camera"]["eye"], json!([0, 0, 8]));
+        assert!(edit(&mut document, "camera.eye.3", json!(1), None).is_err());
+        // as a whole it is removed with its keys
+        edit(&mut document, "camera.eye", Json::Null, None).unwrap();
+        assert!(!document.text().contains("eye") && document.keys().frames.is_none());
+    }
+
+    #[test]
+    fn line_ends_and_text_that_is_not_touched_stay() {
+        let text = TEXT.replace('\n', "\r\n");
+        let (_dir, mut document) = open("s.toml", &text);
+        document.change(None, &[], 0.0).unwrap();
+        assert!(document.text() == text && document.is_saved() && !document.can_undo());
+        edit(&mut document, "camera.vfov", json!(45), None).unwrap();
+        assert_eq!(document.text(), text.replace("40", "45"));
+    }
+
+    #[test]
+    fn only_what_is_known_is_overwritten() {
+        let (dir, mut document) = open("s.toml", TEXT);
+        let path = dir.path().join("s.toml");
+        edit(&mut document, "camera.vfov", json!(45), None).unwrap();
+        std::fs::write(&path, "other").unwrap();
+        assert!(document.save().unwrap_err().to_string().contains("another program"));
+        std::fs::write(&path, TEXT).unwrap();
+        document.save().unwrap();
+        assert!(std::fs::read_to_string(&path).unwrap() == document.text() && document.is_saved());
+        // a file that is gone is written again
+        std::fs::remove_file(&path).unwrap();
+        document.save().unwrap();
+        assert!(path.exists());
+    }
+
+    #[test]
+    fn json_becomes_toml_beside_it() {
+        let (dir, mut document) = open(
+            "s.json",
+            "{ \"camera\": { \"kind\": \"pinhole\", \"eye\": [0, 0, 4], \"target\": [0, 0, 0], \"vfov\": 40 } }",
+        );
+        assert!(document.text().starts_with("[camera]\n") && !document.is_saved());
+        let file = |name: &str| dir.path().join(name).display().to_string();
+        edit(&mut document, "camera.vfov", json!(45), None).unwrap();
+        let command = document.command(0.0, 1).unwrap();
+        assert_eq!(command, format!("anamorph render {} --set camera.vfov=45 -o s.png", file("s.json")));
+        document.save().unwrap();
+        assert_eq!(
+            document.command(2.5, 4).unwrap(),
+            format!("anamorph render {} --frame 2.5 --samples 4 -o s.png", file("s.toml"))
+        );
+    }
+
+    #[test]
+    fn command_lines_say_what_was_changed() {
+        let (dir, mut document) = open("a scene.toml", TEXT);
+        edit(&mut document, "camera.target", json!([0, 1, 0]), None).unwrap();
+        edit(&mut document, "image.tone", json!("it's"), None).unwrap();
+        edit(&mut document, "camera.vfov", Json::Null, None).unwrap();
+        let path = dir.path().join("a scene.toml");
+        let command = document.command(0.0, 1).unwrap();
+        let camera = "camera={ \"eye\" = [{";
+        assert!(command.starts_with(&format!("anamorph render '{}' --set '{camera}", path.display())), "{command}");
+        assert!(command.ends_with("--set 'image={ \"tone\" = \"it'\\''s\" }' -o 'a scene.png'"), "{command}");
+        edit(&mut document, "camera", Json::Null, None).unwrap();
+        assert!(document.command(0.0, 1).unwrap_err().to_string().contains("save the scene first"));
+    }
+
+    #[test]
+    fn sets_of_the_command_line_replace_keyframes() {
+        let (_dir, mut document) = open("s.toml", TEXT);
+        document.change(Some((8, 6)), &["camera.eye=[1, 2, 3]".into(), "camera.up = [0, 0, 1]".into()], 0.0).unwrap();
+        let values = document.values(7.0).unwrap();
+        assert_eq!(values["image"], json!({ "width": 8, "height": 6 }));
+        assert_eq!((&values["camera"]["eye"], &values["camera"]["up"]), (&json!([1, 2, 3]), &json!([0, 0, 1])));
+        for (set, why) in [("camera.vfov", "no '='"), ("camera.kind.x=1", "single value")] {
+            let refused = document.change(None, &[set.into()], 0.0).unwrap_err().to_string();
+            assert!(refused.contains(why), "{set}: {refused}");
+        }
+    }
+}

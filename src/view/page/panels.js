@@ -77,7 +77,7 @@ function showLegend(legend) {
     const isDepth = legend.unit === "world units";
     scale.style.background = `linear-gradient(to right, ${(isDepth ? stops.reverse() : stops).join()})`;
     const text = (x) => Number(x.toPrecision(4)).toString();
-    box.append(text(legend.from), scale, text(legend.to), legend.unit);
+    box.append(text(legend.from), scale, `${text(legend.to)} ${legend.unit}`);
   } else {
     for (const [name, colour] of legend.names) {
       const swatch = element("span", { className: "swatch" });

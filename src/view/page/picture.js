@@ -40,6 +40,8 @@ function wipe() {
   $("other").hidden = !shown;
   $("wiper").hidden = state.look.beside === null;
   $("other").style.clipPath = `inset(0 0 0 ${$("wiper").value}%)`;
+  $("border").hidden = !shown;
+  $("border").style.left = `${$("wiper").value}%`;
 }
 
 // The place of a pointer in the picture: a and b, 0 to 1.

@@ -27,25 +27,27 @@ function worldMove(dx, dy) {
   return add(scale(right, dx / turntable.scale), scale(up, -dy / turntable.scale));
 }
 
+// Places everything within the drawing.
 function fitVolume() {
-  const box = { lo: [Infinity, Infinity, Infinity], hi: [-Infinity, -Infinity, -Infinity] };
-  const take = (p) => { for (let k = 0; k < 3; k++) { box.lo[k] = Math.min(box.lo[k], p[k]); box.hi[k] = Math.max(box.hi[k], p[k]); } };
-  state.wires?.bounds?.forEach(take);
-  handles().forEach((handle) => take(handle.at));
   const camera = state.volume?.camera ?? {};
-  const points = (lines) => (lines ?? []).flatMap((line) => Array.from({ length: line.length / 3 }, (_, k) => line.slice(3 * k, 3 * k + 3)));
-  points([...(camera.near ?? []), ...(camera.eyes ?? [])]).forEach(take);
-  // rays may go far beyond: as far as there is about as much room again
-  const [lo, hi] = [[...box.lo], [...box.hi]];
-  const room = length(sub(hi, lo)) / 4;
-  points(camera.rays).forEach((p) => take(p.map((x, k) => Math.min(hi[k] + room, Math.max(lo[k] - room, x)))));
-  if (!box.lo.every(Number.isFinite)) return;
+  const points = (lines) => listOf(lines).flatMap((line) => Array.from({ length: line.length / 3 }, (_, k) => line.slice(3 * k, 3 * k + 3)));
+  const all = [...cornersOf(state.wires?.bounds), ...handles().map((handle) => handle.at), ...points([...listOf(camera.near), ...listOf(camera.eyes)])];
+  if (all.length === 0) return;
   if (!turntable.isFitted) standBeside(camera);
-  turntable.middle = scale(add(box.lo, box.hi), 0.5);
-  const size = Math.max(length(sub(box.hi, box.lo)), 1e-9);
-  turntable.scale = (0.92 * Math.min($("volume").clientWidth, $("volume").clientHeight)) / size;
+  // rays may go far beyond: as far as there is room for about as much again
+  const least = (list, of) => list.reduce((least, p) => Math.min(least, of(p)), Infinity);
+  const [lo, hi] = [0, 1, 2].map((k) => [least(all, (p) => p[k]), -least(all, (p) => -p[k])]).reduce(([l, h], [a, b]) => [[...l, a], [...h, b]], [[], []]);
+  const room = length(sub(hi, lo)) / 4;
+  all.push(...points(camera.rays).map((p) => p.map((x, k) => Math.min(hi[k] + room, Math.max(lo[k] - room, x)))));
+  const { right, up } = axes();
+  const [left, bottom] = [least(all, (p) => dot(p, right)), least(all, (p) => dot(p, up))];
+  const [width, height] = [-least(all, (p) => -dot(p, right)) - left, -least(all, (p) => -dot(p, up)) - bottom];
+  turntable.middle = add(scale(right, left + width / 2), scale(up, bottom + height / 2));
+  turntable.scale = 0.92 * Math.min($("volume").clientWidth / Math.max(width, 1e-9), $("volume").clientHeight / Math.max(height, 1e-9));
   turntable.isFitted = true;
 }
+
+const cornersOf = (bounds) => (bounds ? [0, 1, 2, 3, 4, 5, 6, 7].map((k) => [0, 1, 2].map((axis) => bounds[(k >> axis) & 1][axis])) : []);
 
 // Stands to the right of the camera and a little behind it, so that its rays go to the right.
 function standBeside(camera) {
