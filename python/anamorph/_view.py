@@ -62,9 +62,9 @@ def view(
     :meth:`Viewer.open`. The page is served on 127.0.0.1 alone, to those who have its address.
 
     Args:
-        scene: a scene file, whose text the page changes and can save; or a scene as it is now, whose camera alone the page changes.
-        camera: what looks at a scene; a scene that was loaded has its own.
-        size: width and height of the image, pixels; a scene that was loaded has its own.
+        scene: a scene file, whose text the page changes and can save; or a scene, as it is now: the page changes a copy of it.
+        camera: for a scene: its camera (default: its own).
+        size: width and height of the image, pixels (default: the scene's own).
         overrides: for a scene file: values that replace its own, as of :meth:`Scene.load`.
         frame: for a scene file: the frame that is shown first.
         port: the port; 0 for any that is free.
@@ -88,6 +88,6 @@ def view(
         keys = None
         if camera is not None and camera._scene is not scene:
             if not camera.kind or camera._arrays is not None:
-                raise ValueError("a camera of arrays, or of another scene, has no keys to change; give one of anamorph.camera")
+                raise ValueError("this camera was made from arrays or belongs to another scene, so it has no keys to change; make one with anamorph.camera")
             keys = table({"kind": camera.kind, **camera.keys})
         return Viewer(_native.Viewer.of_scene(scene._native, keys, os.getcwd(), size, port), height)

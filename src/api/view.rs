@@ -11,7 +11,7 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// Of a scene file, changed as by [`Scene::load`], on a port of 127.0.0.1; 0: any that is free.
+    /// Shows a scene file, changed as by [`Scene::load`]. `port` is a port of 127.0.0.1; 0: any that is free.
     ///
     /// # Errors
     /// Those of [`Scene::load`]; [`Error::Work`] if the adapter or the port cannot be used.
@@ -23,8 +23,8 @@ impl Viewer {
         Ok(Viewer { server })
     }
 
-    /// Of a scene in memory, as it is now, through the camera of a `[camera]` table (TOML, or JSON where it begins with a brace; relative paths in
-    /// it start from `folder`), or through its own; and for an image of `size` pixels, or of its own.
+    /// Shows a scene in memory, as it is now. `camera` is a `[camera]` table; without it, the scene's own camera is used. The table is TOML, or
+    /// JSON if it begins with a brace. Its relative paths start from `folder`. `size` is the image's size in pixels; without it, the scene's own.
     ///
     /// # Errors
     /// [`Error::Input`] for a wrong table, or if the scene has no camera; [`Error::Work`] if the adapter or the port cannot be used.

@@ -125,7 +125,7 @@ fn overdraw(scene: &Scene, camera: &Camera) -> Result<Colours> {
     let is_plain = camera.layers.len() == 1 && camera.optics.is_none() && !matches!(camera.layers[0], Rays::Curves(_));
     if !is_plain {
         return Err(Error::input(
-            "overdraw: only straight rays without mirrors and layers can be counted; choose another channel",
+            "depth complexity: needs a camera of one layer of straight rays, without mirrors or lenses; choose another channel",
         ));
     }
     let (width, height) = (camera.width, camera.height);

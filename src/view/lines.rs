@@ -73,7 +73,7 @@ pub fn of_scene(mesh: &Mesh) -> Json {
     })
 }
 
-/// The image places of the targets of a camera's table, by their paths: a and b of each image.
+/// For each target in the camera's table, in order: the places (a, b) where the picture shows it.
 pub fn marks(camera: &Camera, values: &Json) -> Json {
     let targets = values["camera"]["targets"].as_array().map(Vec::as_slice).unwrap_or_default();
     let at = |target: &Json| {

@@ -41,7 +41,7 @@ const MOVING_MS: f64 = 36.0;
 const FIRST: u32 = 2;
 /// Moving pictures in a row that are too slow before smaller ones follow.
 const SLOW_MAX: u32 = 3;
-/// Those that are fast before larger ones are tried; twice as many after each time that these were too slow.
+/// Fast pictures in a row before a larger size is tried. Doubled each time the larger size was too slow.
 const FAST_MIN: u32 = 8;
 /// Steps of the size of moving pictures: eighths of the size at rest.
 const STEPS: u32 = 8;
@@ -291,7 +291,7 @@ impl Painter {
         pixels.whole = scene.size.unwrap_or(pixels.size);
         pixels.times.read = read;
         if most < STEPS {
-            pixels.notes.push(format!("shown at {most} eighths of its size"));
+            pixels.notes.push(format!("shown at {most}/8 of its width and height"));
         }
         let encoded = encoded(job, pixels)?;
         if quality == Quality::Moving {

@@ -45,7 +45,7 @@ function offerText(text) {
   isTyped = true;
   showText();
   showTab("text");
-  tell("refused", "the server was started anew; the scene as it was here is in the text below: apply or discard it");
+  tell("refused", "the server has restarted; Scene file shows the text that this page had: apply it or discard it");
 }
 
 // Bars of the stages' times, and of the rest.

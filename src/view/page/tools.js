@@ -3,11 +3,11 @@
 // The tools of each kind of camera: a name, and what to do.
 const TOOLS = {
   navigate: { hint: "Drag to orbit, with shift to pan, with alt to turn the head; wheel to move closer." },
-  inspect: { hint: "Click a pixel to see its ray, its triangle and the candidates behind it." },
-  region: { kinds: ["top_down", "pinhole"], hint: "Drag a rectangle: a region that is seen from a viewpoint of its own. Then drag to move that viewpoint." },
+  inspect: { hint: "Click on a pixel to see its ray, its hit and its near candidates." },
+  region: { kinds: ["top_down", "pinhole"], hint: "Drag a rectangle. It becomes a region with a viewpoint of its own, which you then move by dragging in the picture." },
   target: { kinds: ["track", "pinhole"], hint: "Click to place a target; drag a target to move it." },
   grid: { kinds: ["camera_texture"], hint: "Drag the crossings of the grid." },
-  path: { kinds: ["pushbroom"], hint: "Drag from where the flight shall begin to where it shall end." },
+  path: { kinds: ["pushbroom"], hint: "Drag from the start of the flight to its end." },
 };
 
 function showTools() {
@@ -30,7 +30,10 @@ function showTools() {
   }
   const isGridInFile = kind === "camera_texture" && typeof state.values.camera.file === "string" && select.value === "grid";
   const isFixed = select.value === "navigate" && paths.length === 0;
-  const hint = isFixed ? "This camera has no eye and target: use the handles of its volume, and the controls." : TOOLS[select.value]?.hint ?? "";
+  const fixed = state.scene.has_poses
+    ? "The poses of this camera are in a file: they cannot be changed here."
+    : "This camera has no eye and target: use the handles of its volume, and the controls.";
+  const hint = isFixed ? fixed : TOOLS[select.value]?.hint ?? "";
   const said = isGridInFile ? "The grid is in a file. " : hint;
   if ($("hint").dataset.said !== said) $("hint").replaceChildren(said);
   if (isGridInFile && $("hint").dataset.said !== said) {
