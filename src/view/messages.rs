@@ -3,6 +3,7 @@
 use super::display::{Legend, Shown};
 use super::document::Edit;
 use serde::{Deserialize, Serialize};
+use std::time::Duration;
 
 /// What a page asks for.
 #[derive(Debug, Deserialize)]
@@ -112,6 +113,12 @@ pub struct Header {
     pub times: Times,
     /// What is left out, or otherwise to know.
     pub notes: Vec<String>,
+}
+
+impl Times {
+    pub fn all(&self) -> Duration {
+        Duration::from_secs_f64((self.read + self.render + self.encode).max(0.0) / 1e3)
+    }
 }
 
 /// Where the time of a picture went, ms.

@@ -2,8 +2,8 @@
 
 use super::document::{Document, Gesture, Keys};
 use super::messages::{Header, Look, Quality, Request};
+use crate::input::{Error, Result};
 use crate::jobs::options;
-use crate::{Error, Result};
 use serde_json::{Value as Json, json};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -12,7 +12,7 @@ use tokio::sync::Notify;
 
 /// Without input for so long, a gesture that is still held gets a picture as at rest.
 const HELD: Duration = Duration::from_millis(400);
-/// A picture of several samples waits so long for further input.
+/// A picture of several samples waits so long for further input, and at least as long as a whole one took: it cannot be interrupted.
 const SETTLED: Duration = Duration::from_millis(150);
 /// While pictures come, the scene's values are sent at most so often.
 const VALUES: Duration = Duration::from_millis(100);
@@ -145,7 +145,9 @@ struct Page {
     notify: Arc<Notify>,
     /// What was last drawn for it.
     drawn: Option<Asked>,
-    /// The same of the second picture.
+    /// What its last whole picture took, of one ray per pixel.
+    whole: Duration,
+    /// The same as `drawn` of the second picture.
     drawn_beside: Option<(u64, Look)>,
     outgoing: VecDeque<Picture>,
     /// A picture was sent that the page has not drawn yet.
@@ -207,6 +209,7 @@ impl Session {
             is_stale: true,
             notify: notify.clone(),
             drawn: None,
+            whole: Duration::ZERO,
             drawn_beside: None,
             outgoing: VecDeque::new(),
             awaited: None,
@@ -273,7 +276,12 @@ impl Session {
             if work.is_some() {
                 return work;
             }
-            state = self.work.wait_timeout(state, SETTLED.min(HELD) / 2).unwrap_or_else(PoisonError::into_inner).0;
+            state = if state.pages.is_empty() {
+                self.work.wait(state).unwrap_or_else(PoisonError::into_inner)
+            } else {
+                // what waits for further input has its time soon
+                self.work.wait_timeout(state, SETTLED / 2).unwrap_or_else(PoisonError::into_inner).0
+            };
         }
     }
 
@@ -550,7 +558,9 @@ impl State {
             let next = match known {
                 None if is_moving => Some(Quality::Moving),
                 None | Some(Quality::Moving) if !is_moving => Some(Quality::Whole),
-                Some(Quality::Whole) if rest == Quality::Rest && !is_moving && idle >= SETTLED => Some(Quality::Rest),
+                Some(Quality::Whole) if rest == Quality::Rest && !is_moving && idle >= SETTLED.max(page.whole) => {
+                    Some(Quality::Rest)
+                }
                 _ => None,
             };
             let job = |quality| Job {
@@ -626,6 +636,9 @@ impl State {
             // one of the newest state shows all that the page has asked for so far
             let seq = if is_newest { page.seq } else { job.seq };
             page.drawn = Some(job.asked.clone());
+            if job.asked.quality == Quality::Whole {
+                page.whole = header.times.all();
+            }
             let header = Header { id: self.next_picture, seq, ..header.clone() };
             self.next_picture += 1;
             page.outgoing.push_back(Picture { header, bytes: bytes.clone() });

@@ -71,8 +71,11 @@ impl Browser {
         value
     }
 
+    /// Opens a page, and has it show one ray per pixel, as `render` does if it is not told otherwise.
     pub fn go(&self, address: &str) {
         self.call("POST", "/url", &json!({ "url": address }));
+        self.wait("state.scene");
+        self.run("look({ samples: 1 }); document.getElementById('samples').value = '1'");
     }
 
     /// What a script returns; it may be a promise.

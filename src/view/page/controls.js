@@ -15,7 +15,8 @@ function shapeOf(value) {
 function showControls() {
   const shown = Object.fromEntries(["camera", ...Object.keys(state.scene.sections)].map((key) => [key, state.values[key]]));
   const now = JSON.stringify([shapeOf(shown), shown.camera?.kind, state.scene.keyframed, state.wires?.bounds]);
-  if (now !== shape) {
+  // a slider that is dragged stays
+  if (now !== shape && state.gesture === null) {
     shape = now;
     makeControls();
   }

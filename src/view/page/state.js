@@ -5,7 +5,7 @@ const $ = (id) => document.getElementById(id);
 const state = {
   scene: null, // the last message about the scene
   values: {}, // its values, with the edits of this page that the server has not answered yet
-  look: { shown: "color", samples: 1, beside: null, volume: true },
+  look: { shown: "color", samples: 4, beside: null, volume: true },
   seq: 0, // counts what this page has asked for
   lookSeq: 0, // the number of its last change of look
   tags: 0, // counts its questions about pixels
