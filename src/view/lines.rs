@@ -1,6 +1,5 @@
-//! The camera's volume and the scene as lines, and where points of the scene file appear in the picture, as JSON for the page.
+//! The camera's volume and the scene as lines, as JSON for the page.
 
-use crate::camera::project::Projector;
 use crate::camera::volume;
 use crate::camera::{Camera, Curve};
 use crate::geometry::mesh::Mesh;
@@ -71,21 +70,4 @@ pub fn of_scene(mesh: &Mesh) -> Json {
         "points": Line::of(points),
         "bounds": bounds.map(|(lo, hi)| [lo.to_array(), hi.to_array()]),
     })
-}
-
-/// For each target in the camera's table, in order: the places (a, b) where the picture shows it.
-pub fn marks(camera: &Camera, values: &Json) -> Json {
-    let targets = values["camera"]["targets"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let at = |target: &Json| {
-        let numbers: Vec<f64> = target["at"].as_array()?.iter().filter_map(Json::as_f64).collect();
-        <[f64; 3]>::try_from(numbers).ok().map(DVec3::from_array)
-    };
-    let points: Vec<DVec3> = targets.iter().map(|target| at(target).unwrap_or(DVec3::NAN)).collect();
-    let known: Vec<DVec3> = points.iter().copied().filter(|p| p.is_finite()).collect();
-    let mut images = Projector::project_all(camera, &known).into_iter();
-    let places = points.iter().map(|p| match p.is_finite().then(|| images.next()).flatten() {
-        Some(found) => found.images.iter().map(|image| [image.a, image.b]).collect(),
-        None => Vec::new(),
-    });
-    json!(places.collect::<Vec<Vec<[f64; 2]>>>())
 }

@@ -56,7 +56,7 @@ impl Server {
         let engine = Engine::open(&options.gpu)?;
         let adapter = engine.as_ref().map_or("the CPU, by the reference".into(), |e| e.gpu.info.name.clone());
         let session = Arc::new(Session::new(document, options.frame, adapter)?);
-        let token = options.token.unwrap_or_else(random_word);
+        let token = options.token.map_or_else(random_word, Ok)?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|e| Error::work(format!("the server cannot start: {e}")))?;
         let wanted = options.port;
@@ -114,9 +114,8 @@ impl Drop for Server {
 }
 
 /// 128 random bits as text.
-fn random_word() -> String {
+fn random_word() -> Result<String> {
     let mut bytes = [0; 16];
-    // without the system's random numbers nothing can be kept from others
-    getrandom::fill(&mut bytes).expect("the system has random numbers");
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    getrandom::fill(&mut bytes).map_err(|e| Error::work(format!("the system gives no random numbers: {e}")))?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }

@@ -1,5 +1,6 @@
 //! The page: one text, put together from the files of `page/`.
 
+use crate::input::Result;
 use axum::http::HeaderValue;
 use std::sync::LazyLock;
 
@@ -25,13 +26,13 @@ static PAGE: LazyLock<String> = LazyLock::new(|| {
 
 /// The page, and what it may do: run its own script, and connect to where it is from. A frame of a page on this machine, as of a
 /// notebook, may show it.
-pub fn with_policy() -> (String, HeaderValue) {
-    let nonce = super::random_word();
+pub fn with_policy() -> Result<(String, HeaderValue)> {
+    let nonce = super::random_word()?;
     let policy = format!(
         "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src blob: data:; connect-src 'self'; \
          base-uri 'none'; form-action 'none'; frame-ancestors 'self' http://localhost:* http://127.0.0.1:* https://localhost:* vscode-webview:"
     );
     // a nonce is plain ASCII
     let policy = HeaderValue::from_str(&policy).unwrap_or(HeaderValue::from_static("default-src 'none'"));
-    (PAGE.replace("NONCE", &nonce), policy)
+    Ok((PAGE.replace("NONCE", &nonce), policy))
 }

@@ -4,7 +4,6 @@ use super::display::{Legend, Shown};
 use super::lines;
 use super::messages::{Header, Quality, Times};
 use super::session::{At, Inspection, Job, Session, Work};
-use super::values;
 use crate::camera::Camera;
 use crate::engine::plan::Wanted;
 use crate::engine::planned::Planned;
@@ -225,7 +224,7 @@ pub fn paint(session: &Session, loader: Arc<Loader>, engine: Option<Engine>, opt
                 let drawn = painter.guarded(|painter| painter.lines(session, &at));
                 // what is wrong with the camera is said of its picture
                 if drawn.is_err() {
-                    session.lined(&at, json!({}), json!([]));
+                    session.lined(&at, json!({}));
                 }
             }
         }
@@ -368,9 +367,7 @@ impl Painter {
         let side = scene.size.map_or(0, |(w, h)| w.max(h));
         let eighths = (1..=STEPS).rev().find(|k| side * k <= VOLUME_SIDE * STEPS).unwrap_or(1);
         let camera = self.loader.scaled(&scene, eighths)?;
-        let root = file::values(&at.text, &self.loader.path, at.frame)?;
-        let marks = lines::marks(&camera, &values::json(&root));
-        session.lined(at, lines::of_camera(&camera, &scene.mesh), marks);
+        session.lined(at, lines::of_camera(&camera, &scene.mesh));
         Ok(())
     }
 }

@@ -91,7 +91,10 @@ async fn page(State(shared): State<Shared>, Query(access): Query<Access>) -> Res
     if !shared.admits(&access) {
         return refusal(StatusCode::FORBIDDEN, "this address needs the token that anamorph view printed");
     }
-    let (text, policy) = page::with_policy();
+    let (text, policy) = match page::with_policy() {
+        Ok(page) => page,
+        Err(why) => return (StatusCode::INTERNAL_SERVER_ERROR, why.to_string()).into_response(),
+    };
     let headers = [
         (header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8")),
         (header::CACHE_CONTROL, HeaderValue::from_static("no-store")),

@@ -1,5 +1,7 @@
 //! The scene that is viewed, and the pages that watch it. The server changes it by requests; the painter asks it what to draw next.
 
+mod next;
+
 use super::document::{Document, Gesture, Keys};
 use super::messages::{Header, Look, Quality, Request};
 use crate::input::{Error, Result};
@@ -10,14 +12,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::Notify;
 
-/// Without input for so long, a gesture that is still held gets a picture as at rest.
-const HELD: Duration = Duration::from_millis(400);
-/// A picture of several samples waits so long for further input, and at least as long as a whole one took: it cannot be interrupted.
-const SETTLED: Duration = Duration::from_millis(150);
 /// While pictures come, the scene's values are sent at most so often.
 const VALUES: Duration = Duration::from_millis(100);
-/// The camera's volume is drawn after so many pictures at the latest.
-const LINES_EVERY: u32 = 4;
 /// Pages that may watch at once.
 const PAGES_MAX: usize = 16;
 /// Pixels that a page may ask about before the answers come.
@@ -280,7 +276,7 @@ impl Session {
                 self.work.wait(state).unwrap_or_else(PoisonError::into_inner)
             } else {
                 // what waits for further input has its time soon
-                self.work.wait_timeout(state, SETTLED / 2).unwrap_or_else(PoisonError::into_inner).0
+                self.work.wait_timeout(state, next::SETTLED / 2).unwrap_or_else(PoisonError::into_inner).0
             };
         }
     }
@@ -327,9 +323,9 @@ impl Session {
     }
 
     /// Hands over the volume of a camera.
-    pub fn lined(&self, at: &At, camera: Json, marks: Json) {
+    pub fn lined(&self, at: &At, camera: Json) {
         let mut state = self.state();
-        let text = json!({ "is": "volume", "revision": at.revision, "camera": camera, "marks": marks }).to_string();
+        let text = json!({ "is": "volume", "revision": at.revision, "camera": camera }).to_string();
         state.lines = Some((at.revision, text.into()));
         state.pages.values().for_each(|page| page.notify.notify_one());
     }
@@ -536,116 +532,5 @@ impl State {
             message["engines"] = json!([vec!["reference"], rivals].concat());
         }
         message.to_string()
-    }
-
-    fn next_work(&mut self, now: Instant) -> Option<Work> {
-        let idle = now - self.last_input;
-        let is_moving = self.is_moving && idle < HELD;
-        let at = self.at();
-        let has_lines = self.lines.as_ref().is_some_and(|(revision, _)| *revision == self.revision);
-        let wants_lines = !has_lines && self.problem.is_none() && self.pages.values().any(|page| page.look.volume);
-        let mut beside = None;
-        let mut picture = None;
-        // those after the page that was served last come first
-        let after = self.pages.range(self.last_served + 1..);
-        for (id, page) in after.chain(self.pages.range(..=self.last_served)) {
-            if page.awaited.is_some() || !page.outgoing.is_empty() {
-                continue;
-            }
-            let known = page.drawn.as_ref().filter(|drawn| drawn.revision == self.revision && drawn.look == page.look);
-            let known = known.map(|drawn| drawn.quality);
-            let rest = if page.look.samples > 1 { Quality::Rest } else { Quality::Whole };
-            let next = match known {
-                None if is_moving => Some(Quality::Moving),
-                None | Some(Quality::Moving) if !is_moving => Some(Quality::Whole),
-                Some(Quality::Whole) if rest == Quality::Rest && !is_moving && idle >= SETTLED.max(page.whole) => {
-                    Some(Quality::Rest)
-                }
-                _ => None,
-            };
-            let job = |quality| Job {
-                page: *id,
-                asked: Asked { revision: self.revision, look: page.look.clone(), quality },
-                seq: page.seq,
-                scene: at.clone(),
-            };
-            if let Some(quality) = next {
-                picture = Some(job(quality));
-                break;
-            }
-            let is_at_rest = !is_moving && known >= Some(rest);
-            let is_drawn =
-                page.drawn_beside.as_ref().is_some_and(|(r, look)| *r == self.revision && *look == page.look);
-            if page.look.beside.is_some() && is_at_rest && !is_drawn && beside.is_none() {
-                beside = Some(job(rest));
-            }
-        }
-        if wants_lines && (picture.is_none() || self.since_lines >= LINES_EVERY) {
-            self.since_lines = 0;
-            return Some(Work::Lines(at));
-        }
-        if let Some(job) = picture {
-            (self.last_served, self.since_lines) = (job.page, self.since_lines + 1);
-            return Some(Work::Picture(job));
-        }
-        let job = beside?;
-        self.pages.get_mut(&job.page)?.drawn_beside = Some((self.revision, job.asked.look.clone()));
-        if job.asked.look.beside.as_deref() == Some("reference") {
-            self.inspections.push_back(Inspection::Beside(job));
-            return None;
-        }
-        Some(Work::Beside(job))
-    }
-
-    /// Pixels first; what no page waits for any more is dropped.
-    fn next_inspection(&mut self) -> Option<Inspection> {
-        let State { inspections, pages, revision, .. } = self;
-        inspections.retain(|inspection| match inspection {
-            Inspection::Pixel { page, .. } => pages.contains_key(page),
-            Inspection::Beside(job) => {
-                job.asked.revision == *revision && pages.get(&job.page).is_some_and(|page| page.look == job.asked.look)
-            }
-        });
-        let pixel = inspections.iter().position(|inspection| matches!(inspection, Inspection::Pixel { .. }));
-        inspections.remove(pixel.unwrap_or(0))
-    }
-
-    fn drawn(&mut self, job: &Job, result: std::result::Result<(Header, Arc<Vec<u8>>), String>) {
-        let is_newest = self.revision == job.asked.revision;
-        let (header, bytes) = match result {
-            Ok(drawn) => drawn,
-            Err(why) => {
-                let Some(page) = self.pages.get_mut(&job.page) else { return };
-                // not tried again
-                page.drawn = Some(Asked { quality: Quality::Rest, ..job.asked.clone() });
-                if is_newest && page.look == job.asked.look {
-                    (page.problem, page.is_stale) = (Some(why), true);
-                    page.notify.notify_one();
-                }
-                return;
-            }
-        };
-        for (id, page) in &mut self.pages {
-            let is_free = page.awaited.is_none() && page.outgoing.is_empty();
-            let is_newer = page.drawn.as_ref().is_none_or(|drawn| {
-                (drawn.revision, drawn.quality) < (job.asked.revision, job.asked.quality) || drawn.look != page.look
-            });
-            if page.look != job.asked.look || !is_newer || !(is_free || *id == job.page) {
-                continue;
-            }
-            // one of the newest state shows all that the page has asked for so far
-            let seq = if is_newest { page.seq } else { job.seq };
-            page.drawn = Some(job.asked.clone());
-            if job.asked.quality == Quality::Whole {
-                page.whole = header.times.all();
-            }
-            let header = Header { id: self.next_picture, seq, ..header.clone() };
-            self.next_picture += 1;
-            page.outgoing.push_back(Picture { header, bytes: bytes.clone() });
-            if is_newest && page.problem.take().is_some() {
-                page.is_stale = true;
-            }
-            page.notify.notify_one();
-        }
     }
 }

@@ -12,7 +12,6 @@ const state = {
   gesture: null, // the number of the drag that is going on
   gestures: 0,
   socket: null,
-  instance: null,
   wires: null, // the scene's lines and bounds
   volume: null, // the camera's
   listeners: { scene: [], volume: [], picture: [], refused: [], pixel: [] },
