@@ -189,7 +189,11 @@ impl Engine {
         let planned = self.planner().plan(scene, camera.clone(), wanted, run, None)?;
         let mut frames = self.upload(planned, run)?;
         match frames.warm_up() {
-            Err(_) if run.method == Method::Auto && (frames.is_lost || frames.resident.cannot_trace()) => {
+            Err(_)
+                if run.method == Method::Auto
+                    && scene.steps.is_none()
+                    && (frames.is_lost || frames.resident.cannot_trace()) =>
+            {
                 drop(frames);
                 self.prepare(scene, camera, wanted, &RunOptions { method: Method::Raster, ..run.clone() })
             }

@@ -44,10 +44,14 @@ use crate::camera::bundle::Bundle;
 use crate::camera::perturb::scene_size;
 use crate::geometry::mesh::{Material, Mesh};
 use crate::geometry::texture::Texture;
+use crate::geometry::time_steps::{Moment, MovingMesh, TimeSteps};
+use crate::scene::Scene;
 use beam::Beam;
 use bvh::{Bvh, Item};
+use glam::DVec3;
 use intersect::{Aim, Corners, T_ROUNDING};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// The first hit of a ray on the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,11 +64,14 @@ pub struct Hit {
     pub bary: [f64; 2],
 }
 
-/// A mesh indexed for ray queries.
-#[derive(Debug)]
+/// A mesh indexed for ray queries. If it moves, queries are answered for one moment.
+#[derive(Debug, Clone)]
 pub struct Reference<'a> {
     mesh: &'a Mesh,
-    bvh: Bvh,
+    /// Where it moves, and the moment.
+    moving: Option<(&'a TimeSteps, Moment)>,
+    /// Boxes of all moments.
+    bvh: Arc<Bvh>,
     /// The mesh's size, by which rays are perturbed: [`crate::camera::perturb`].
     scene_size: f64,
 }
@@ -73,13 +80,31 @@ impl<'a> Reference<'a> {
     /// Indexes the mesh: finite positions, indices in range. Triangles with two corners in one place are
     /// left out: they are never hit.
     pub fn build(mesh: &'a Mesh) -> Reference<'a> {
-        let item = |(id, triangle): (usize, &[u32; 3])| {
-            let corners = Corners::new(triangle.map(|k| mesh.positions[k as usize]));
-            let (lo, hi) = corners.bounds();
-            (!corners.is_degenerate()).then_some(Item { lo, hi, id: id as u32 })
+        Reference::of_moving(mesh.into())
+    }
+
+    /// The same for the mesh of a scene, at its first moment if it moves.
+    pub fn of_scene(scene: &'a Scene) -> Reference<'a> {
+        Reference::of_moving(scene.moving_mesh())
+    }
+
+    fn of_moving(all: MovingMesh<'a>) -> Reference<'a> {
+        let item = |id: u32| {
+            let corners = (0..all.count()).map(|step| Corners::new(all.corners(id, step)));
+            let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+            let (lo, hi) = corners.clone().map(|corners| corners.bounds()).reduce(join)?;
+            let is_there = all.count() > 1 || corners.clone().any(|corners| !corners.is_degenerate());
+            is_there.then_some(Item { lo, hi, id })
         };
-        let items = mesh.triangles.par_iter().enumerate().filter_map(item).collect();
-        Reference { mesh, bvh: Bvh::build(items), scene_size: scene_size(mesh.bounds()) }
+        let items = (0..all.mesh.triangles.len() as u32).into_par_iter().filter_map(item).collect();
+        let moving = all.steps.map(|steps| (steps, Moment::default()));
+        let bvh = Arc::new(Bvh::build(items));
+        Reference { mesh: all.mesh, moving, bvh, scene_size: scene_size(all.bounds()) }
+    }
+
+    /// The mesh as it is at a moment.
+    pub fn at(&self, moment: Moment) -> Reference<'a> {
+        Reference { moving: self.moving.map(|(steps, _)| (steps, moment)), ..self.clone() }
     }
 
     /// The visible hit of the bundle's central ray: the smallest `t` in `t_range` (ends inclusive), the
@@ -94,14 +119,15 @@ impl<'a> Reference<'a> {
     }
 
     /// Distance from `p` along a unit direction to the nearest of the first `count` triangles, either face, up to `far`.
-    fn blocked(&self, p: glam::DVec3, direction: glam::DVec3, far: f64, count: u32) -> Option<f64> {
-        let zero = glam::DVec3::ZERO;
+    fn blocked(&self, p: DVec3, direction: DVec3, far: f64, count: u32) -> Option<f64> {
+        let zero = DVec3::ZERO;
         let bundle = Bundle { p: [p, zero, zero], d: [direction, zero, zero], h: [1.0, 0.0, 0.0] };
         let beam = Beam::over(&bundle, 0.0)?;
         let mut nearest = far;
         let mut is_met = false;
         self.bvh.walk(&beam, [0.0, far], |id| {
-            let met = (id < count).then(|| intersect::meet(&Aim::straight(bundle), &self.corners(id))).flatten();
+            let corners = self.solid_corners(id).filter(|_| id < count);
+            let met = corners.and_then(|corners| intersect::meet(&Aim::straight(bundle), &corners));
             if let Some(m) = met.filter(|m| (0.0..=nearest).contains(&m.t)) {
                 (nearest, is_met) = (m.t, true);
             }
@@ -129,7 +155,7 @@ impl<'a> Reference<'a> {
 
     /// The visible hit of the central ray on one triangle, in range.
     fn hit_of(&self, aim: &Aim, id: u32, t_range: [f64; 2]) -> Option<Hit> {
-        let m = intersect::meet(aim, &self.corners(id))?;
+        let m = intersect::meet(aim, &self.solid_corners(id)?)?;
         let seen = m.sign < 0 || self.two_sided(id);
         let in_range = t_range[0] <= m.t && m.t <= t_range[1];
         let hit = Hit { t: m.t, triangle: id, bary: m.bary };
@@ -137,7 +163,30 @@ impl<'a> Reference<'a> {
     }
 
     fn corners(&self, id: u32) -> Corners {
-        Corners::new(self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]))
+        Corners::new(self.positions(id))
+    }
+
+    /// `None` while two of them are in one place.
+    fn solid_corners(&self, id: u32) -> Option<Corners> {
+        Some(self.corners(id)).filter(|corners| !corners.is_degenerate())
+    }
+
+    /// The corners of a triangle, in the order of its file.
+    fn positions(&self, id: u32) -> [DVec3; 3] {
+        let mesh = self.mesh;
+        let at = |v: u32| match self.moving {
+            Some((steps, moment)) => steps.position_at(mesh, v, moment),
+            None => mesh.positions[v as usize],
+        };
+        mesh.triangles[id as usize].map(at)
+    }
+
+    /// A normal of the mesh.
+    fn normal(&self, n: u32) -> DVec3 {
+        match self.moving {
+            Some((steps, moment)) => steps.normal_at(self.mesh, n, moment),
+            None => self.mesh.normals[n as usize].as_dvec3(),
+        }
     }
 
     fn material(&self, id: u32) -> Option<&Material> {
@@ -174,7 +223,7 @@ fn upright(b: &Bundle) -> Option<Bundle> {
     let sign = b.h[0].signum();
     let b = Bundle { p: b.p.map(|v| v * sign), d: b.d.map(|v| v * sign), h: b.h.map(|v| v * sign) };
     let finite = b.p.iter().chain(&b.d).all(|v| v.is_finite()) && b.h.iter().all(|v| v.is_finite());
-    (finite && b.h[0] > 0.0 && b.d[0] != glam::DVec3::ZERO).then_some(b)
+    (finite && b.h[0] > 0.0 && b.d[0] != DVec3::ZERO).then_some(b)
 }
 
 /// An upper bound on the exact `t` whose computed value is `t`.

@@ -101,7 +101,7 @@ fn host() -> Layouts {
             edge_capacity,
             scene_size,
             raster_budget,
-            pad1,
+            steps,
             pad2,
             t_min,
             t_max,

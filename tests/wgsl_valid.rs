@@ -166,8 +166,10 @@ fn every_kernel_is_valid_and_portable() {
     // where rays may be traced: pieces with both ways, by tile and with small too; pieces and a field without raster, three cameras of curves,
     // with rivals each; and the bounced rays of four kinds of optics, three of them smooth
     let traced = 4 * (5 + 2 * 4 + 3 * 3 + 6 * 4 + 4 * 5 + 3) + 2 * 2 + 2;
+    // and where things move: a camera of pieces, a field and curves, with rivals each, and a mirror of facets with the rays that it bounces
+    let timed = 4 * (2 * 4 + 3 + 3 * 4 + 2 * 5);
     let exact = 1;
-    assert_eq!(wide, by_pair + masked + by_tile + small + traced + exact);
+    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + exact);
 }
 
 /// It has the kernel's name and the common workgroup.

@@ -2,7 +2,7 @@
 // Reads recheck_items, triangles, vertices, cells and the camera's rays; finds in recheck arithmetic whether the triangle covers the
 // item's pixel, where that is not proven, and at which t, and merges its key.
 // Needs: COUNT_RECHECK_ITEMS, PROVEN, TILE, bit_mask, cell_bundle, is_between, item_index, merge_hits, perturbed, pixel_bundle, real,
-//   real3, triangle_at, vertex_real
+//   real3, take_moment, tile_corner, triangle_at, vertex_real
 // Binds: cells, counters, params, recheck_items, tile_start
 
 @compute @workgroup_size(64)
@@ -34,6 +34,8 @@ fn recheck(
     }
 
     // recheck it
+    let corner = tile_corner(tile);
+    take_moment((corner.y + bit / TILE) * params.width + corner.x + bit % TILE);
     let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
     let cell = cells[k];
     let whole = cell_bundle(cell);

@@ -5,7 +5,7 @@
 // Needs: Bundle, Lit, NONE, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, by_thread, colour_of, drawn, ends_on_smooth,
 //   first_piece, first_surface, goes_on, has_path, in_file_order, key_id, key_layer, key_t, light_before, light_left, path_length,
 //   pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential, reach_of, reached, real3,
-//   says_what_is_seen, segment_length, sent_back, surface_albedo, surface_normal, surface_uv, triangle_at, vertex_real
+//   says_what_is_seen, segment_length, sent_back, surface_albedo, surface_normal, surface_uv, take_moment, triangle_at, vertex_real
 // Binds: params, planes, shading, slot_of_id
 
 // Some plane shows more than the key says.
@@ -47,6 +47,7 @@ fn shade(
     let y = place.y;
     let pixel = y * params.width + x;
     let at = Place(pixel, params.width * params.height);
+    take_moment(pixel);
     let won = pixel_key(pixel);
     let id = key_id(~won);
     let is_hit = any(won != vec2<u32>(0u));

@@ -2,8 +2,8 @@
 // Reads the chunk's hierarchy, its triangles and vertices, cells and the camera's rays; follows each pixel's path to the nearest triangle
 // that it meets at a t in range, and writes that. Triangles of which f32 proves neither a hit nor a miss are left to recheck.
 // The list recheck_items may overflow: the counter keeps counting. What takes too many steps is counted, too.
-// Needs: COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_UNFINISHED, Path, SLABBED, Seen, Stretch, box_hits, bvh_scale, bvh_triangle,
-//   has_ray, is_seen, keep_seen, last_of, nothing_seen, path_of, pixel_at, stretch_of, stretches, with_triangle
+// Needs: COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_UNFINISHED, Path, SLABBED, Seen, Stretch, box_hits, bvh_root, bvh_scale,
+//   bvh_triangle, has_ray, is_seen, keep_seen, last_of, nothing_seen, path_of, pixel_at, stretch_of, stretches, take_moment, with_triangle
 // Binds: counters, params, step
 
 // The most boxes and triangles that a path is tested against: software adapters end a loop when its 16 threads together have taken 65535
@@ -35,6 +35,7 @@ fn trace(
             break;
         }
         if has_ray(layer, at.x, at.y) {
+            take_moment(at.y * params.width + at.x);
             let path = path_of(layer, at.x, at.y);
             var seen = nothing_seen();
             var rounds = 0u;
@@ -92,7 +93,7 @@ fn followed(path: Path, stretch: Stretch, before: Seen, rounds_before: u32) -> F
     var tested = 0u;
     var waiting: array<vec2<u32>, STACK>;
     var count = 0u;
-    var group = vec2<u32>(0u, 0x80000000u);
+    var group = vec2<u32>(bvh_root(), 0x80000000u);
     loop {
         // take the nearest box of the group, and look at the eight below it
         let bit = firstLeadingBit(group.y);

@@ -74,8 +74,8 @@ impl Renderer {
     /// Positions, normals, texture coordinates and colours are rounded relative to where the camera in the middle is: they may be off by some
     /// 2^-24 of the distance from there. Heights are rounded up to whole tiles of 8 pixels, those of cameras with a ray for each pixel after
     /// two more rows. Mirrors, lenses, curved rays, layers, different ranges of t, cameras of pieces beside cameras of a ray for each
-    /// pixel, unrelated rays, caustics, lines between pixels, and samples that do not fit one frame take a frame for each image; the report
-    /// then says why.
+    /// pixel, unrelated rays, caustics, lines between pixels, things that move while an image is taken, and samples that do not fit one
+    /// frame take a frame for each image; the report then says why.
     ///
     /// # Errors
     /// Those of [`Renderer::render`]; [`Error::Input`] without a camera, or if their images differ in size.
@@ -152,6 +152,9 @@ impl Renderer {
         }
         if scene.scene.style.is_between_pixels() && wanted.has_colour() {
             return Err("lines are drawn between pixels");
+        }
+        if scene.scene.steps.is_some() {
+            return Err("things move while an image is taken");
         }
         can_stack(cameras)?;
         // of those that can be stacked the first stands for all

@@ -14,6 +14,7 @@ pub mod bundle;
 pub mod chain;
 pub mod curve;
 pub mod describe;
+pub mod exposure;
 pub mod field;
 pub mod glc;
 pub mod graph;
@@ -33,6 +34,7 @@ pub mod tessellate;
 pub mod view;
 pub mod volume;
 
+use crate::camera::exposure::Sample;
 use crate::camera::optics::Optics;
 use crate::camera::spec::CameraSpec;
 use crate::geometry::mesh::Mesh;
@@ -73,6 +75,10 @@ pub struct Camera {
     pub unfulfilled: Vec<String>,
     /// How much of the scene its rays depend on.
     pub scene_use: SceneUse,
+    /// Which sample of each pixel its rays are; `None`: the pixel's own ray.
+    pub sample: Option<Sample>,
+    /// For each pixel the one that it is of the image, row by row, if they are in another order.
+    pub pixel_order: Option<Arc<[u32]>>,
 }
 
 /// Clones the camera.
@@ -118,7 +124,19 @@ impl Camera {
         }
         layers.iter().try_for_each(check_reach)?;
         let t_range = if unit_t { [0.0, 1.0] } else { spec.t_range };
-        Ok(Camera { kind, width, height, t_range, layers, optics, notes, unfulfilled, scene_use: SceneUse::Nothing })
+        Ok(Camera {
+            kind,
+            width,
+            height,
+            t_range,
+            layers,
+            optics,
+            notes,
+            unfulfilled,
+            scene_use: SceneUse::Nothing,
+            sample: None,
+            pixel_order: None,
+        })
     }
 
     /// A camera of one layer.
@@ -134,7 +152,14 @@ impl Camera {
             notes: Vec::new(),
             unfulfilled: Vec::new(),
             scene_use,
+            sample: None,
+            pixel_order: None,
         }
+    }
+
+    /// The same camera for one of the samples of each pixel, `(dx, dy)` pixels from the pixel's centre.
+    pub fn of_sample(&self, (dx, dy): (f64, f64), sample: Sample) -> Camera {
+        Camera { sample: Some(sample), ..self.with_sample_offset(dx, dy) }
     }
 
     /// The same camera with every pixel's sample moved by `(dx, dy)` pixels from the pixel centre.
@@ -199,6 +224,12 @@ impl Camera {
             Rays::Field(f) => (f.quadrants(i, j), false),
             Rays::Curves(_) => (Vec::new(), true),
         }
+    }
+
+    /// The pixel of the image that a pixel is, where they are in another order.
+    pub fn image_pixel(&self, (i, j): (u32, u32)) -> (u32, u32) {
+        let at = |order: &Arc<[u32]>| order[j as usize * self.width as usize + i as usize];
+        self.pixel_order.as_ref().map(at).map_or((i, j), |k| (k % self.width, k / self.width))
     }
 
     /// A pixel in the middle of the image, or of one of those that are stacked in it.

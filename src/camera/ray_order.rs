@@ -8,11 +8,12 @@ use crate::camera::TILE;
 use crate::geometry::interleave::{KEY_BITS, interleaved};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// The camera's pixels in the order of their rays.
 pub struct RayOrder {
     /// For each pixel of the reordered image, the index of the camera's pixel.
-    source: Vec<u32>,
+    source: Arc<[u32]>,
 }
 
 /// Number of tiles sampled to decide whether rays are incoherent.
@@ -51,7 +52,7 @@ impl RayOrder {
         for (place, (_, k)) in tile_by_tile(field.width, field.height).into_iter().zip(sorted) {
             source[place as usize] = k;
         }
-        RayOrder { source }
+        RayOrder { source: source.into() }
     }
 
     /// The camera with its pixels in this order.
@@ -60,7 +61,8 @@ impl RayOrder {
             Rays::Field(field) => Rays::Field(field.reordered(&self.source)),
             other => other.clone(),
         };
-        Camera { layers: camera.layers.iter().map(reordered).collect(), ..camera.clone() }
+        let layers = camera.layers.iter().map(reordered).collect();
+        Camera { layers, pixel_order: Some(self.source.clone()), ..camera.clone() }
     }
 
     /// Reorders values from the reordered image to the camera's order.
@@ -151,7 +153,7 @@ mod tests {
     fn every_pixel_is_somewhere_and_comes_back() {
         let field = lenslets(53, 37, 8);
         let ray_order = RayOrder::new(&field, DVec3::new(3.0, 2.0, 9.0));
-        let mut seen = ray_order.source.clone();
+        let mut seen = ray_order.source.to_vec();
         let there: Vec<u32> = seen.clone();
         seen.sort_unstable();
         assert!(seen.iter().copied().eq(0..53 * 37));

@@ -1,6 +1,7 @@
 //! The interface of camera kinds: reading the keys of a kind, and building its rays.
 
 use super::Rays;
+use super::exposure::Lines;
 use crate::camera::optics::Optics;
 use crate::geometry::mesh::Mesh;
 use crate::input::reader::Table;
@@ -39,6 +40,11 @@ impl Kind {
 /// A camera as written, its values checked one by one. [`Recipe::build`] checks that they fit together.
 pub trait Recipe: Any + Debug + Equal + Send + Sync {
     fn build(&self, setting: &Setting) -> Result<Built>;
+
+    /// In what order lines are read and when, in seconds, if keys of the kind say so.
+    fn lines(&self) -> Option<Lines> {
+        None
+    }
 }
 
 /// Equality of recipes behind `dyn`: those of the same type are compared by `==`.

@@ -1,9 +1,10 @@
 //! `[camera]`: the keys of a kind, each checked to be a finite value of its type. Combinations (eye = target, overlapping
 //! pieces) are checked when the camera is built.
 
+use super::exposure::{self, Readout};
 use super::kinds::KINDS;
 use super::recipe::Recipe;
-use crate::input::reader::Field;
+use crate::input::reader::{Field, Table};
 use crate::input::tree::{nearest, quote};
 use crate::input::{Error, Result};
 use std::any::Any;
@@ -43,14 +44,29 @@ impl PartialEq for CameraKind {
 }
 
 pub(crate) fn read_camera(field: &Field) -> Result<CameraSpec> {
-    let table = field.table()?;
+    read_kind(&field.table()?)
+}
+
+/// The camera of a scene: its kind, and when its pixels are read in an image of this size, with so many frames a second.
+pub(crate) fn read_camera_and_readout(
+    field: &Field,
+    size: (Option<u32>, Option<u32>),
+    frame_rate: f64,
+) -> Result<(CameraSpec, Readout)> {
+    let table = field.table()?.with_keys_read_elsewhere(&exposure::KEYS);
+    let spec = read_kind(&table)?;
+    let readout = exposure::read_readout(&table, spec.kind.recipe.lines(), size, frame_rate)?;
+    Ok((spec, readout))
+}
+
+fn read_kind(table: &Table) -> Result<CameraSpec> {
     let names = || KINDS.iter().map(|k| k.name).collect::<Vec<_>>();
     let Some(key) = table.get("kind") else {
         return Err(table.error(format_args!("kind is missing; add kind = one of {}", names().join(", "))));
     };
     let name = key.text()?;
     let kind = KINDS.iter().find(|k| k.name == name).ok_or_else(|| unknown_kind(&key, name, &names()))?;
-    let kind = CameraKind { name: kind.name, recipe: (kind.read)(&table)? };
+    let kind = CameraKind { name: kind.name, recipe: (kind.read)(table)? };
     Ok(CameraSpec { kind, t_range: table.or("t_range", [0.0, f64::INFINITY], read_t_range)? })
 }
 

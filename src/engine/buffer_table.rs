@@ -236,6 +236,8 @@ pub fn table() -> Vec<BufferSpec> {
                 ],
             )
         },
+        // when each pixel sees the scene
+        uploaded("moments", 4, &[Trace, Recheck, Shade]),
         // its optics
         uploaded("optic", size_of::<layout::Optic>(), &[Raster, Trace, Reach, Meet, Shade, Gather, Bounce, Fit, Paste]),
         uploaded("corners", size_of::<layout::Corner>(), &[Bounce, Paste]),

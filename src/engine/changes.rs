@@ -94,6 +94,7 @@ impl PlannedBy<'_> {
             && last.wanted == **wanted
             && (&last.scene.style, last.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
             && last.plan.variant == *variant
+            && (scene.steps.is_none() || same_steps(&last.scene, scene) && last.scene.exposure == scene.exposure)
     }
 }
 
@@ -105,7 +106,16 @@ pub(super) fn same_clusters(last: &Planned, scene: &Scene, plan: &Plan) -> bool 
 
 /// Both are made of the same triangles, not of equal ones.
 fn same_mesh(a: &Scene, b: &Scene) -> bool {
-    Arc::ptr_eq(&a.mesh, &b.mesh)
+    Arc::ptr_eq(&a.mesh, &b.mesh) && same_steps(a, b)
+}
+
+/// Both move alike.
+fn same_steps(a: &Scene, b: &Scene) -> bool {
+    match (&a.steps, &b.steps) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (None, None) => true,
+        _ => false,
+    }
 }
 
 /// Both have the same lights, style and background; materials may differ.

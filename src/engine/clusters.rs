@@ -4,6 +4,7 @@
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
+use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::kernels::SurfaceKind;
 use crate::gpu::layout::{CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, TRIANGLE_GROUP, Vertex};
 use glam::DVec3;
@@ -14,6 +15,7 @@ use rayon::prelude::*;
 pub struct Chunk {
     pub id_first: u32,
     pub id_count: u32,
+    /// All time steps of a vertex together.
     pub vertices: Vec<Vertex>,
     /// Per slot: three vertices in the order of their positions; id, file order and sidedness.
     pub triangles: Vec<[u32; 4]>,
@@ -29,6 +31,8 @@ pub struct Chunk {
     pub clusters: Vec<Cluster>,
     /// One for each triangle group of each cluster; the last cluster's may be empty.
     pub triangle_groups: Vec<Cluster>,
+    /// Time steps of each vertex; 1 if nothing moves during a frame.
+    pub steps: u32,
     /// The scene's vertices that it has, ascending; `None`: all.
     used: Option<Vec<u32>>,
     /// How large the boxes of its clusters were together when triangles were put in these.
@@ -51,18 +55,29 @@ const COLORED_TRIANGLE_BYTES: u64 = 80;
 const VERTEX_BYTES: u64 = size_of::<Vertex>() as u64;
 
 /// Splits a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with what is wanted of surfaces.
-pub fn cluster(mesh: &Mesh, anchor: DVec3, surfaces: SurfaceKind, binding_limit: u64) -> Clustered {
-    let triangle_bytes = if surfaces == SurfaceKind::Colored { COLORED_TRIANGLE_BYTES } else { TRIANGLE_BYTES };
+pub fn cluster<'a>(
+    all: impl Into<MovingMesh<'a>>,
+    anchor: DVec3,
+    surfaces: SurfaceKind,
+    binding_limit: u64,
+) -> Clustered {
+    let all = all.into();
+    let mesh = all.mesh;
+    let surface_bytes = if surfaces == SurfaceKind::Colored { COLORED_TRIANGLE_BYTES } else { TRIANGLE_BYTES };
+    let steps = u64::from(all.count());
+    // trace tests a triangle at the two ends of each of its ways
+    let traced_bytes = if steps > 1 { 2 * (steps - 1) * TRIANGLE_BYTES } else { TRIANGLE_BYTES };
+    let (triangle_bytes, vertex_bytes) = (surface_bytes.max(traced_bytes), steps * VERTEX_BYTES);
     let whole = mesh.triangles.len() as u64 * triangle_bytes <= binding_limit
-        && mesh.positions.len() as u64 * VERTEX_BYTES <= binding_limit;
+        && mesh.positions.len() as u64 * vertex_bytes <= binding_limit;
     let per_chunk =
-        if whole { mesh.triangles.len() as u64 } else { binding_limit / triangle_bytes.max(3 * VERTEX_BYTES) };
+        if whole { mesh.triangles.len() as u64 } else { binding_limit / triangle_bytes.max(3 * vertex_bytes) };
     let count = mesh.triangles.len() as u64;
     let mut chunks: Vec<Chunk> = (0..count)
         .step_by(per_chunk.max(1) as usize)
         .map(|first| {
             let ids = first as u32..(first + per_chunk).min(count) as u32;
-            chunk(mesh, anchor, ids, (whole, surfaces))
+            chunk(all, anchor, ids, (whole, surfaces))
         })
         .collect();
     if chunks.is_empty() {
@@ -73,9 +88,10 @@ pub fn cluster(mesh: &Mesh, anchor: DVec3, surfaces: SurfaceKind, binding_limit:
     Clustered { chunks, anchor, without_area: mesh.triangles.len() - slots }
 }
 
-fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, surfaces): (bool, SurfaceKind)) -> Chunk {
-    let order = morton_order(mesh, ids.clone());
-    let mut chunk = Chunk { id_first: ids.start, id_count: ids.len() as u32, ..Default::default() };
+fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, surfaces): (bool, SurfaceKind)) -> Chunk {
+    let mesh = all.mesh;
+    let order = morton_order(all, ids.clone());
+    let mut chunk = Chunk { id_first: ids.start, id_count: ids.len() as u32, steps: all.count(), ..Default::default() };
     if !whole {
         let mut used: Vec<u32> = order.par_iter().flat_map_iter(|&id| mesh.triangles[id as usize]).collect();
         used.par_sort_unstable();
@@ -94,7 +110,7 @@ fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, surfaces
         chunk.slot_of_id[(id - ids.start) as usize] = slot as u32;
     }
     chunk.triangles = order.par_iter().map(|&id| [0, 0, 0, id | side(mesh, id)]).collect();
-    chunk.place(mesh, anchor);
+    chunk.place(all, anchor);
     chunk.clustered_size = chunk.size();
     chunk
 }
@@ -105,11 +121,11 @@ impl Clustered {
     pub fn refit(&mut self, mesh: &Mesh) -> bool {
         let lies_flat = |chunk: &Chunk| {
             let ids = chunk.slot_of_id.par_iter().zip(chunk.id_first..chunk.id_first + chunk.id_count);
-            ids.filter(|(slot, _)| **slot == NONE).all(|(_, id)| !has_area(&corners(mesh, id)))
+            ids.filter(|(slot, _)| **slot == NONE).all(|(_, id)| !has_area(mesh.into(), id))
         };
         self.chunks.iter_mut().all(|chunk| {
             (self.without_area == 0 || lies_flat(chunk))
-                && chunk.place(mesh, self.anchor)
+                && chunk.place(mesh.into(), self.anchor)
                 && chunk.size() <= GROWN_MAX * chunk.clustered_size
         })
     }
@@ -125,12 +141,15 @@ const GROWN_MAX: f64 = 1.5;
 
 impl Chunk {
     /// All that depends on positions, of the triangles in their slots; whether each has an area.
-    fn place(&mut self, mesh: &Mesh, anchor: DVec3) -> bool {
+    fn place(&mut self, all: MovingMesh, anchor: DVec3) -> bool {
+        let mesh = all.mesh;
         let used = self.used.as_deref();
         let count = used.map_or(mesh.positions.len(), <[u32]>::len);
-        self.vertices.resize(count, Vertex::default());
+        let steps = all.count() as usize;
+        self.vertices.resize(count * steps, Vertex::default());
         self.vertices.par_iter_mut().enumerate().for_each(|(k, vertex)| {
-            *vertex = Vertex::new(mesh.positions[used.map_or(k, |used| used[k] as usize)] - anchor);
+            let (k, step) = (k / steps, (k % steps) as u32);
+            *vertex = Vertex::new(all.position(used.map_or(k as u32, |used| used[k]), step) - anchor);
         });
         // every vertex of the chunk is in the sorted list
         let index_of = |v: u32| used.map_or(v, |used| used.partition_point(|&u| u < v) as u32);
@@ -145,10 +164,10 @@ impl Chunk {
             {
                 let mut own = Bounds::NONE;
                 for triangle in triangles.iter_mut() {
-                    let corners = corners(mesh, triangle[3] & ID_MASK);
-                    let order = order_by_position(&corners);
-                    have_area &= has_area(&corners);
-                    own = own.with(&corners);
+                    let id = triangle[3] & ID_MASK;
+                    let order = order_by_position(all, id);
+                    have_area &= has_area(all, id);
+                    own = (0..all.count()).fold(own, |own, step| own.with(&all.corners(id, step)));
                     *triangle = packed_triangle(mesh, triangle[3], order, index_of);
                 }
                 *triangle_group = own.packed(anchor, first + k * TRIANGLE_GROUP as usize, triangles.len());
@@ -167,13 +186,9 @@ impl Chunk {
     }
 }
 
-fn corners(mesh: &Mesh, id: u32) -> [DVec3; 3] {
-    mesh.triangles[id as usize].map(|v| mesh.positions[v as usize])
-}
-
-/// The triangles that have an area, along a Morton curve through their centroids.
-fn morton_order(mesh: &Mesh, ids: std::ops::Range<u32>) -> Vec<u32> {
-    let corners = |id: u32| corners(mesh, id);
+/// The triangles that have an area, along a Morton curve through their first centroids.
+fn morton_order(all: MovingMesh, ids: std::ops::Range<u32>) -> Vec<u32> {
+    let corners = |id: u32| all.corners(id, 0);
     let bounds = ids
         .clone()
         .into_par_iter()
@@ -183,7 +198,7 @@ fn morton_order(mesh: &Mesh, ids: std::ops::Range<u32>) -> Vec<u32> {
     let scale = ((1u64 << 21) as f64 - 1.0) / (bounds.1 - bounds.0).max_element().max(f64::MIN_POSITIVE);
     let mut keyed: Vec<(u64, u32)> = ids
         .into_par_iter()
-        .filter(|&id| has_area(&corners(id)))
+        .filter(|&id| has_area(all, id))
         .map(|id| {
             let place = (corners(id).iter().sum::<DVec3>() - bounds.0) * scale;
             (interleave(place.x) | interleave(place.y) << 1 | interleave(place.z) << 2, id)
@@ -203,17 +218,23 @@ fn interleave(place: f64) -> u64 {
     (x | x << 2) & 0x1249249249249249
 }
 
-/// Three different positions that are not on a line, as f64 sees it.
-fn has_area(corners: &[DVec3; 3]) -> bool {
-    let [a, b, c] = order_by_position(corners).map(|k| corners[k]);
-    a != b && b != c && (b - a).cross(c - a) != DVec3::ZERO
+/// Three different positions that are not on a line, as f64 sees it. What moves may have an area at other times than its steps.
+fn has_area(all: MovingMesh, id: u32) -> bool {
+    let corners = all.corners(id, 0);
+    let [a, b, c] = order_by_position(all, id).map(|k| corners[k]);
+    all.steps.is_some() || a != b && b != c && (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// The corners' indices, ascending by x, then y, then z.
-fn order_by_position(corners: &[DVec3; 3]) -> [usize; 3] {
+/// The corners' indices, ascending by x, then y, then z; of the first time step at which two differ.
+fn order_by_position(all: MovingMesh, id: u32) -> [usize; 3] {
+    let first = all.corners(id, 0);
     let less = |a: usize, b: usize| {
-        let (p, q) = (corners[a], corners[b]);
-        (p.x, p.y, p.z) < (q.x, q.y, q.z)
+        let key = |p: DVec3| (p.x, p.y, p.z);
+        if first[a] != first[b] {
+            return key(first[a]) < key(first[b]);
+        }
+        let later = (1..all.count()).map(|step| all.corners(id, step)).find(|corners| corners[a] != corners[b]);
+        later.is_some_and(|corners| key(corners[a]) < key(corners[b]))
     };
     let mut k = [0, 1, 2];
     if less(k[1], k[0]) {

@@ -55,6 +55,8 @@ features! {
     Incoherent, "unrelated rays in neighbouring pixels";
     Bands, "an image larger than the adapter's bindings";
     Chunks, "a scene larger than the adapter's bindings";
+    Timed, "things that move while the frame is taken";
+    Raster, "`--method raster`";
     Aimed, "`Frames::aim`";
     Relit, "`Frames::light`";
     InSequence, "one of a sequence of frames";
@@ -79,6 +81,8 @@ pub struct Asked<'a> {
     pub rival: Option<Choice>,
     pub no_cull: bool,
     pub moving: bool,
+    /// Rasterization is asked for.
+    pub raster: bool,
     /// [`Feature::Aimed`], [`Feature::Relit`] or [`Feature::InSequence`], where a frame follows another one.
     pub change: Option<Feature>,
     /// Once it is planned, with the number of its chunks of triangles.
@@ -95,8 +99,18 @@ pub const REFUSALS: &[Refusal] = {
     const WITHOUT_LINES: &str = "remove outline and borders from [style]";
     const ONE: &str = "render one frame per sample";
     const ANEW: &str = "call Engine::prepare again";
+    const MOVES: &str = "make shutter and line_time 0";
     const ALONE: &str = "render this frame with Engine::render";
     &[
+        refusal(&[Timed, Rival], "{rival} sees the whole scene at one time", MOVES),
+        refusal(&[Timed, Raster], "what moves while the frame is taken is traced", "leave out --method raster"),
+        refusal(&[Timed, Certified], "pixels cannot be certified while things move", WITHOUT_CERTIFIED),
+        refusal(&[Timed, AlphaMasks], "alpha masks cannot move while a frame is taken", MOVES),
+        refusal(&[Timed, Caustics], "caustics are of one time", MOVES),
+        refusal(&[Timed, Atlas], "an atlas is of one time", "remove atlas"),
+        refusal(&[Timed, Moving], "--moving is for scenes that stand still while a frame is taken", MOVES),
+        refusal(&[Timed, Aimed], "Frames::aim does not support things that move while the frame is taken", ANEW),
+        refusal(&[Timed, Samples], "while things move a frame takes 1 sample per pixel, not {samples}", ONE),
         refusal(&[Relit, Caustics], "the light cannot change with caustics", ANEW),
         refusal(&[Certified, Rival], "{rival} cannot certify pixels", "use --engine compute, or leave certified out"),
         refusal(
@@ -178,7 +192,7 @@ pub const REFUSALS: &[Refusal] = {
 impl Feature {
     /// The frame has it.
     pub fn is_in(self, asked: &Asked) -> bool {
-        let Asked { scene, camera, wanted, rival, no_cull, moving, change, planned } = asked;
+        let Asked { scene, camera, wanted, rival, no_cull, moving, raster, change, planned } = asked;
         match self {
             Feature::NoSamples => wanted.samples == 0,
             Feature::OneSample => wanted.samples == 1,
@@ -192,6 +206,8 @@ impl Feature {
             Feature::RivalWithoutCulling => rival.is_some_and(|choice| !choice.technique.culls),
             Feature::NoCull => *no_cull,
             Feature::Moving => *moving,
+            Feature::Timed => scene.steps.is_some(),
+            Feature::Raster => *raster,
             Feature::Caustics => scene.caustics.is_some(),
             Feature::AlphaMasks => scene.mesh.has_alpha_masks(),
             Feature::Shadows => scene.has_shadows() && wanted.has_colour(),
@@ -224,7 +240,8 @@ impl Refusal {
 impl<'a> Asked<'a> {
     /// Before it is planned.
     pub fn new(scene: &'a Scene, camera: &'a Camera, wanted: &'a Wanted) -> Asked<'a> {
-        Asked { scene, camera, wanted, rival: None, no_cull: false, moving: false, change: None, planned: None }
+        let (no_cull, moving, raster) = (false, false, false);
+        Asked { scene, camera, wanted, rival: None, no_cull, moving, raster, change: None, planned: None }
     }
 
     /// The first row that refuses it.

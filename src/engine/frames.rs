@@ -157,7 +157,7 @@ impl Frames {
     /// Builds the hierarchies that trace follows.
     pub(super) fn build_bvh(&mut self) -> Result<()> {
         let Plan { anchor, variant, .. } = *self.plan;
-        let anew = || Arc::new(cluster(&self.scene.mesh, anchor, variant.surfaces(), self.gpu.table_limit()));
+        let anew = || Arc::new(cluster(self.scene.moving_mesh(), anchor, variant.surfaces(), self.gpu.table_limit()));
         let clustered = self.shown.upgrade().unwrap_or_else(anew);
         self.resident.build_bvh(&self.gpu, &clustered)
     }
@@ -329,7 +329,7 @@ impl Frames {
         if clustered.refit(&moved.mesh) {
             return self.resident.place_scene(&self.gpu, clustered);
         }
-        *clustered = cluster(&moved.mesh, self.plan.anchor, self.plan.variant.surfaces(), self.gpu.table_limit());
+        *clustered = cluster(&*moved.mesh, self.plan.anchor, self.plan.variant.surfaces(), self.gpu.table_limit());
         self.resident.upload_scene(&self.gpu, clustered)?;
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }

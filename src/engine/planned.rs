@@ -9,6 +9,7 @@ use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::variant::{method, variant};
 use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
 use crate::gpu::device::AdapterFeatures;
+use crate::gpu::kernels::Method;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -116,8 +117,13 @@ impl Planner {
         last: Option<&Planned>,
     ) -> Result<Planned> {
         let given = scene.clone();
-        let asked_for =
-            Asked { rival: run.rival, no_cull: run.no_cull, moving: run.moving, ..Asked::new(&given, &camera, wanted) };
+        let asked_for = Asked {
+            rival: run.rival,
+            no_cull: run.no_cull,
+            moving: run.moving,
+            raster: run.method == Method::Raster,
+            ..Asked::new(&given, &camera, wanted)
+        };
         asked_for.check()?;
         let scene = scene.with_optics(&camera).into_owned();
         let extent = SceneExtent::of(&camera, scene.bounds());
@@ -126,7 +132,7 @@ impl Planner {
         let plan = self.plan_of(&scene, &camera, extent, wanted, run, last);
         let clustered = match last.filter(|l| same_clusters(l, &scene, &plan)) {
             Some(last) => last.clustered.clone(),
-            None => Arc::new(cluster(&scene.mesh, plan.anchor, plan.variant.surfaces(), self.table_limit)),
+            None => Arc::new(cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit)),
         };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
         let (asked, ray_order, wanted) = (camera.clone(), None, wanted.clone());
@@ -136,6 +142,7 @@ impl Planner {
     /// Refuses more normals than one binding holds, before any work on the triangles.
     fn check_normals(&self, scene: &Scene) -> Result<()> {
         let (normals, limit, name) = (scene.mesh.normals.len(), self.limit, &self.name);
+        let normals = normals * scene.moving_mesh().count() as usize;
         if NORMAL_BYTES * normals as u64 <= limit {
             return Ok(());
         }
@@ -161,7 +168,10 @@ impl Planner {
         let by = PlannedBy { scene, camera, extent, wanted, variant };
         match last.filter(|last| by.is_that_of(last)) {
             Some(last) => last.plan.clone(),
-            None => Arc::new(self.plan_by(run, camera, contents, extent, &written)),
+            None => {
+                let plan = self.plan_by(run, camera, contents, extent, &written);
+                Arc::new(scene.moments(camera).map_or(plan.clone(), |moments| plan.with_moments(&moments)))
+            }
         }
     }
 

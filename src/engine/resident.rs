@@ -8,7 +8,7 @@ use super::pages::PageStore;
 use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
 use crate::engine::clusters::{Chunk, Clustered, colored_surfaces, mapped_surfaces};
-use crate::engine::plan::hierarchy::{Hierarchy, TracedBvh};
+use crate::engine::plan::hierarchy::{Hierarchy, PackedBvh, TracedBvh};
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::{Band, Plan};
 use crate::gpu::Gpu;
@@ -216,11 +216,10 @@ impl Resident {
             true => store.place(gpu, &materials(scene), &mut self.shared)?,
             false => Pages::default(),
         };
-        if plan.variant.lights == LightsKind::Shadowed && self.shadow_casters.is_none() {
-            let facets = scene.mesh.triangles.len() - self.facets;
-            self.shadow_casters = Some(Hierarchy::build(scene, plan.anchor, facets)?);
-        }
-        let bvh = self.shadow_casters.as_ref().map(|o| o.packed(scene));
+        let bvh = match plan.variant.lights {
+            LightsKind::Shadowed => Some(self.shadow_casters(scene, plan)?),
+            _ => None,
+        };
         let shadows = Shadows { kind: plan.variant.lights, bvh: bvh.as_ref() };
         let Appearance { mut shading, lights, materials, normals, style } =
             Appearance::new(scene, plan.anchor, &pages, shadows);
@@ -237,6 +236,19 @@ impl Resident {
         let keeps_masks = self.alpha_masks.0.has_the_images_of(&masks.0) && self.alpha_masks.1 == masks.1;
         self.alpha_masks = masks;
         Ok(keeps_masks)
+    }
+
+    /// The hierarchy of shadow casters, built where there is none.
+    fn shadow_casters(&mut self, scene: &Scene, plan: &Plan) -> Result<PackedBvh> {
+        let count = scene.mesh.triangles.len() - self.facets;
+        if plan.variant.timed {
+            return PackedBvh::of_moving(scene, plan.anchor, count);
+        }
+        let built = match self.shadow_casters.take() {
+            Some(built) => built,
+            None => Hierarchy::build(scene, plan.anchor, count)?,
+        };
+        Ok(self.shadow_casters.insert(built).packed(scene))
     }
 
     /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles. Added to that is room in which the first
@@ -456,6 +468,9 @@ fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
     if let Some(rays) = &band.rays {
         buffers.upload(gpu, "rays_hi", &rays.hi)?;
         buffers.upload(gpu, "rays_lo", &rays.lo)?;
+    }
+    if !band.moments.is_empty() {
+        buffers.upload(gpu, "moments", &band.moments)?;
     }
     if !band.tiles.cell_samples.is_empty() {
         buffers.upload(gpu, "cell_samples", &band.tiles.cell_samples)?;

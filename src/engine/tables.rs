@@ -10,6 +10,7 @@ use crate::engine::plan::nodes::Level;
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::{Band, Plan};
 use crate::geometry::mesh::Material;
+use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::kernels::LightsKind;
 use crate::gpu::layout::{self, LAW_FLAT, LAW_NORMALS, f64_pair_bits, split2, split3};
 use crate::scene::Scene;
@@ -74,7 +75,7 @@ impl Appearance {
             },
             lights,
             materials: materials(scene).iter().enumerate().map(|(k, m)| pages.packed(k, m)).collect(),
-            normals: mesh.normals.iter().map(|n| n.extend(0.0).to_array()).collect(),
+            normals: normals(scene.moving_mesh()),
             style: style(&scene.style),
         }
     }
@@ -118,6 +119,12 @@ pub struct Shadows<'a> {
 
 impl Shadows<'_> {
     pub const NONE: Shadows<'static> = Shadows { kind: LightsKind::Plain, bvh: None };
+}
+
+/// All time steps of a normal together.
+fn normals(all: MovingMesh) -> Vec<[f32; 4]> {
+    let steps = |n: u32| (0..all.count()).map(move |step| all.normal(n, step).extend(0.0).to_array());
+    (0..all.mesh.normals.len() as u32).flat_map(steps).collect()
 }
 
 fn light(light: &Light, anchor: DVec3) -> [f32; 4] {
@@ -177,7 +184,7 @@ pub fn params(
         edge_capacity: capacities.edges as u32,
         scene_size: plan.scene_size as f32,
         raster_budget,
-        pad1: 0,
+        steps: plan.steps,
         pad2: 0,
         t_min: split3(camera.t_range[0]),
         t_max: split3(camera.t_range[1]),

@@ -20,4 +20,5 @@ mod smooth;
 pub mod spec;
 pub mod stl;
 pub mod texture;
+pub mod time_steps;
 pub mod wires;

@@ -167,7 +167,7 @@ pub struct Params {
     pub edge_capacity: u32,
     pub scene_size: f32,
     pub raster_budget: f32,
-    pub pad1: u32,
+    pub steps: u32,
     pub pad2: u32,
     pub t_min: [f32; 4],
     pub t_max: [f32; 4],

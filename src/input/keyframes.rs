@@ -38,6 +38,27 @@ pub(crate) fn pick(node: &mut Node, key: &str, source: &Source, frame: f64) -> R
     }
 }
 
+/// The frames of all keys below `node`, in any order; of lists that are no keys none.
+pub(crate) fn frames(node: &Node) -> Vec<f64> {
+    let number = |node: &Node| match node.value {
+        Value::Int(i) => Some(i as f64),
+        Value::Float(x) => Some(x),
+        _ => None,
+    };
+    match &node.value {
+        Value::List(items) if is_keys(items) => {
+            let entries = items.iter().filter_map(|item| match &item.value {
+                Value::Table(entries) => entries.iter().find(|e| e.key == "frame"),
+                _ => None,
+            });
+            entries.filter_map(|entry| number(&entry.node)).collect()
+        }
+        Value::List(items) => items.iter().flat_map(frames).collect(),
+        Value::Table(entries) => entries.iter().flat_map(|entry| frames(&entry.node)).collect(),
+        _ => Vec::new(),
+    }
+}
+
 /// Every item is a table of `frame` and `value` and nothing else.
 fn is_keys(items: &[Node]) -> bool {
     let is_key = |item: &Node| match &item.value {

@@ -42,6 +42,8 @@ pub struct Field<'a> {
 pub struct Table<'a> {
     field: Field<'a>,
     entries: &'a [Entry],
+    /// Keys that [`Table::allow`] lets pass, because others read them.
+    read_elsewhere: &'static [&'static str],
 }
 
 impl<'a> Field<'a> {
@@ -210,16 +212,22 @@ impl<'a> Field<'a> {
     /// A table; [`Table::allow`] must follow before its keys are trusted.
     pub fn table(&self) -> Result<Table<'a>> {
         match &self.node.value {
-            Value::Table(entries) => Ok(Table { field: self.clone(), entries }),
+            Value::Table(entries) => Ok(Table { field: self.clone(), entries, read_elsewhere: &[] }),
             _ => Err(self.wrong("a table")),
         }
     }
 }
 
 impl<'a> Table<'a> {
+    /// The same table, some of whose keys are read by others.
+    pub fn with_keys_read_elsewhere(self, read_elsewhere: &'static [&'static str]) -> Table<'a> {
+        Table { read_elsewhere, ..self }
+    }
+
     /// Refuses any key that is not in `known`, naming the nearest that is.
     pub fn allow(&self, known: &[&str]) -> Result<()> {
-        let Some(entry) = self.entries.iter().find(|e| !known.contains(&e.key.as_str())) else { return Ok(()) };
+        let is_known = |key: &str| known.contains(&key) || self.read_elsewhere.contains(&key);
+        let Some(entry) = self.entries.iter().find(|e| !is_known(&e.key)) else { return Ok(()) };
         let key = quote(&entry.key);
         let place = if self.field.key.is_empty() { "here".into() } else { format!("in {}", self.field.key) };
         let near = nearest(&entry.key, known).map_or(String::new(), |near| format!("; nearest known key: {near:?}"));

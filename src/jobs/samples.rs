@@ -3,6 +3,7 @@
 
 use super::backend::{Backend, picture};
 use crate::camera::Camera;
+use crate::camera::exposure::Sample;
 use crate::engine::combinations::at_once;
 use crate::engine::plan::Wanted;
 use crate::engine::plan::samples::sample_offsets;
@@ -40,8 +41,8 @@ pub fn render(
     if !means.is_empty() || ids.is_some() {
         let channels = means.into_iter().chain(ids).collect();
         let each = Wanted { counting: wanted.counting, frames: samples, ..Wanted::of(channels) };
-        for offset in sample_offsets(samples) {
-            let moved = Arc::new(camera.with_sample_offset(offset.x, offset.y));
+        for (number, offset) in (0..samples).zip(sample_offsets(samples)) {
+            let moved = Arc::new(camera.of_sample(offset.into(), Sample { number, count: samples }));
             let rendered = backend.render(scene, &moved, &each, run)?;
             count_centres(&rendered.frame, mattes);
             all.add(rendered);

@@ -106,7 +106,7 @@ impl Reference<'_> {
         let mut limits: Vec<f64> = ranges.iter().map(|r| r[1]).collect();
         let last = |limits: &[f64]| limits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         self.bvh.walk(&sweep, [start, last(&limits)], |id| {
-            let corners = self.corners(id);
+            let Some(corners) = self.solid_corners(id) else { return last(&limits) };
             let (lo, hi) = corners.bounds();
             if sweep.span(lo, hi, [start, last(&limits)]).is_none() {
                 return last(&limits);

@@ -87,7 +87,7 @@ pub fn reflected(scene: &Scene, caustics: &CausticMaps, triangle: u32, bary: [f6
     };
     let [a, b, c] = corners;
     let p: DVec3 = a + bary[0] * (b - a) + bary[1] * (c - a);
-    let diffuse = albedo(scene, &Hit { t: 0.0, triangle, bary });
+    let diffuse = albedo(&scene.mesh, corners, &Hit { t: 0.0, triangle, bary });
     let received = map.irradiance(map.receiver.texels_of(p)).unwrap_or_default();
     [0, 1, 2].map(|k| (f64::from(diffuse[k]) * received[k] / std::f64::consts::PI) as f32)
 }

@@ -34,7 +34,7 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
     let Some((beam, wide)) = beams else { return false };
     let mut nearby = Vec::new();
     reference.bvh.walk(&wide, widened(t_range), |id| {
-        let corners = reference.corners(id);
+        let Some(corners) = reference.solid_corners(id) else { return f64::INFINITY };
         let sides = Sides::over_box(bundle, &corners);
         nearby.push(BoxTriangle { id, corners, sides, may_hit: sides.may_hit() });
         f64::INFINITY

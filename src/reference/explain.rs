@@ -23,7 +23,7 @@ pub struct Explained {
 pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> Explained {
     let camera = &*own_for_few(camera);
     let path = Path::of_pixel(camera, i, j);
-    let finding = Reference::build(&scene.mesh).finding(camera, &path, (i, j));
+    let finding = Reference::of_scene(scene).at(scene.moment(camera, (i, j))).finding(camera, &path, (i, j));
     let mut text = format!("pixel {i},{j}\n");
     // writing to a String cannot fail
     let _ = write_path(&mut text, &path).and_then(|()| write_finding(&mut text, camera, &path, &finding));

@@ -38,9 +38,10 @@ pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
 pub fn image_with_caustics(scene: &Scene, camera: &Camera, channels: &[Channel], maps: Option<&CausticMaps>) -> Frame {
     let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
-    let (reference, labels) = (Reference::build(&scene.mesh), Labels::of(scene));
+    let (reference, labels) = (Reference::of_scene(scene), Labels::of(scene));
     let pixels = each_pixel(camera, |i, j| {
         let path = Path::of_pixel(camera, i, j);
+        let reference = reference.at(scene.moment(camera, (i, j)));
         labels.labelled(pixel(scene, camera, &reference, &reference.shown(camera, path), (i, j), maps))
     });
     frame(camera, &pixels, channels)
@@ -51,11 +52,12 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
     let maps = caustics(scene);
     let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
-    let reference = Reference::build(&scene.mesh);
+    let reference = Reference::of_scene(scene);
     let extent = scene.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length());
     let ids = frame_seen.u32(Channel::TriangleId);
     let judged = each_pixel(camera, |i, j| {
         let path = Path::of_pixel(camera, i, j);
+        let reference = reference.at(scene.moment(camera, (i, j)));
         let finding = reference.finding(camera, &path, (i, j));
         let at = j as usize * camera.width as usize + i as usize;
         let near = ids.is_none_or(|ids| names_near(&finding, ids[at]));
@@ -132,9 +134,9 @@ fn pixel(
         triangle: id,
         piece: piece(seen.piece),
         mirror,
-        normal: if is_triangle { normal(scene, &seen.hit, segment.view(seen.hit.t)) } else { DVec3::ZERO },
+        normal: if is_triangle { normal(reference, &seen.hit, segment.view(seen.hit.t)) } else { DVec3::ZERO },
         position: segment.point(seen.hit.t),
-        albedo: ends_on.map_or_else(|| albedo(scene, &seen.hit), |optics| optics.base),
+        albedo: ends_on.map_or_else(|| albedo(&scene.mesh, reference.positions(id), &seen.hit), |optics| optics.base),
         uv: uv.to_array(),
         // labels follow from the triangle; the reference has margins instead of certified pixels
         ..PixelValues::MISS

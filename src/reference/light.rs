@@ -1,11 +1,11 @@
 //! Shading of a hit, by the definition.
 
 use super::{Hit, Reference};
-use crate::geometry::mesh::NO_NORMAL;
+use crate::geometry::mesh::{Mesh, NO_NORMAL};
 use crate::scene::Scene;
 use crate::scene::light::{AmbientOcclusion, Arriving, Light};
 use crate::scene::sky::Sky;
-use glam::{DVec3, DVec4, Vec3};
+use glam::{DVec3, DVec4};
 use std::f64::consts::PI;
 use std::iter::zip;
 
@@ -13,32 +13,30 @@ use std::iter::zip;
 const AMBIENT: f64 = crate::scene::light::AMBIENT as f64;
 
 /// The unit normal of a triangle's hit on the side opposite the unit vector `view`: from the file, or else the triangle's.
-pub fn normal(scene: &Scene, hit: &Hit, view: DVec3) -> DVec3 {
-    let mesh = &scene.mesh;
+pub fn normal(reference: &Reference, hit: &Hit, view: DVec3) -> DVec3 {
+    let mesh = reference.mesh;
     let id = hit.triangle as usize;
-    let v = mesh.triangles[id].map(|k| mesh.positions[k as usize]);
+    let v = reference.positions(hit.triangle);
     let flat = (v[1] - v[0]).cross(v[2] - v[0]).normalize_or_zero();
     let seen = if flat.dot(view) > 0.0 { -flat } else { flat };
     let weights = [1.0 - hit.bary[0] - hit.bary[1], hit.bary[0], hit.bary[1]];
     let stored = mesh.corner_normals.get(id).filter(|c| !c.contains(&NO_NORMAL));
     let smooth = stored.map(|c| {
-        let n: [Vec3; 3] = c.map(|k| mesh.normals[k as usize]);
-        (0..3).map(|k| weights[k] * n[k].as_dvec3()).sum::<DVec3>()
+        let n = c.map(|k| reference.normal(k));
+        (0..3).map(|k| weights[k] * n[k]).sum::<DVec3>()
     });
     let n = smooth.and_then(DVec3::try_normalize).unwrap_or(seen);
     if n.dot(seen) < 0.0 { -n } else { n }
 }
 
-/// The diffuse colour of a hit: its material's, times the texture's without filtering, the pattern's and the vertices'.
-pub fn albedo(scene: &Scene, hit: &Hit) -> [f32; 3] {
-    let mesh = &scene.mesh;
+/// The diffuse colour of a hit on a triangle with these corners: its material's, times the texture's without filtering, the pattern's and
+/// the vertices'.
+pub fn albedo(mesh: &Mesh, [v0, v1, v2]: [DVec3; 3], hit: &Hit) -> [f32; 3] {
     let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
     let texel = material.texture.as_ref().and_then(|texture| Some(texture.at(mesh.uv_at(hit.triangle, hit.bary)?)));
     let [r, g, b, _] = texel.unwrap_or([1.0; 4]);
-    let [pr, pg, pb] = material.pattern.map_or([1.0; 3], |pattern| {
-        let [v0, v1, v2] = mesh.triangles[hit.triangle as usize].map(|k| mesh.positions[k as usize]);
-        pattern.at(v0 + hit.bary[0] * (v1 - v0) + hit.bary[1] * (v2 - v0))
-    });
+    let [pr, pg, pb] =
+        material.pattern.map_or([1.0; 3], |pattern| pattern.at(v0 + hit.bary[0] * (v1 - v0) + hit.bary[1] * (v2 - v0)));
     let weights = [1.0 - hit.bary[0] - hit.bary[1], hit.bary[0], hit.bary[1]];
     let of_vertices = match mesh.corner_colors.is_empty() {
         true => DVec3::ONE,
@@ -55,7 +53,9 @@ pub fn albedo(scene: &Scene, hit: &Hit) -> [f32; 3] {
 pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3, DVec3)) -> [f32; 3] {
     let mesh = &scene.mesh;
     let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
-    let (n, colour) = (normal(scene, hit, view), DVec3::from(albedo(scene, hit).map(f64::from)));
+    let reference = obstacles.all;
+    let colour = DVec3::from(albedo(mesh, reference.positions(hit.triangle), hit).map(f64::from));
+    let n = normal(reference, hit, view);
     let rgb = |c: [f32; 3]| DVec3::from(c.map(f64::from));
     let metallic = f64::from(material.metallic);
     let gloss = Gloss {
@@ -63,7 +63,7 @@ pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3,
         f0: rgb(material.specular).lerp(colour, metallic),
         alpha: material.alpha().into(),
     };
-    let start = obstacles.above(scene, hit, p, view);
+    let start = obstacles.above(hit, p, view);
     let of_light = |light: &Light| {
         let Arriving { to_light, far, strength } = light.arriving(p);
         let is_dark = n.dot(to_light) <= 0.0 || light.casts_shadows && !start.sees(to_light, far);
@@ -99,8 +99,8 @@ struct Above<'a> {
 const ABOVE: f64 = 1e-9;
 
 impl Obstacles<'_> {
-    fn above(&self, scene: &Scene, hit: &Hit, p: DVec3, view: DVec3) -> Above<'_> {
-        let v = scene.mesh.triangles[hit.triangle as usize].map(|k| scene.mesh.positions[k as usize]);
+    fn above(&self, hit: &Hit, p: DVec3, view: DVec3) -> Above<'_> {
+        let v = self.all.positions(hit.triangle);
         let flat = (v[1] - v[0]).cross(v[2] - v[0]).normalize_or_zero();
         let flat = if flat.dot(view) > 0.0 { -flat } else { flat };
         let size = v.iter().fold(p.abs(), |most, v| most.max(v.abs())).max_element();

@@ -108,7 +108,7 @@ impl Reference<'_> {
     }
 
     fn candidate(&self, bundle: &Bundle, beam: &Beam, id: u32, t_range: [f64; 2]) -> Option<Candidate> {
-        let corners = self.corners(id);
+        let corners = self.solid_corners(id)?;
         let sides = Sides::over_box(bundle, &corners);
         if !sides.may_hit() {
             return None;

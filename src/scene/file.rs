@@ -1,6 +1,7 @@
 //! The scene file: TOML or JSON text into typed values, with errors that name file, line and key.
 
 mod header;
+mod moments;
 mod style;
 #[cfg(test)]
 mod tests;
@@ -9,8 +10,10 @@ use std::path::{Path, PathBuf};
 
 pub use header::{CameraKeys, load_header};
 
-use crate::camera::spec::{CameraSpec, read_camera};
+use crate::camera::exposure::Exposure;
+use crate::camera::spec::{CameraSpec, read_camera, read_camera_and_readout};
 use crate::geometry::spec::{MeshSpec, read_look, read_mesh, read_radiance};
+use crate::geometry::time_steps::TIMES_MAX;
 use crate::image::size::{MAX_SIDE, check_size};
 use crate::input::load::read_text;
 use crate::input::{keyframes, overrides, parse};
@@ -37,12 +40,25 @@ pub struct SceneFile {
     pub style: Style,
     pub sky: Option<SkySpec>,
     pub camera: CameraSpec,
+    /// When the camera's pixels are exposed.
+    pub exposure: Exposure,
+    /// The scene at all times that a frame takes, if something moves in it; in order.
+    pub steps: Vec<FileStep>,
     /// The keys of the camera, as written.
     pub camera_keys: Arc<CameraKeys>,
     pub caustics: Option<CausticsSpec>,
     pub output: OutputSpec,
     /// Folder of the scene file, which relative paths start from.
     pub dir: PathBuf,
+}
+
+/// What may move while a frame is taken, at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FileStep {
+    /// Frames after the frame itself.
+    pub time: f64,
+    pub meshes: Vec<MeshSpec>,
+    pub camera: CameraSpec,
 }
 
 /// `[image]`. A missing side comes from the command line or from the camera's ray map.
@@ -56,6 +72,26 @@ pub struct ImageSpec {
     pub background: [f32; 3],
     /// `exposure`, stops, and `tone`, a curve by its name.
     pub tone: Tone,
+    /// For how many frames the shutter is open at a pixel.
+    pub shutter: f64,
+    /// Frames a second.
+    pub frame_rate: f64,
+    /// Into how many steps a frame is divided, in which everything moves straight, besides at keyframes; `None`: as many as it takes.
+    pub motion_steps: Option<u32>,
+}
+
+impl Default for ImageSpec {
+    fn default() -> ImageSpec {
+        ImageSpec {
+            width: None,
+            height: None,
+            background: [0.0; 3],
+            tone: Tone::default(),
+            shutter: 0.0,
+            frame_rate: 1.0,
+            motion_steps: None,
+        }
+    }
 }
 
 /// `[environment]`: an image of all directions as a light.
@@ -125,15 +161,27 @@ pub(crate) fn expanded(text: &str, path: &Path) -> Result<Node> {
 }
 
 fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
-    let root = read_values(text, format, path, overrides, frame)?;
-    read_tree(root, path, path.parent().unwrap_or(Path::new("")))
+    let dir = path.parent().unwrap_or(Path::new(""));
+    let source = Source::new(path, dir);
+    let keyed = read_keyed(text, format, &source, overrides)?;
+    let mut root = keyed.clone();
+    keyframes::pick(&mut root, "", &source, frame)?;
+    let mut file = read_tree(root, path, dir)?;
+    file.steps = moments::steps(&keyed, &source, &file, frame)?;
+    Ok(file)
+}
+
+/// The values of a scene file with overrides, all keyframes as they are.
+fn read_keyed(text: &str, format: parse::Format, source: &Source, overrides: &[String]) -> Result<Node> {
+    let mut root = parse::parse(text, format, source.path)?;
+    overrides::apply(&mut root, overrides)?;
+    poses::expand(&mut root, source)?;
+    Ok(root)
 }
 
 fn read_values(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<Node> {
-    let mut root = parse::parse(text, format, path)?;
-    overrides::apply(&mut root, overrides)?;
     let source = Source::new(path, path.parent().unwrap_or(Path::new("")));
-    poses::expand(&mut root, &source)?;
+    let mut root = read_keyed(text, format, &source, overrides)?;
     keyframes::pick(&mut root, "", &source, frame)?;
     Ok(root)
 }
@@ -194,22 +242,23 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
         "caustics",
         "output",
     ])?;
-    let image = ImageSpec { width: None, height: None, background: [0.0; 3], tone: Tone::default() };
+    let image = table.or("image", ImageSpec::default(), read_image)?;
     let Some(camera) = table.get("camera").map(|f| f.of(of_camera)) else {
         return Err(table.error("there is no camera; add a [camera] table with its kind"));
     };
+    let (camera, readout) = read_camera_and_readout(&camera, (image.width, image.height), image.frame_rate)?;
     Ok(SceneFile {
-        image: table.or("image", image, read_image)?,
-        meshes: table.or("mesh", Vec::new(), |f| {
-            f.clone().of(of_meshes).items("meshes, each a table [[mesh]]")?.map(|m| read_mesh(&m, &[])).collect()
-        })?,
+        image,
+        meshes: table.or("mesh", Vec::new(), |f| read_meshes(&f.clone().of(of_meshes)))?,
         lights: table.or("light", Vec::new(), |f| {
             f.items("lights, each a table [[light]]")?.map(|l| read_light(&l)).collect()
         })?,
         ambient_occlusion: table.optional("ambient_occlusion", read_occlusion)?,
         style: table.or("style", Style::default(), style::read_style)?,
         sky: table.optional("environment", read_sky)?,
-        camera: read_camera(&camera)?,
+        camera,
+        exposure: Exposure { readout, shutter: image.shutter },
+        steps: Vec::new(),
         camera_keys: Arc::default(),
         caustics: table.optional("caustics", read_caustics)?,
         output: table.or("output", OutputSpec::default(), read_output)?,
@@ -217,9 +266,17 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
     })
 }
 
+fn read_meshes(field: &Field) -> Result<Vec<MeshSpec>> {
+    field.items("meshes, each a table [[mesh]]")?.map(|m| read_mesh(&m, &[])).collect()
+}
+
+/// Frames that a shutter may be open, and frames a second.
+const SHUTTER_MAX: f64 = 1000.0;
+const FRAME_RATE_MAX: f64 = 1e9;
+
 fn read_image(field: &Field) -> Result<ImageSpec> {
     let table = field.table()?;
-    table.allow(&["width", "height", "background", "exposure", "tone"])?;
+    table.allow(&["width", "height", "background", "exposure", "tone", "shutter", "frame_rate", "motion_steps"])?;
     let side = |key| table.optional(key, |f| f.integer(1, MAX_SIDE));
     let (width, height) = (side("width")?, side("height")?);
     if let (Some(width), Some(height)) = (width, height) {
@@ -230,7 +287,24 @@ fn read_image(field: &Field) -> Result<ImageSpec> {
     let background = table.or("background", [0.0; 3], Field::color)?;
     let exposure = table.or("exposure", 0.0, read_exposure)?;
     let curve = table.or("tone", Curve::default(), read_curve)?;
-    Ok(ImageSpec { width: narrow(width), height: narrow(height), background, tone: Tone { exposure, curve } })
+    let within = |key, default: f64, [least, most]: [f64; 2]| {
+        table.or(key, default, |f| match f.number()? {
+            value if (least..=most).contains(&value) => Ok(value),
+            value => Err(f.error(format_args!("{value} is out of range; use {least} to {most}"))),
+        })
+    };
+    let shutter = within("shutter", 0.0, [0.0, SHUTTER_MAX])?;
+    let frame_rate = within("frame_rate", 1.0, [1.0 / FRAME_RATE_MAX, FRAME_RATE_MAX])?;
+    let motion_steps = table.optional("motion_steps", |f| f.integer(1, TIMES_MAX as u64 - 1))?;
+    Ok(ImageSpec {
+        width: narrow(width),
+        height: narrow(height),
+        background,
+        tone: Tone { exposure, curve },
+        shutter,
+        frame_rate,
+        motion_steps: motion_steps.map(|n| n as u32),
+    })
 }
 
 /// Stops either way, far within f32.

@@ -28,7 +28,7 @@ impl Fnv {
     }
 }
 
-/// A hash of triangles, normals, colours of vertices, materials, alpha masks, lights, background, image size and rays, however the scene file spells them. It is
+/// A hash of triangles and how they move, normals, colours of vertices, materials, alpha masks, lights, background, image size and rays, however the scene file spells them. It is
 /// the same on all machines. Images that only colour triangles are left out, because they are not read if no colour is asked for.
 pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     let mut h = Fnv(0xcbf2_9ce4_8422_2325);
@@ -97,6 +97,12 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     rays(&mut h, camera);
     if let Some(caustics) = &scene.caustics {
         light(&mut h, caustics);
+    }
+    if let Some(steps) = &scene.steps {
+        let vertices = 0..mesh.positions.len() as u32;
+        let all = vertices.flat_map(|v| (0..steps.count()).map(move |step| (v, step)));
+        all.for_each(|(v, step)| h.vector(steps.position(mesh, v, step)));
+        scene.moments(camera).into_iter().flatten().for_each(|moment| h.word(u64::from(moment.word())));
     }
     h.0
 }

@@ -1,7 +1,7 @@
 //! A cache of scene parts, reused by later scenes while their input files are unchanged.
 
 use super::Scene;
-use super::file::{SceneFile, SkySpec};
+use super::file::{FileStep, SceneFile, SkySpec};
 use super::sky::Sky;
 use crate::camera::Camera;
 use crate::camera::recipe::SceneUse;
@@ -11,6 +11,7 @@ use crate::geometry::mesh::Mesh;
 use crate::geometry::place;
 use crate::geometry::spec::MeshSpec;
 use crate::geometry::texture::{Images, ImagesRead};
+use crate::geometry::time_steps::{TimeStep, TimeSteps};
 use crate::input::files::{Inputs, note_all, noted};
 use crate::input::{Error, Result};
 use crate::scene::caustics::Caustics;
@@ -45,6 +46,10 @@ struct Around {
     scene_use: SceneUse,
     mesh: Arc<Mesh>,
 }
+
+/// Why a mesh cannot move during a frame.
+const CHANGED: &str =
+    "mesh: its triangles change while the frame is taken, they do not only move; make shutter and line_time 0";
 
 /// Cached parts by their keys.
 struct Shelf<K, V> {
@@ -127,22 +132,10 @@ impl Library {
             &(file.meshes.clone(), read),
             !self.is_for_once,
             |_| true,
-            || {
-                let placed = file.meshes.iter().map(|m| self.placed(m, &mut images)).collect::<Result<Vec<_>>>()?;
-                let (meshes, objects): (Vec<Mesh>, Vec<Vec<Object>>) = placed.into_iter().unzip();
-                let objects = with_unique_names(objects.into_iter().flatten());
-                let mut mesh = place::merge(meshes)?;
-                let mut known = HashSet::new();
-                mesh.missing.retain(|missing| known.insert(missing.what.clone()));
-                if let Some(v) = mesh.positions.par_iter().find_any(|p| !p.is_finite()) {
-                    return Err(Error::input(format!(
-                        "mesh: a vertex lies at {v} after its transform; use finite numbers"
-                    )));
-                }
-                Ok((Arc::new(mesh), objects))
-            },
+            || self.merged(&file.meshes, &mut images),
         )?;
         let (mesh, objects) = (merged.0.clone(), merged.1.clone());
+        let steps = self.steps(&file, &mesh, &mut images)?;
         let size = match (file.image.width, file.image.height) {
             (Some(w), Some(h)) => Some((w, h)),
             (None, None) => None,
@@ -169,6 +162,8 @@ impl Library {
             camera: file.camera,
             camera_keys: file.camera_keys,
             caustics: caustics.map(|c| c.0.clone()),
+            exposure: file.exposure,
+            steps,
             output: file.output,
         })
     }
@@ -190,6 +185,38 @@ impl Library {
             Ok((Arc::new(camera), Around { scene_use, mesh: scene.mesh.clone() }))
         };
         Ok(self.cameras.get(&key, !self.is_for_once, suits, make)?.0.clone())
+    }
+
+    /// All meshes in the world as one, and their objects.
+    fn merged(&self, meshes: &[MeshSpec], images: &mut Images) -> Result<Merged> {
+        let placed = meshes.iter().map(|m| self.placed(m, images)).collect::<Result<Vec<_>>>()?;
+        let (meshes, objects): (Vec<Mesh>, Vec<Vec<Object>>) = placed.into_iter().unzip();
+        let objects = with_unique_names(objects.into_iter().flatten());
+        let mut mesh = place::merge(meshes)?;
+        let mut known = HashSet::new();
+        mesh.missing.retain(|missing| known.insert(missing.what.clone()));
+        if let Some(v) = mesh.positions.par_iter().find_any(|p| !p.is_finite()) {
+            return Err(Error::input(format!("mesh: a vertex lies at {v} after its transform; use finite numbers")));
+        }
+        Ok((Arc::new(mesh), objects))
+    }
+
+    /// Where the mesh is at the times of a frame, if it moves.
+    fn steps(&self, file: &SceneFile, mesh: &Mesh, images: &mut Images) -> Result<Option<Arc<TimeSteps>>> {
+        if file.steps.iter().all(|step| step.meshes == file.meshes) {
+            return Ok(None);
+        }
+        let step = |step: &FileStep| {
+            let (now, _) = self.merged(&step.meshes, images)?;
+            let now = Arc::unwrap_or_clone(now);
+            if now.triangles != mesh.triangles || now.corner_normals != mesh.corner_normals {
+                return Err(Error::input(CHANGED));
+            }
+            Ok(TimeStep { positions: now.positions, normals: now.normals })
+        };
+        let steps = file.steps.iter().map(step).collect::<Result<_>>()?;
+        let times = file.steps.iter().map(|step| step.time).collect();
+        Ok(TimeSteps::new(times, steps).map(Arc::new))
     }
 
     /// A mesh in the world, and its objects: one, or one for each copy.

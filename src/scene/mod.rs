@@ -13,6 +13,7 @@ pub mod sky;
 pub mod style;
 
 use crate::camera::Camera;
+use crate::camera::exposure::Exposure;
 use crate::camera::kinds::pinhole::Pinhole;
 use crate::camera::optics::Surface;
 use crate::camera::spec::CameraSpec;
@@ -20,6 +21,7 @@ use crate::geometry::load::Object;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::place;
 use crate::geometry::texture::ImagesRead;
+use crate::geometry::time_steps::{Moment, MovingMesh, TimeSteps};
 use crate::image::frame::Channel;
 use crate::image::tone::Tone;
 use crate::input::{Error, Result};
@@ -28,6 +30,7 @@ use file::{CameraKeys, SceneFile};
 use glam::DVec3;
 use library::Library;
 use light::{AmbientOcclusion, Light};
+use rayon::prelude::*;
 use sky::Sky;
 use std::borrow::Cow;
 use std::path::Path;
@@ -60,6 +63,10 @@ pub struct Scene {
     pub camera_keys: Arc<CameraKeys>,
     /// Caustics of a mirror or lens.
     pub caustics: Option<Arc<Caustics>>,
+    /// When the camera's pixels are exposed.
+    pub exposure: Exposure,
+    /// Where the mesh is at the times of a frame, if it moves; [`Scene::mesh`] is at the frame's own time, 0.
+    pub steps: Option<Arc<TimeSteps>>,
     pub output: file::OutputSpec,
 }
 
@@ -88,6 +95,8 @@ impl Scene {
             },
             camera_keys: Arc::default(),
             caustics: None,
+            exposure: Exposure::default(),
+            steps: None,
             output: file::OutputSpec::default(),
         }
     }
@@ -136,9 +145,30 @@ impl Scene {
         Ok(())
     }
 
-    /// Least and greatest corner of the bounding box of all vertices, world units; `None` without vertices.
+    /// Least and greatest corner of the bounding box of all vertices at all times of the frame, world units; `None` without vertices.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        self.mesh.bounds()
+        self.moving_mesh().bounds()
+    }
+
+    /// The mesh with its time steps.
+    pub fn moving_mesh(&self) -> MovingMesh<'_> {
+        MovingMesh { mesh: &self.mesh, steps: self.steps.as_deref() }
+    }
+
+    /// When a pixel of the camera sees the mesh. If that stands still, any moment is the same.
+    pub fn moment(&self, camera: &Camera, pixel: (u32, u32)) -> Moment {
+        let size = (camera.width, camera.height);
+        let time = || self.exposure.time(camera.image_pixel(pixel), size, camera.sample);
+        self.steps.as_ref().map_or(Moment::default(), |steps| steps.moment(time()))
+    }
+
+    /// The same for all pixels, row by row; `None` if the mesh stands still.
+    pub fn moments(&self, camera: &Camera) -> Option<Vec<Moment>> {
+        let (w, h) = (camera.width, camera.height);
+        self.steps.as_ref().map(|_| {
+            let pixel = |k: u64| ((k % u64::from(w)) as u32, (k / u64::from(w)) as u32);
+            (0..u64::from(w) * u64::from(h)).into_par_iter().map(|k| self.moment(camera, pixel(k))).collect()
+        })
     }
 }
 

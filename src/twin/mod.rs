@@ -135,7 +135,7 @@ impl Tables {
         let plan = Plan::new(variant, camera, contents, extent, wanted, has, binding_limit);
         Tables {
             optics: Optics::new(scene, camera, &plan),
-            clustered: cluster(&scene.mesh, extent.anchor, plan.variant.surfaces(), binding_limit),
+            clustered: cluster(&*scene.mesh, extent.anchor, plan.variant.surfaces(), binding_limit),
             plan,
             appearance: Appearance::new(scene, extent.anchor, &Pages::default(), Shadows::NONE),
         }

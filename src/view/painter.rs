@@ -96,7 +96,9 @@ impl Loader {
             }
         };
         let is_black = scene.background == [0.0; 3];
+        let steps = scene.steps.as_ref().map(|steps| Arc::new(steps.after(&base.mesh)));
         Ok(Scene {
+            steps,
             mesh,
             objects,
             lights: if scene.lights.is_empty() { base.lights.clone() } else { scene.lights },

@@ -16,6 +16,7 @@ mod glc_family;
 mod graph;
 mod incoherent;
 mod lens_cameras;
+mod moving;
 mod opencv;
 mod povray;
 mod project;

@@ -16,7 +16,7 @@ const SIZE: (u32, u32) = (60, 44);
 const POSE: &str = "eye = [0.2, 0.3, 4]\ntarget = [0, 0, 0]";
 
 /// What some cameras are built around: a box before the middle of the cube.
-const BOX: &str = "[[mesh]]\nbuiltin = \"box\"\nscale = 0.3\ntranslate = [0, 0, 1.5]";
+pub(crate) const BOX: &str = "[[mesh]]\nbuiltin = \"box\"\nscale = 0.3\ntranslate = [0, 0, 1.5]";
 
 /// Distorted and seen row by row.
 const CALIBRATED: &str = "%YAML:1.0\n---\nimage_width: 60\nimage_height: 44\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   \
@@ -118,15 +118,21 @@ fn keys(of: &str, folder: &Path) -> String {
     words.iter().fold(of.to_string(), |text, (word, by)| text.replace(word, by))
 }
 
+/// The keys of all these cameras, whose files are in a folder.
+pub(crate) fn all_keys(folder: &Path) -> Vec<String> {
+    std::fs::write(folder.join("camera.yml"), CALIBRATED).unwrap();
+    std::fs::write(folder.join("rig.json"), F_THETA).unwrap();
+    std::fs::write(folder.join("screen.obj"), SCREEN).unwrap();
+    ASKED.iter().map(|(kind, asked)| format!("kind = '{kind}'\n{}", keys(asked, folder))).collect()
+}
+
 /// The cameras of one share of the list, so that the shares are tested side by side.
 fn share(first: usize) {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("camera.yml"), CALIBRATED).unwrap();
-    std::fs::write(folder.path().join("rig.json"), F_THETA).unwrap();
-    std::fs::write(folder.path().join("screen.obj"), SCREEN).unwrap();
+    let texts = all_keys(folder.path());
     for (k, (kind, asked)) in ASKED.iter().enumerate().skip(first).step_by(2) {
-        let text = format!("kind = '{kind}'\n{}", keys(asked, folder.path()));
-        let camera = camera_of(BOX, SIZE, &text).unwrap_or_else(|e| panic!("{text}: {e}"));
+        let text = &texts[k];
+        let camera = camera_of(BOX, SIZE, text).unwrap_or_else(|e| panic!("{text}: {e}"));
         let start = std::time::Instant::now();
         let counts = check(&format!("{kind}: {asked}"), &camera, k as u64);
         println!("{:6.2} s  {kind}: {counts:?}", start.elapsed().as_secs_f64());

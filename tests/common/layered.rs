@@ -41,6 +41,8 @@ pub fn of_layers(layers: Vec<MeshCameraSpec>, (width, height): (u32, u32)) -> Ca
         notes: Vec::new(),
         unfulfilled: Vec::new(),
         scene_use: Default::default(),
+        sample: None,
+        pixel_order: None,
     }
 }
 

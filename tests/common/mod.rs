@@ -44,6 +44,8 @@ pub fn scene(mesh: Mesh) -> Scene {
         camera: CameraSpec { kind, t_range: FORWARD },
         camera_keys: Default::default(),
         caustics: None,
+        exposure: Default::default(),
+        steps: None,
         output: OutputSpec::default(),
     }
 }

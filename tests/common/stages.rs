@@ -59,7 +59,7 @@ impl Case {
         let has = AdapterFeatures { f64: true, atomics64: true, ..Default::default() };
         let mut tables = Tables::new(&self.scene, &self.camera, &wanted, has, self.band_limit);
         let mesh = &self.scene.with_optics(&self.camera).mesh;
-        tables.clustered = cluster(mesh, tables.plan.anchor, SurfaceKind::Plain, self.chunk_limit);
+        tables.clustered = cluster(&**mesh, tables.plan.anchor, SurfaceKind::Plain, self.chunk_limit);
         tables
     }
 
@@ -67,7 +67,7 @@ impl Case {
     pub fn mapped_tables(&self) -> Tables {
         let mut tables = self.tables();
         tables.plan.variant.textured = true;
-        tables.clustered = cluster(&self.scene.mesh, tables.plan.anchor, SurfaceKind::Mapped, self.chunk_limit);
+        tables.clustered = cluster(&*self.scene.mesh, tables.plan.anchor, SurfaceKind::Mapped, self.chunk_limit);
         tables
     }
 

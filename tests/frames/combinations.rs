@@ -9,9 +9,10 @@ use anamorph::internals::engine::plan::{Rows, Wanted};
 use anamorph::internals::engine::planned::Planner;
 use anamorph::internals::engine::rival::Choice;
 use anamorph::internals::engine::sequence::Sequence;
-use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::engine::{Engine, Method, RunOptions};
 use anamorph::internals::geometry::mesh::Material;
 use anamorph::internals::geometry::texture::{Texels, Texture};
+use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
 use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::input::{Error, Result};
@@ -23,7 +24,7 @@ use common::file::{camera_of, load};
 use common::gpu::engine_on;
 use common::rng::Rng;
 use common::{camera, layered, soup};
-use glam::Vec2;
+use glam::{DVec3, Vec2};
 use half::f16;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -170,6 +171,14 @@ impl Case {
                 self.limit = self.limit.min(1 << 15);
                 self.has.insert(Feature::Bands);
             }
+            Feature::Timed => {
+                let at = |x: f64| TimeStep {
+                    positions: self.scene.mesh.positions.iter().map(|p| *p + DVec3::X * x).collect(),
+                    normals: self.scene.mesh.normals.clone(),
+                };
+                self.scene.steps = TimeSteps::new(vec![0.0, 1.0], vec![at(0.0), at(1.0)]).map(Arc::new);
+            }
+            Feature::Raster => run.method = Method::Raster,
             Feature::Aimed | Feature::Relit | Feature::InSequence => unreachable!("of frames that follow others"),
         }
     }
@@ -252,11 +261,14 @@ fn frames_that_follow_others_refuse_their_rows() {
     let mirror = Case::of(&[Feature::Optics]).unwrap();
     let error = prepare(&mut engine, &mirror).aim(&mirror.camera).unwrap_err();
     assert_refused("aim", row(&[Feature::Aimed, Feature::Optics]), &error);
+    let moving = Case::of(&[Feature::Timed]).unwrap();
+    let error = prepare(&mut engine, &moving).aim(&moving.camera).unwrap_err();
+    assert_refused("aim", row(&[Feature::Timed, Feature::Aimed]), &error);
     for (case, is_taken) in [(&lit, false), (&mirror, false), (&Case::of(&[]).unwrap(), true)] {
         assert_eq!(Sequence::takes(&case.scene, &case.camera, &case.wanted), is_taken, "{:?}", case.has);
     }
     let of_changes = REFUSALS.iter().filter(|r| r.features.iter().any(|f| planned().all(|p| p != *f)));
-    assert_eq!(of_changes.count(), 4, "rows of frames that follow others");
+    assert_eq!(of_changes.count(), 5, "rows of frames that follow others");
 }
 
 /// A row of the page's table.

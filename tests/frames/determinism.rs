@@ -167,7 +167,7 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
         let variant = variant(&camera, contents, &wanted(), has, &RunOptions::default());
         let plan = Plan::new(variant, &camera, contents, extent, &wanted(), has, SMALL_BINDING);
         let chunks = anamorph::internals::engine::clusters::cluster(
-            &scene.mesh,
+            &*scene.mesh,
             extent.anchor,
             SurfaceKind::Plain,
             SMALL_BINDING,

@@ -15,6 +15,7 @@ mod combinations;
 mod comparators_can_fail;
 mod conic;
 mod determinism;
+mod exposure;
 mod frame_reference;
 mod layered_reference;
 mod memory;

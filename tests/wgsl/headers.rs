@@ -11,7 +11,7 @@ use std::path::Path;
 const ALONE: &str = "shared/soft_f64.wgsl";
 
 /// Snippets of which some variant of a kernel uses nothing.
-const IDLE: [(&str, &str); 29] = [
+const IDLE: [(&str, &str); 30] = [
     ("bin", "shared/slabs.wgsl"),
     ("certify", "shared/index.wgsl"),
     ("certify", "shared/ray.wgsl"),
@@ -39,6 +39,7 @@ const IDLE: [(&str, &str); 29] = [
     ("trace", "shared/merge_u32.wgsl"),
     ("trace", "shared/merge_u64.wgsl"),
     ("trace", "shared/vertex_real.wgsl"),
+    ("trace", "shared/vertex_real_timed.wgsl"),
     ("splat_project", "rivals/drawn.wgsl"),
     ("splat_project", "rivals/range.wgsl"),
 ];

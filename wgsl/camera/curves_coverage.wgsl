@@ -1,6 +1,6 @@
 // Which pixels' curves may meet a triangle over a span of t, by their control nets.
 // Provides: COVERAGE_PROVES, LEAST, UNIT, control_net, coverage, net_may_meet, over_span, span_of
-// Needs: Cell, DEGREE, TILE, control_point, curve_place, first_bit, tile_corner, tile_layer, tile_slab, with_bit, without_bit
+// Needs: Cell, DEGREE, TILE, control_point, corner_reach, curve_place, first_bit, tile_corner, tile_layer, tile_slab, with_bit, without_bit
 // Binds: params
 
 // Coverage is proven if true; else it is possible.
@@ -78,7 +78,7 @@ fn net_may_meet(net: array<vec3<f32>, 4>, span: vec2<f32>, v0: vec3<f32>, v1: ve
     let n = cross(e0, -e2);
     let size_e = max(length(e0), max(length(e1), length(e2)));
     // an edge: two stored vertices and a difference, 4 units of the largest; N: two edges and a product; N x e: once more
-    let reach_v = max(length(v0), max(length(v1), length(v2)));
+    let reach_v = corner_reach(max(length(v0), max(length(v1), length(v2))));
     let lost_e = 4.0 * UNIT * (reach_v + size_e);
     let lost_n = 4.0 * size_e * lost_e;
     let lost_m = 2.0 * size_e * lost_n + 2.0 * length(n) * lost_e;

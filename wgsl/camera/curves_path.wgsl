@@ -1,6 +1,6 @@
 // The curve of a pixel in a layer, as trace follows it: a span of t after the other, each about its chord.
 // Provides: Path, Seen, Stretch, is_seen, keep_seen, last_of, nothing_seen, path_of, stretch_of, stretches, with_triangle
-// Needs: BvhTriangle, Cell, DEGREE, LEAST, ONE_SIDED, TILE, UNIT, bvh_scale, cell_bundle, cell_depth, control_net, curve_place,
+// Needs: BvhTriangle, CORNER_UNITS, Cell, DEGREE, LEAST, ONE_SIDED, TILE, UNIT, bvh_scale, cell_bundle, cell_depth, control_net, curve_place,
 //   is_excluded, merge, net_may_meet, over_span, pixel_depth, real, real3, start_of, tile_layer, triangle_at, triangle_id,
 //   triangle_reversed, vertex_real, visibility_key
 // Binds: params
@@ -59,7 +59,7 @@ fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
     let y = chord(vec4<f32>(n[0].y, n[1].y, n[2].y, n[3].y) * scale, span);
     let z = chord(vec4<f32>(n[0].z, n[1].z, n[2].z, n[3].z) * scale, span);
     let far = 1.0 + scale * max(max(largest_of(n[0]), largest_of(n[1])), max(largest_of(n[2]), largest_of(n[3])));
-    let slack = vec3<f32>(x.z, y.z, z.z) + 48.0 * UNIT * far + LEAST;
+    let slack = vec3<f32>(x.z, y.z, z.z) + (47.0 + CORNER_UNITS) * UNIT * far + LEAST;
     let more = 8.0 * UNIT * f32(params.spans);
     return Stretch(vec3<f32>(x.x, y.x, z.x), vec3<f32>(x.y, y.y, z.y), slack, -more, 1.0 + more, span.x, f32(params.spans), k);
 }

@@ -1,6 +1,6 @@
 // The path of a pixel in a layer: one straight ray, about a scene none of whose coordinates is larger than 1; and what it meets, to f32.
 // Provides: ENDLESS, Path, Seen, Stretch, is_seen, keep_seen, largest_of, last_of, nothing_seen, stretch_of, stretches, with_triangle
-// Needs: BvhTriangle, COUNT_RECHECK_ITEMS, COUNT_SETTLED, LEAST, NONE, ONE_SIDED, PERTURB_BOUND, PROVEN, SLABBED, UNIT, is_excluded,
+// Needs: BvhTriangle, CORNER_UNITS, COUNT_RECHECK_ITEMS, COUNT_SETTLED, LEAST, NONE, ONE_SIDED, PERTURB_BOUND, PROVEN, SLABBED, UNIT, is_excluded,
 //   triangle_id, triangle_reversed
 // Binds: counters, params, recheck_items
 
@@ -56,7 +56,7 @@ fn stretches() -> u32 {
 }
 
 // The ray in f32, its direction of size 1/2 to 1. The slack: what is lost of P, and of D on the way to the farthest box, as |s| is at most
-// (1 + |P|) / (1/2 - error_d). Then 24 units of the largest distance: 1 for corners as stored, 8 for the grid of boxes, which is computed in
+// (1 + |P|) / (1/2 - error_d). Then 24 units of the largest distance, 29 where corners move: those of corners, 8 for the grid of boxes, which is computed in
 // f32; here 1 for the way to its origin, 5 for 1 / d, and 7 for two products and two sums of twice that distance at most.
 fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
     let p = path.p * scale;
@@ -68,7 +68,7 @@ fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
     let error_p = path.error_p * scale + PERTURB_BOUND * params.scene_size * scale + LEAST;
     let error_d = select(path.error_d * share, ENDLESS, path.error_d >= ENDLESS) + PERTURB_BOUND + LEAST;
     let far = 1.0 + largest_of(p) + error_p;
-    let slack = min(error_p + far * (error_d / max(0.5 - error_d, LEAST) + 24.0 * UNIT), ENDLESS);
+    let slack = min(error_p + far * (error_d / max(0.5 - error_d, LEAST) + (23.0 + CORNER_UNITS) * UNIT), ENDLESS);
     // ends that are infinite lie at ENDLESS
     let t_share = scale * back;
     let s_first = clamp((params.t_min.x + params.t_min.y + params.t_min.z) * t_share, -ENDLESS, ENDLESS);
@@ -85,7 +85,7 @@ fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
 }
 
 // Sizes of vectors are their largest components here; |d| <= 1 and |v| <= 1. Edges are off by a unit as stored, the third by 3. m is off by
-// what was lost of p, by a unit of 1 for v as stored, and by 2 of its size: two differences and an edge.
+// what was lost of p, by the units of a corner, and by 2 of its size: two differences and an edge.
 //
 // The side on which the ray passes an edge is the sign of E = e . (d x m). A component of d x m is off by twice the sum of error_m and
 // (|m| + error_m) error_d, and by 4 units of |m|. E is off by 3 |e| times that, and by 18 units of |e| |d x m|: three products, each with 3
@@ -102,9 +102,9 @@ fn with_triangle(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -
     let a = dot(e01, g0);
     let b = dot(e20, g0);
     let c = dot(e12, g1);
-    let size_e = largest_of(abs(e01) + abs(e20));
+    let size_e = own.size;
     let size_m = largest_of(m0) + size_e;
-    let error_m = UNIT * (1.0 + 2.0 * size_m) + stretch.error_p;
+    let error_m = UNIT * (CORNER_UNITS + 2.0 * size_m) + stretch.error_p;
     let error_g = 2.0 * (error_m + (size_m + error_m) * stretch.error_d)
         + UNIT * (4.0 * size_m + 6.0 * max(largest_of(g0), largest_of(g1)));
     let bound = 3.0 * size_e * error_g + LEAST;

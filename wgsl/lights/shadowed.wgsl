@@ -1,24 +1,10 @@
-// Shadows and ambient occlusion: segments traced through the hierarchy of the scene's triangles, which follows the lights in `lights`.
-// Provides: leaf_at, node_at, openness, reaches
-// Needs: BvhNode, Found, LeafTriangle, Lit, NONE, Segment, by_thread, flat_normal, largest, light_row, traced, triangle_at
+// Shadows and ambient occlusion: segments traced through the hierarchy of the scene's triangles.
+// Provides: openness, reaches
+// Needs: Found, Lit, NONE, Segment, by_thread, flat_normal, largest, traced, triangle_at
 // Binds: shading
 
 // Offset of segments above a surface, relative to the largest coordinate of the hit and its triangle.
 const ABOVE: f32 = 4e-6;
-
-fn node_at(k: u32) -> BvhNode {
-    let a = light_row(shading.nodes_first + 2u * k);
-    let b = light_row(shading.nodes_first + 2u * k + 1u);
-    return BvhNode(a.xyz, bitcast<u32>(a.w), b.xyz, bitcast<u32>(b.w));
-}
-
-fn leaf_at(k: u32) -> LeafTriangle {
-    let at = shading.leaves_first + 3u * k;
-    let a = light_row(at);
-    let b = light_row(at + 1u);
-    let c = light_row(at + 2u);
-    return LeafTriangle(a.xyz, bitcast<u32>(a.w), b.xyz, bitcast<u32>(b.w), c.xyz, 0u);
-}
 
 fn start_above(lit: Lit, flat: vec3<f32>) -> vec3<f32> {
     return lit.p + ABOVE * max(largest(lit.p), lit.reach) * flat;

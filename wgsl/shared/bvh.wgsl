@@ -1,6 +1,6 @@
 // The first hit of a segment, by a bounding volume hierarchy.
 // Provides: traced
-// Needs: BvhNode, Found, NONE, Segment, leaf_at, nearer, node_at, nothing
+// Needs: BvhNode, Found, NONE, Segment, first_node, leaf_at, nearer, node_at, nothing
 
 // Stack size; the host refuses deeper hierarchies.
 const STACK: u32 = 96u;
@@ -30,7 +30,7 @@ fn traced(segment: Segment) -> Found {
     let inverse = 1.0 / segment.d;
     var waiting: array<u32, STACK>;
     var count = 0u;
-    var at = 0u;
+    var at = first_node();
     loop {
         let node = node_at(at);
         var next = NONE;

@@ -2,11 +2,9 @@
 // `bvh`: a row with that power, then five rows a node, as the crate obvhs packs them (Ylitie et al. 2017): the origin of a grid, the
 // exponents of its steps, and a bit for each child that is a node; the indices of the first node and the first triangle below, and a byte a
 // child; then for each axis the lower bounds of the eight children on the grid, a byte each, and the upper ones.
-// `bvh_triangles`: three rows a triangle: a corner and the slot; the edge from that corner to the next, and the last word of the packed
-// triangle; the edge from the last corner to the first.
-// Provides: BvhTriangle, box_hits, bvh_scale, bvh_triangle
+// Provides: box_hits, bvh_row, bvh_scale
 // Needs: Stretch, table_texel
-// Binds: bvh, bvh_triangles
+// Binds: bvh
 
 // What a path may meet below a node: a group (see followed), and triangles, bit k for the k-th from first_triangle on.
 struct Met {
@@ -15,28 +13,12 @@ struct Met {
     triangles: u32,
 }
 
-// A corner of a triangle, and the edges from it and to it.
-struct BvhTriangle {
-    v: vec3<f32>,
-    slot: u32,
-    to_next: vec3<f32>,
-    word: u32,              // the last of the packed triangle
-    from_last: vec3<f32>,
-}
-
 fn bvh_row(k: u32) -> vec4<u32> {
     return textureLoad(bvh, table_texel(k), 0);
 }
 
 fn bvh_scale() -> f32 {
     return bitcast<f32>(bvh_row(0u).x);
-}
-
-fn bvh_triangle(index: u32) -> BvhTriangle {
-    let a = textureLoad(bvh_triangles, table_texel(3u * index), 0);
-    let b = textureLoad(bvh_triangles, table_texel(3u * index + 1u), 0);
-    let c = textureLoad(bvh_triangles, table_texel(3u * index + 2u), 0);
-    return BvhTriangle(bitcast<vec3<f32>>(a.xyz), a.w, bitcast<vec3<f32>>(b.xyz), b.w, bitcast<vec3<f32>>(c.xyz));
 }
 
 const BYTES: vec4<u32> = vec4<u32>(0u, 8u, 16u, 24u);

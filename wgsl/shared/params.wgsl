@@ -68,7 +68,7 @@ struct Params {
     edge_capacity: u32,     // items
     scene_size: f32,        // by which rays are perturbed (perturb.wgsl); 0 for rays that are not
     raster_budget: f32,     // what raster may still cost before trace takes over
-    pad1: u32,
+    steps: u32,             // time steps of each vertex
     pad2: u32,
     t_min: vec4<f32>,       // ends of t_range, each the exact sum of three
     t_max: vec4<f32>,

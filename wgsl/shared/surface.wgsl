@@ -1,7 +1,7 @@
 // Surface normals, and the light that arrives at a surface.
-// Provides: Arriving, Lit, NORMALS, by_thread, flat_normal, in_file_order, largest, reach_of, received, stored_normal, surface_normal
-// Needs: NONE, Ray, arriving, corner_order, openness, table_texel, triangle_order, triangle_surface, vertex
-// Binds: normals, shading
+// Provides: Arriving, Lit, NORMALS, by_thread, flat_normal, in_file_order, largest, reach_of, received, surface_normal
+// Needs: NONE, Ray, arriving, corner_order, openness, stored_normal, triangle_order, triangle_surface, vertex
+// Binds: shading
 
 // Whether the scene has vertex normals.
 override NORMALS: bool = true;
@@ -89,8 +89,4 @@ fn received(lit: Lit) -> vec3<f32> {
         sum += (1.0 - shading.ambient) * max(0.0, dot(lit.n, light.l)) * light.strength;
     }
     return sum;
-}
-
-fn stored_normal(index: u32) -> vec3<f32> {
-    return bitcast<vec3<f32>>(textureLoad(normals, table_texel(index), 0).xyz);
 }

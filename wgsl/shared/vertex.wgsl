@@ -1,7 +1,18 @@
 // Triangles, and vertices relative to the anchor, in two words.
-// Provides: triangle_at, vertex, vertex_lo
+// Provides: CORNER_UNITS, corner_reach, take_moment, triangle_at, vertex, vertex_lo
 // Needs: table_texel
 // Binds: triangles, vertices
+
+// Errors of a coordinate as stored, in units of the largest.
+const CORNER_UNITS: f32 = 1.0;
+
+// All pixels see the scene at the same time.
+fn take_moment(pixel: u32) {}
+
+// The size of numbers that a corner is computed from, of a corner so far away.
+fn corner_reach(reach: f32) -> f32 {
+    return reach;
+}
 
 // The packed triangle of a slot.
 fn triangle_at(slot: u32) -> vec4<u32> {

@@ -9,6 +9,7 @@ mod roots;
 mod tilt;
 
 use super::central::{POSE, Pose};
+use crate::camera::exposure::{LineOrder, Lines};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::camera::view::View;
@@ -135,6 +136,16 @@ impl Recipe for FromFile {
             shutter: self.shutter,
         };
         self.tessellation.build(Arc::new(Sensor { calibrated, lens: self.lens.clone() }), &setting.of_size(size))
+    }
+
+    fn lines(&self) -> Option<Lines> {
+        let line_time = self.shutter.line_time;
+        (line_time != 0.0).then_some(Lines {
+            first: 0.0,
+            line_time,
+            order: LineOrder::Down,
+            count: self.intrinsics.size.1,
+        })
     }
 }
 

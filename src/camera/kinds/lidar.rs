@@ -1,6 +1,7 @@
 //! `lidar`: rays that need not form a picture: a list of rays, or those of a spinning scanner.
 
 use super::central::{POSE, Pose};
+use crate::camera::exposure::{LineOrder, Lines};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::view::View;
 use crate::camera::{Ray, RayMap, Rays};
@@ -41,6 +42,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     if let (Some(velocity), false) = (table.get("velocity"), table.has("period")) {
         return Err(velocity.error("the scanner moves during its sweep only with a period; add period = 0.1"));
     }
+    let period = table.or("period", 0.0, Field::number)?;
     Ok(Arc::new(Scanner {
         pose: Pose::read(table)?,
         beams: elevations.into_iter().map(f64::to_radians).collect(),
@@ -48,7 +50,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         columns: count as u32,
         start: table.or("start", -180.0, Field::number)?.to_radians(),
         sweep: table.or("sweep", 360.0, Field::number)?.to_radians(),
-        travel: table.or("velocity", DVec3::ZERO, Field::vec3)? * table.or("period", 0.0, Field::number)?,
+        travel: table.or("velocity", DVec3::ZERO, Field::vec3)? * period,
+        period,
     }))
 }
 
@@ -138,6 +141,8 @@ struct Scanner {
     sweep: f64,
     /// Translation of the scanner during the sweep, world units.
     travel: DVec3,
+    /// Seconds of a sweep; 0: it takes no time.
+    period: f64,
 }
 
 impl Recipe for Scanner {
@@ -150,6 +155,16 @@ impl Recipe for Scanner {
         let view = self.pose.view()?;
         let rays = self.beams.iter().flat_map(|&beam| (0..self.columns).map(move |i| (beam, i)));
         field(size, rays.map(|(beam, i)| self.ray(&view, beam, i)).collect())
+    }
+
+    fn lines(&self) -> Option<Lines> {
+        let line_time = self.period / f64::from(self.columns);
+        (self.period != 0.0).then_some(Lines {
+            first: line_time / 2.0,
+            line_time,
+            order: LineOrder::Right,
+            count: self.columns,
+        })
     }
 }
 

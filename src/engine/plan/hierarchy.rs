@@ -8,8 +8,9 @@ use crate::scene::Scene;
 use bytemuck::Zeroable;
 use glam::DVec3;
 use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::bvh2::builder::{build_bvh2, build_bvh2_from_tris};
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::triangle::Triangle;
@@ -38,10 +39,7 @@ impl Hierarchy {
         let scale = scale(scene, anchor);
         let triangles = triangles(scene, anchor, count, scale);
         let tree = build_bvh2_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
-        let depth = if count == 0 { 0 } else { tree.depth(0) };
-        if depth >= DEPTH_MAX {
-            return Err(Error::work(format!("the hierarchy is {depth} boxes deep; the kernel follows {DEPTH_MAX}")));
-        }
+        check_depth(&tree, count)?;
         Ok(Hierarchy { tree, anchor, count, scale })
     }
 
@@ -93,6 +91,51 @@ impl Hierarchy {
     }
 }
 
+impl PackedBvh {
+    /// Those of the first `count` triangles of a scene that moves, one for the way from each time step to the next:
+    /// `wgsl/lights/casters_timed.wgsl`.
+    ///
+    /// # Errors
+    /// As [`Hierarchy::build`].
+    pub fn of_moving(scene: &Scene, anchor: DVec3, count: usize) -> Result<PackedBvh> {
+        let (all, scale) = (scene.moving_mesh(), scale(scene, anchor));
+        let (mut roots, mut nodes, mut leaves) = (Vec::new(), Vec::new(), Vec::new());
+        for way in 0..all.count() - 1 {
+            let ends =
+                |id: u32| [way, way + 1].map(|step| all.corners(id, step).map(|v| (v - anchor).as_vec3() * scale));
+            let boxed = |id: u32| Aabb::from_points(ends(id).map(|end| end.map(Into::into)).as_flattened());
+            let boxes: Vec<Aabb> = (0..count as u32).into_par_iter().map(boxed).collect();
+            let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
+            check_depth(&tree, count)?;
+            let (first_node, first_leaf) = (nodes.len() as u32 / 2, leaves.len() as u32 / 6);
+            roots.push([f32::from_bits(first_node), 0.0, 0.0, 0.0]);
+            for node in &tree.nodes {
+                let first = node.first_index + if node.is_leaf() { first_leaf } else { first_node };
+                let ([x, y, z], [u, v, w]) = (node.aabb().min.to_array(), node.aabb().max.to_array());
+                nodes.extend([[x, y, z, f32::from_bits(first)], [u, v, w, f32::from_bits(node.prim_count)]]);
+            }
+            for id in &tree.primitive_indices {
+                let last = [f32::from_bits(*id), 0.0, 0.0, 0.0, 0.0, 0.0];
+                leaves.extend(ends(*id).as_flattened().iter().zip(last).map(|(v, last)| v.extend(last).to_array()));
+            }
+        }
+        if count == 0 {
+            // nothing meets them
+            nodes.extend([[0.0; 4], [0.0, 0.0, 0.0, f32::from_bits(1)]]);
+            leaves.extend([[0.0; 4]; 6]);
+        }
+        Ok(PackedBvh { nodes: [roots, nodes].concat(), leaves, scale })
+    }
+}
+
+fn check_depth(tree: &Bvh2, count: usize) -> Result<()> {
+    let depth = if count == 0 { 0 } else { tree.depth(0) };
+    if depth < DEPTH_MAX {
+        return Ok(());
+    }
+    Err(Error::work(format!("the hierarchy is {depth} boxes deep; the kernel follows {DEPTH_MAX}")))
+}
+
 /// A hierarchy over the triangles of a chunk, as trace follows it: `wgsl/shared/bvh8.wgsl`.
 #[derive(Debug, Clone)]
 pub struct TracedBvh {
@@ -125,36 +168,91 @@ impl TracedBvh {
         if chunk.triangles.is_empty() {
             return Some(TracedBvh::default());
         }
-        let largest = chunk.vertices.par_iter().map(|v| v.position().abs().max_element()).reduce(|| 0.0, f64::max);
-        let scale = largest.max(f64::from(f32::MIN_POSITIVE)).log2().ceil().exp2().recip();
-        let corners = |slot: u32| {
-            let [a, b, c, word] = chunk.triangles[slot as usize];
-            ([a, b, c].map(|v| chunk.vertices[v as usize].position() * scale), word)
-        };
+        if chunk.steps > 1 {
+            return TracedBvh::of_moving(chunk);
+        }
+        let scale = scale_of(chunk);
+        let corners = |slot: u32| corners(chunk, slot, 0, scale);
         let boxed = |slot: u32| {
             let [v0, v1, v2] = corners(slot).0.map(|v| v.as_vec3().into());
             Triangle { v0, v1, v2 }
         };
         let triangles: Vec<Triangle> = (0..chunk.triangles.len() as u32).into_par_iter().map(boxed).collect();
-        let of_one = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
-        let binary = build_bvh2_from_tris(&triangles, of_one, &mut Duration::default());
+        let binary = build_bvh2_from_tris(&triangles, of_one(), &mut Duration::default());
         let tree = bvh2_to_cwbvh(&binary, LEAF_MAX, true, false);
         if depth(&tree.nodes) > WAITING_MAX {
             return None;
         }
         let mut nodes = vec![[(scale as f32).to_bits(), 0, 0, 0]];
-        nodes.extend(tree.nodes.iter().flat_map(|node| bytemuck::cast::<CwBvhNode, [[u32; 4]; NODE_ROWS]>(*node)));
-        let rows = |slot: &u32| {
-            let ([a, b, c], word) = corners(*slot);
-            let row = |v: DVec3, last: u32| {
-                let [x, y, z] = v.as_vec3().to_array().map(f32::to_bits);
-                [x, y, z, last]
-            };
-            [row(a, *slot), row(b - a, word), row(a - c, 0)]
-        };
+        nodes.extend(tree.nodes.iter().flat_map(node_rows));
+        let rows = |slot: &u32| triangle_rows(corners(*slot), *slot);
         let triangles = tree.primitive_indices.par_iter().flat_map_iter(rows).collect();
         Some(TracedBvh { nodes, triangles })
     }
+
+    /// One hierarchy for the way from each time step to the next, in boxes that hold both ends of it: `wgsl/shared/bvh_triangle_timed.wgsl`.
+    fn of_moving(chunk: &Chunk) -> Option<TracedBvh> {
+        let scale = scale_of(chunk);
+        let ways = chunk.steps - 1;
+        // the roots of all take the rows of so many nodes, beside the first row
+        let header_nodes = (ways as usize - 1).div_ceil(NODE_ROWS);
+        let mut nodes = vec![[(scale as f32).to_bits(), 0, 0, 0]; 1 + NODE_ROWS * header_nodes];
+        let mut triangles = Vec::new();
+        for way in 0..ways {
+            let ends = |slot: u32| [way, way + 1].map(|step| corners(chunk, slot, step, scale));
+            let boxed = |slot: u32| {
+                let all = ends(slot).map(|(corners, _)| corners.map(|v| v.as_vec3().into()));
+                Aabb::from_points(all.as_flattened())
+            };
+            let boxes: Vec<Aabb> = (0..chunk.triangles.len() as u32).into_par_iter().map(boxed).collect();
+            let binary = build_bvh2(&boxes, of_one(), &mut Duration::default());
+            let mut tree = bvh2_to_cwbvh(&binary, LEAF_MAX, true, false);
+            if depth(&tree.nodes) > WAITING_MAX {
+                return None;
+            }
+            let (first_node, first_triangle) = ((nodes.len() - 1) / NODE_ROWS, triangles.len() / (2 * TRIANGLE_ROWS));
+            nodes[way as usize][1] = first_node as u32;
+            for node in &mut tree.nodes {
+                node.child_base_idx += first_node as u32;
+                node.primitive_base_idx += first_triangle as u32;
+            }
+            nodes.extend(tree.nodes.iter().flat_map(node_rows));
+            let rows = |slot: &u32| ends(*slot).map(|end| triangle_rows(end, *slot)).into_iter().flatten();
+            triangles.par_extend(tree.primitive_indices.par_iter().flat_map_iter(rows));
+        }
+        Some(TracedBvh { nodes, triangles })
+    }
+}
+
+fn of_one() -> BvhBuildParams {
+    BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() }
+}
+
+/// A power of two that brings all coordinates of a chunk under 1.
+fn scale_of(chunk: &Chunk) -> f64 {
+    let largest = chunk.vertices.par_iter().map(|v| v.position().abs().max_element()).reduce(|| 0.0, f64::max);
+    largest.max(f64::from(f32::MIN_POSITIVE)).log2().ceil().exp2().recip()
+}
+
+/// The corners of a triangle at a time step, scaled, and its last word.
+fn corners(chunk: &Chunk, slot: u32, step: u32, scale: f64) -> ([DVec3; 3], u32) {
+    let [a, b, c, word] = chunk.triangles[slot as usize];
+    ([a, b, c].map(|v| chunk.vertices[(v * chunk.steps + step) as usize].position() * scale), word)
+}
+
+fn node_rows(node: &CwBvhNode) -> [[u32; 4]; NODE_ROWS] {
+    bytemuck::cast(*node)
+}
+
+/// Rows of a triangle at one time.
+const TRIANGLE_ROWS: usize = 3;
+
+fn triangle_rows(([a, b, c], word): ([DVec3; 3], u32), slot: u32) -> [[u32; 4]; TRIANGLE_ROWS] {
+    let row = |v: DVec3, last: u32| {
+        let [x, y, z] = v.as_vec3().to_array().map(f32::to_bits);
+        [x, y, z, last]
+    };
+    [row(a, slot), row(b - a, word), row(a - c, 0)]
 }
 
 /// Nodes from the root to the lowest: those below one come after it.
@@ -243,6 +341,8 @@ mod tests {
                 t_range: [0.0, 1.0],
             },
             caustics: None,
+            exposure: Default::default(),
+            steps: None,
             output: Default::default(),
         }
     }

@@ -22,6 +22,7 @@ use crate::camera::perturb::scene_size;
 use crate::camera::ray_order::is_reordered;
 use crate::camera::{Camera, Rays};
 use crate::geometry::mesh::Material;
+use crate::geometry::time_steps::Moment;
 use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::{RaysKind, Variant};
 use crate::gpu::layout::{self, BRANCH};
@@ -71,6 +72,8 @@ pub struct SceneContents {
     pub has_style: bool,
     /// Lines are drawn between pixels.
     pub has_outlines: bool,
+    /// Time steps of each vertex; 1: nothing moves while the frame is taken.
+    pub steps: u32,
 }
 
 impl SceneContents {
@@ -82,6 +85,7 @@ impl SceneContents {
             has_shadows: scene.has_shadows(),
             has_style: scene.style.is_on_surfaces() || mesh.has_patterns(),
             has_outlines: scene.style.is_between_pixels(),
+            steps: scene.moving_mesh().count(),
             triangles: mesh.triangles.len(),
             has_normals: !mesh.normals.is_empty(),
             has_uvs: !mesh.corner_uvs.is_empty(),
@@ -187,6 +191,8 @@ pub struct Band {
     pub rays: Option<RayTable>,
     /// By what those of samples differ, where there are some: [`curves::sample_ray_deltas`].
     pub sample_ray_deltas: Vec<f32>,
+    /// When each pixel sees the scene, if something moves.
+    pub moments: Vec<u32>,
 }
 
 /// What one frame takes.
@@ -209,6 +215,8 @@ pub struct Plan {
     /// Of the scene, see [`SceneExtent`].
     pub centre: DVec3,
     pub scene_size: f64,
+    /// Time steps of each vertex.
+    pub steps: u32,
     /// How wide images on triangles are filtered, in pixels.
     pub filter_width: f32,
     /// Why raster or trace, where the costs do not decide.
@@ -300,6 +308,7 @@ impl Plan {
             anchor: extent.anchor,
             centre: extent.centre,
             scene_size: extent.scene_size,
+            steps: contents.steps,
             // so many boxes of this width tile the pixel
             filter_width: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
             method_why: "",
@@ -309,6 +318,16 @@ impl Plan {
 }
 
 impl Plan {
+    /// The plan with the moments of all pixels of the image, row by row.
+    pub fn with_moments(mut self, moments: &[Moment]) -> Plan {
+        let width = self.width as usize;
+        for band in &mut self.bands {
+            let own = band.row as usize * width..(band.row + band.rows) as usize * width;
+            band.moments = moments[own].iter().map(|moment| moment.word()).collect();
+        }
+        self
+    }
+
     /// Rows of pixels in all.
     pub fn rows(&self) -> u32 {
         self.bands.iter().map(|b| b.rows).sum()
@@ -397,7 +416,7 @@ impl Band {
             }
             _ => Vec::new(),
         };
-        Band { row, rows, tiles, nodes, rays, sample_ray_deltas }
+        Band { row, rows, tiles, nodes, rays, sample_ray_deltas, moments: Vec::new() }
     }
 }
 
@@ -482,6 +501,9 @@ fn left_out(
     }
     if !wanted.srgb8 {
         say("write", "no 8-bit picture asked for".into());
+    }
+    if contents.steps == 1 {
+        say("time steps", "nothing moves while the frame is taken".into());
     }
     if !wanted.counting {
         say("fragment counters", "no report asked for".into());

@@ -80,6 +80,7 @@ pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts
     ];
     bindings.extend(variant.rays());
     bindings.extend([reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
+    bindings.extend(variant.moments());
     if variant.bounced {
         bindings.extend([optic(), paths()]);
     }
@@ -87,7 +88,8 @@ pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts
         bindings.extend([table("surfaces"), table("materials")]);
         bindings.extend(variant.pages());
     }
-    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.alpha_masks()];
+    let (vertex, triangle) = (variant.vertex(), variant.triangle());
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, vertex, variant.real(), triangle, BUNDLE, KEY, variant.alpha_masks()];
     let shared = [BITS, variant.merge(), MEETING, variant.camera()];
     let mut all = [&snippets[..], &shared[..], own, variant.coverage(), variant.start()].concat();
     all.extend(variant.corner_colors().filter(|_| variant.masked));

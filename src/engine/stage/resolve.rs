@@ -27,8 +27,19 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend(variant.pages());
     bindings.extend(variant.style_binding());
     bindings.extend(variant.pixel_rays());
-    let snippets =
-        [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), PACKED_TRIANGLE, BUNDLE, KEY, SHADING, SURFACE];
+    let snippets = [
+        PARAMS,
+        ITEMS,
+        INDEX,
+        SLABS,
+        VERTEX,
+        variant.real(),
+        PACKED_TRIANGLE,
+        BUNDLE,
+        KEY,
+        SHADING,
+        variant.lit_surface(),
+    ];
     let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_OFFSETS];
     own.push(variant.style());
     own.extend(variant.corner_colors());

@@ -22,15 +22,16 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend(variant.pages());
     bindings.extend(variant.pixel_rays());
     bindings.extend(variant.bounced.then(live));
+    bindings.extend(variant.moments());
     if variant.optics.is_some() {
         bindings.extend([optic(), paths()]);
     }
-    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, variant.vertex(), variant.real(), variant.triangle(), BUNDLE, KEY];
     bindings.extend(variant.style_binding());
     let own = [
         variant.camera(),
         SHADING,
-        SURFACE,
+        variant.lit_surface(),
         variant.images(),
         variant.style(),
         variant.pixel_key(),

@@ -12,7 +12,11 @@ pub fn kernel(variant: Variant) -> Kernel {
         RaysKind::Curves { .. } => snippets!("camera/curves_path.wgsl"),
     };
     let pixels = if variant.bounced { LIVE_PIXELS } else { snippets!("shared/every_tile.wgsl") };
-    let own = [pixels, path, snippets!("shared/bvh8.wgsl", "trace.wgsl")];
+    let hierarchy = match variant.timed {
+        true => snippets!("shared/bvh8.wgsl", "shared/bvh_triangle_timed.wgsl"),
+        false => snippets!("shared/bvh8.wgsl", "shared/bvh_triangle.wgsl"),
+    };
+    let own = [pixels, path, hierarchy, snippets!("trace.wgsl")];
     let mut kernel = super::raster::into_visibility("trace", variant, &[variant.pixel(), &own].concat());
     kernel.bindings.extend([table("bvh"), table("bvh_triangles")]);
     if variant.bounced {

@@ -9,6 +9,14 @@ impl Variant {
         (self.textured || self.styled || self.analytic).then_some(snippets!("shared/weights.wgsl"))
     }
 
+    /// Normals of surfaces, and the light there.
+    pub(crate) fn lit_surface(self) -> Parts {
+        match self.timed {
+            true => snippets!("shared/table.wgsl", "shared/surface.wgsl", "shared/normal_timed.wgsl"),
+            false => snippets!("shared/table.wgsl", "shared/surface.wgsl", "shared/normal.wgsl"),
+        }
+    }
+
     /// The colours of a triangle's corners, for kernels that look up images.
     pub(crate) fn corner_colors(self) -> Option<Parts> {
         let parts =
@@ -44,16 +52,26 @@ impl Variant {
             LightsKind::Positional => {
                 snippets!("shared/table.wgsl", "lights/rows.wgsl", "lights/positional.wgsl", "lights/unshadowed.wgsl")
             }
-            LightsKind::Shadowed => {
-                snippets!(
+            LightsKind::Shadowed => match self.timed {
+                true => snippets!(
                     "shared/table.wgsl",
                     "lights/rows.wgsl",
                     "lights/positional.wgsl",
                     "lights/shadowed.wgsl",
+                    "lights/casters_timed.wgsl",
                     "shared/segment.wgsl",
                     "shared/bvh.wgsl"
-                )
-            }
+                ),
+                false => snippets!(
+                    "shared/table.wgsl",
+                    "lights/rows.wgsl",
+                    "lights/positional.wgsl",
+                    "lights/shadowed.wgsl",
+                    "lights/casters.wgsl",
+                    "shared/segment.wgsl",
+                    "shared/bvh.wgsl"
+                ),
+            },
         };
         let materials = match (self.glossy, self.sky) {
             (_, true) => snippets!("materials/glossy.wgsl", "materials/sky.wgsl"),

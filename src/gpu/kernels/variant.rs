@@ -101,6 +101,8 @@ pub struct Variant {
     pub samples: u32,
     /// Of such a pixel triangles have shares by their areas, not by their samples' number.
     pub analytic: bool,
+    /// Vertices move while the frame is taken, and each pixel sees them at a moment of its own.
+    pub timed: bool,
 }
 
 impl Variant {
@@ -132,6 +134,7 @@ impl Variant {
         bounced: false,
         samples: 1,
         analytic: false,
+        timed: false,
     };
 
     pub fn surfaces(self) -> SurfaceKind {
@@ -186,6 +189,10 @@ impl Variant {
             list.extend(methods.map(|method| Variant { method, ..variant(RaysKind::Pieces, more, None) }));
             list.push(Variant { method: Method::Trace, ..variant(RaysKind::Field, false, None) });
             list.extend(curves.map(|rays| Variant { method: Method::Trace, ..variant(rays, true, None) }));
+            let timed = |rays, optics| Variant { method: Method::Trace, timed: true, ..variant(rays, false, optics) };
+            list.extend([RaysKind::Pieces, RaysKind::Field, curves[2]].map(|rays| timed(rays, None)));
+            let seen = timed(RaysKind::Pieces, Some(OpticsKind::Facets));
+            list.extend([seen, seen.after_bounce()]);
             list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
@@ -251,6 +258,27 @@ impl Variant {
 
     pub(crate) fn real(self) -> Parts {
         if self.f64 { REAL_F64 } else { REAL_F32 }
+    }
+
+    /// Triangles and vertices, from their textures.
+    pub(crate) fn vertex(self) -> Parts {
+        match self.timed {
+            true => snippets!("shared/table.wgsl", "shared/vertex_timed.wgsl"),
+            false => VERTEX,
+        }
+    }
+
+    /// Packed triangles, and vertices in recheck arithmetic.
+    pub(crate) fn triangle(self) -> Parts {
+        match self.timed {
+            true => snippets!("shared/triangle.wgsl", "shared/vertex_real_timed.wgsl"),
+            false => TRIANGLE,
+        }
+    }
+
+    /// When each pixel sees the scene.
+    pub(crate) fn moments(self) -> Option<Binding> {
+        self.timed.then(|| reads("moments", "array<u32>"))
     }
 
     pub(crate) fn merge(self) -> Parts {

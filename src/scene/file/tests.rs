@@ -71,7 +71,7 @@ fn reads_every_key() {
     let scene = read(FULL, &[]).unwrap();
     assert_eq!(
         scene.image,
-        ImageSpec { width: Some(800), height: Some(600), background: [0.0, 0.5, 1.0], tone: Tone::default() }
+        ImageSpec { width: Some(800), height: Some(600), background: [0.0, 0.5, 1.0], ..ImageSpec::default() }
     );
     let spot = &scene.meshes[0];
     assert_eq!(spot.source, MeshSource::File("dir/spot.obj".into()));
@@ -103,7 +103,7 @@ fn json_reads_as_toml_does() {
 fn defaults_are_as_documented() {
     let scene =
         read("[camera]\nkind='glc'\nnear=[[0,0,0],[1,0,0],[0,1,0]]\nfar=[[0,0,1],[1,0,1],[0,1,1]]", &[]).unwrap();
-    assert_eq!(scene.image, ImageSpec { width: None, height: None, background: [0.0; 3], tone: Tone::default() });
+    assert_eq!(scene.image, ImageSpec::default());
     assert!(scene.meshes.is_empty() && scene.lights.is_empty());
     assert_eq!(scene.camera.t_range, [0.0, f64::INFINITY]);
     assert_eq!(scene.output, OutputSpec::default());

@@ -1,0 +1,218 @@
+//! Vertices that move while an image is taken: their positions and normals at several times, and linear between two of them.
+
+use super::mesh::Mesh;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Most times of a frame: a [`Moment`] has 8 bits for them.
+pub const TIMES_MAX: usize = 1 << 8;
+
+/// Parts that the way from a time to the next is divided into. A pixel's time is rounded to one of them, so that the share of the way is
+/// the same number in f32 and f64.
+const PARTS: u32 = 1 << 24;
+
+/// A mesh at several times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimeSteps {
+    /// Ascending, at least two and at most [`TIMES_MAX`]; frames after the frame that is rendered.
+    times: Vec<f64>,
+    /// One for each time.
+    steps: Vec<TimeStep>,
+}
+
+/// A mesh at one time.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TimeStep {
+    /// World space, in the order of [`Mesh::positions`]; vertices after its last one stand still.
+    pub positions: Vec<DVec3>,
+    /// Unit, in the order of [`Mesh::normals`].
+    pub normals: Vec<Vec3>,
+}
+
+/// A time: the number of the last time step at or before it, and the share of the way to the next.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Moment {
+    pub step: u32,
+    /// In parts of 2^-24, less than a whole.
+    part: u32,
+}
+
+impl Moment {
+    /// The share of the way to the next step, in [0, 1): a number of f32.
+    pub fn share(self) -> f64 {
+        f64::from(self.part) / f64::from(PARTS)
+    }
+
+    /// As kernels read it: the step in the high 8 bits.
+    pub fn word(self) -> u32 {
+        self.step << 24 | self.part
+    }
+}
+
+impl TimeSteps {
+    /// From times and the mesh at each; `None` if there are less than two, or nothing moves.
+    pub fn new(times: Vec<f64>, steps: Vec<TimeStep>) -> Option<TimeSteps> {
+        let moves = steps.iter().skip(1).any(|step| step.positions != steps[0].positions);
+        debug_assert!(times.len() == steps.len() && times.len() <= TIMES_MAX && times.is_sorted());
+        moves.then_some(TimeSteps { times, steps })
+    }
+
+    pub fn count(&self) -> u32 {
+        self.steps.len() as u32
+    }
+
+    /// Bytes of all steps.
+    pub fn bytes(&self) -> u64 {
+        let one = |s: &TimeStep| size_of_val(s.positions.as_slice()) + size_of_val(s.normals.as_slice());
+        self.steps.iter().map(|s| one(s) as u64).sum()
+    }
+
+    /// A time in frames, rounded to a part of the way between two steps. Before the first and after the last nothing moves.
+    pub fn moment(&self, time: f64) -> Moment {
+        let next = self.times.partition_point(|t| *t <= time).clamp(1, self.times.len() - 1);
+        let (from, to) = (self.times[next - 1], self.times[next]);
+        let share = ((time - from) / (to - from)).clamp(0.0, 1.0);
+        let part = (share * f64::from(PARTS)).round() as u32;
+        match part {
+            PARTS => Moment { step: next as u32, part: 0 },
+            part => Moment { step: next as u32 - 1, part },
+        }
+    }
+
+    /// A vertex of the mesh at a time step; the step after the last is the last.
+    pub fn position(&self, mesh: &Mesh, vertex: u32, step: u32) -> DVec3 {
+        let step = &self.steps[(step as usize).min(self.steps.len() - 1)];
+        step.positions.get(vertex as usize).copied().unwrap_or_else(|| mesh.positions[vertex as usize])
+    }
+
+    /// A normal of the mesh at a time step, likewise.
+    pub fn normal(&self, mesh: &Mesh, normal: u32, step: u32) -> Vec3 {
+        let step = &self.steps[(step as usize).min(self.steps.len() - 1)];
+        step.normals.get(normal as usize).copied().unwrap_or_else(|| mesh.normals[normal as usize])
+    }
+
+    /// A vertex at a time.
+    pub fn position_at(&self, mesh: &Mesh, vertex: u32, at: Moment) -> DVec3 {
+        let [a, b] = [at.step, at.step + 1].map(|step| self.position(mesh, vertex, step));
+        a + at.share() * (b - a)
+    }
+
+    /// A normal at a time, not of unit length.
+    pub fn normal_at(&self, mesh: &Mesh, normal: u32, at: Moment) -> DVec3 {
+        let [a, b] = [at.step, at.step + 1].map(|step| self.normal(mesh, normal, step).as_dvec3());
+        a + at.share() * (b - a)
+    }
+
+    /// The same where a mesh that stands still is put before.
+    pub fn after(&self, before: &Mesh) -> TimeSteps {
+        let joined = |s: &TimeStep| TimeStep {
+            positions: [&before.positions[..], &s.positions].concat(),
+            normals: [&before.normals[..], &s.normals].concat(),
+        };
+        TimeSteps { times: self.times.clone(), steps: self.steps.iter().map(joined).collect() }
+    }
+
+    /// The corners of the box around all vertices at all times; `None` without any.
+    pub fn bounds(&self, mesh: &Mesh) -> Option<(DVec3, DVec3)> {
+        let one = |p: &DVec3| (*p, *p);
+        let of_step = |s: &TimeStep| s.positions.par_iter().map(one).reduce_with(joined);
+        let still = self.steps[0].positions.len().min(mesh.positions.len());
+        let others = mesh.positions[still..].par_iter().map(one).reduce_with(joined);
+        self.steps.iter().filter_map(of_step).chain(others).reduce(joined)
+    }
+}
+
+/// A mesh, and how it moves if it does.
+#[derive(Debug, Clone, Copy)]
+pub struct MovingMesh<'a> {
+    pub mesh: &'a Mesh,
+    pub steps: Option<&'a TimeSteps>,
+}
+
+/// One that stands still.
+impl<'a> From<&'a Mesh> for MovingMesh<'a> {
+    fn from(mesh: &'a Mesh) -> MovingMesh<'a> {
+        MovingMesh { mesh, steps: None }
+    }
+}
+
+impl<'a> MovingMesh<'a> {
+    /// Time steps; 1 if it stands still.
+    pub fn count(self) -> u32 {
+        self.steps.map_or(1, TimeSteps::count)
+    }
+
+    /// A vertex at a time step.
+    pub fn position(self, vertex: u32, step: u32) -> DVec3 {
+        self.steps.map_or_else(|| self.mesh.positions[vertex as usize], |s| s.position(self.mesh, vertex, step))
+    }
+
+    /// A normal at a time step.
+    pub fn normal(self, normal: u32, step: u32) -> Vec3 {
+        self.steps.map_or_else(|| self.mesh.normals[normal as usize], |s| s.normal(self.mesh, normal, step))
+    }
+
+    /// The corners of a triangle at a time step, in the order of its file.
+    pub fn corners(self, id: u32, step: u32) -> [DVec3; 3] {
+        self.mesh.triangles[id as usize].map(|v| self.position(v, step))
+    }
+
+    /// The corners of the box around all vertices at all times; `None` without any.
+    pub fn bounds(self) -> Option<(DVec3, DVec3)> {
+        self.steps.map_or_else(|| self.mesh.bounds(), |steps| steps.bounds(self.mesh))
+    }
+}
+
+fn joined(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> (DVec3, DVec3) {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn steps(times: &[f64]) -> TimeSteps {
+        let step = |t: &f64| TimeStep { positions: vec![DVec3::X * *t * *t], normals: Vec::new() };
+        TimeSteps::new(times.to_vec(), times.iter().map(step).collect()).unwrap()
+    }
+
+    #[test]
+    fn positions_are_those_of_steps_and_linear_between_them() {
+        let (steps, mesh) = (steps(&[-1.0, 1.0, 2.0, 4.0]), Mesh::default());
+        let at = |time: f64| steps.position_at(&mesh, 0, steps.moment(time)).x;
+        for (time, x) in [(-9.0, 1.0), (-1.0, 1.0), (0.0, 1.0), (1.0, 1.0), (1.5, 2.5), (2.0, 4.0), (3.0, 10.0)] {
+            assert_eq!(at(time), x, "{time}");
+        }
+        assert_eq!([at(4.0), at(5.0)], [16.0; 2]);
+        // one part of 2^-24 of two frames, and of the 12 units on the way
+        for time in [2.3, 3.999_999_9, 2.000_000_1] {
+            let exact = 4.0 + 12.0 * (time - 2.0) / 2.0;
+            assert!((at(time) - exact).abs() <= 12.0 / f64::from(PARTS), "{time}");
+        }
+    }
+
+    #[test]
+    fn a_share_is_the_same_in_f32_and_fits_its_word() {
+        let steps = steps(&[0.0, 1.0, 2.0]);
+        for k in 0..1000 {
+            let at = steps.moment(f64::from(k) / 499.5);
+            assert_eq!(f64::from(at.share() as f32), at.share());
+            let word = at.word();
+            assert_eq!((word >> 24, f64::from(word & 0xff_ffff) / f64::from(PARTS)), (at.step, at.share()));
+        }
+    }
+
+    #[test]
+    fn what_stands_still_has_no_steps() {
+        let step = TimeStep { positions: vec![DVec3::ONE], normals: Vec::new() };
+        assert_eq!(TimeSteps::new(vec![0.0, 1.0], vec![step.clone(), step]), None);
+    }
+
+    #[test]
+    fn vertices_after_the_last_stand_still() {
+        let steps = steps(&[0.0, 1.0]);
+        let mesh = Mesh { positions: vec![DVec3::ZERO, DVec3::new(3.0, -1.0, 0.0)], ..Mesh::default() };
+        assert_eq!(steps.position_at(&mesh, 1, steps.moment(0.5)), mesh.positions[1]);
+        assert_eq!(steps.bounds(&mesh), Some((DVec3::new(0.0, -1.0, 0.0), DVec3::new(3.0, 0.0, 0.0))));
+    }
+}

@@ -1,0 +1,87 @@
+//! The times of a frame at which a scene file is read: those between which everything moves straight.
+
+use super::{FileStep, SceneFile, read_meshes};
+use crate::camera::spec::{CameraSpec, read_camera_and_readout};
+use crate::geometry::spec::MeshSpec;
+use crate::geometry::time_steps::TIMES_MAX;
+use crate::input::keyframes;
+use crate::input::reader::{Field, Source};
+use crate::input::tree::{Node, Value};
+use crate::input::{Error, Result};
+
+/// Degrees that a mesh turns in a step at most, unless the file says how many steps there are: a point's way in a step is then longer than
+/// its chord by less than 0.04 percent.
+const TURN_MAX: f64 = 5.0;
+
+/// Steps of a camera that moves from one keyframe to the next, unless the file says how many there are.
+const CAMERA_STEPS: u32 = 8;
+
+/// The scene at the times that a frame takes; none if nothing has keyframes, or all is exposed at once. `keyed` has all keyframes as they
+/// are, `file` is the scene at `frame`.
+pub(super) fn steps(keyed: &Node, source: &Source, file: &SceneFile, frame: f64) -> Result<Vec<FileStep>> {
+    let moving = [entry(keyed, "mesh"), entry(keyed, "camera")];
+    let keys: Vec<f64> = moving.into_iter().flatten().flat_map(keyframes::frames).collect();
+    if keys.is_empty() || file.exposure.is_instant() {
+        return Ok(Vec::new());
+    }
+    let [first, last] = file.exposure.range();
+    let at = |time: f64| step(keyed, source, file, (frame, time));
+    let mut times: Vec<f64> = keys.iter().map(|key| key - frame).filter(|t| first < *t && *t < last).collect();
+    times.extend([first, last]);
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let ends = times.iter().map(|t| at(*t)).collect::<Result<Vec<_>>>()?;
+    let mut all = Vec::new();
+    for pair in ends.windows(2) {
+        let (from, to) = (pair[0].time, pair[1].time);
+        let of_frame = |n: u32| (f64::from(n) * (to - from)).ceil() as u32;
+        let parts = file.image.motion_steps.map_or_else(|| parts(&pair[0], &pair[1]), of_frame);
+        all.extend((0..parts).map(|k| from + (to - from) * f64::from(k) / f64::from(parts)));
+    }
+    all.push(last);
+    if all.len() > TIMES_MAX {
+        let (n, most) = (all.len() - 1, TIMES_MAX - 1);
+        return Err(Error::input(format!(
+            "{}: the frame takes {n} steps from keyframe to keyframe, over the limit of {most}; shorten shutter or line_time, or set \
+             image.motion_steps",
+            source.path.display()
+        )));
+    }
+    all.into_iter().map(at).collect()
+}
+
+fn entry<'a>(root: &'a Node, key: &str) -> Option<&'a Node> {
+    let Value::Table(entries) = &root.value else { return None };
+    entries.iter().find(|e| e.key == key).map(|e| &e.node)
+}
+
+/// Meshes and camera at a time after a frame.
+fn step(keyed: &Node, source: &Source, file: &SceneFile, (frame, time): (f64, f64)) -> Result<FileStep> {
+    let at = |key: &str| -> Result<Option<Node>> {
+        let Some(node) = entry(keyed, key).filter(|node| !keyframes::frames(node).is_empty()) else { return Ok(None) };
+        let mut node = node.clone();
+        keyframes::pick(&mut node, key, source, frame + time)?;
+        Ok(Some(node))
+    };
+    let meshes: Vec<MeshSpec> = match at("mesh")? {
+        Some(node) => read_meshes(&Field::new(source, "mesh", &node))?,
+        None => file.meshes.clone(),
+    };
+    let camera: CameraSpec = match at("camera")? {
+        Some(node) => {
+            let size = (file.image.width, file.image.height);
+            read_camera_and_readout(&Field::new(source, "camera", &node), size, file.image.frame_rate)?.0
+        }
+        None => file.camera.clone(),
+    };
+    Ok(FileStep { time, meshes, camera })
+}
+
+/// Steps from one keyframe to the next.
+fn parts(from: &FileStep, to: &FileStep) -> u32 {
+    let turn = |(a, b): (&MeshSpec, &MeshSpec)| (b.rotate - a.rotate).abs().element_sum();
+    let turned = from.meshes.iter().zip(&to.meshes).map(turn).fold(0.0, f64::max);
+    // a number of any size saturates
+    let of_meshes = (turned / TURN_MAX).ceil().max(1.0) as u32;
+    if from.camera == to.camera { of_meshes } else { of_meshes.max(CAMERA_STEPS) }
+}
