@@ -69,7 +69,7 @@ pub fn stl(data: &[u8]) {
 /// Text, or binary where it begins as that does.
 pub fn gltf(data: &[u8]) {
     let name = if data.starts_with(b"glTF") { "mesh.glb" } else { "mesh.gltf" };
-    read(name, data, |path| gltf::load(path, gltf::Files::Below, &Images::default()));
+    read(name, data, |path| gltf::load(path, gltf::Files::Below, &Images::default(), None));
 }
 
 /// A height image: a TIFF or a PNG if it begins like one, or else an ASCII grid.

@@ -141,7 +141,7 @@ impl Scene {
     pub fn camera_of_size(&self, width: u32, height: u32) -> Result<Camera> {
         self.check_camera()?;
         let size = Some((width, height));
-        let camera = crate::camera::Camera::in_scene(&self.scene.camera, size, &self.scene.mesh)?;
+        let camera = self.scene.camera_of_size(size)?;
         Ok(Camera { camera: Arc::new(camera) })
     }
 

@@ -11,6 +11,8 @@ pub struct Exposure {
     pub readout: Readout,
     /// For how long the shutter is open at a pixel, about the pixel's own time.
     pub shutter: f64,
+    /// All pixels have their samples at the same places of their exposures; otherwise these differ from pixel to pixel.
+    pub is_even: bool,
 }
 
 /// In what order pixels are read.
@@ -96,7 +98,7 @@ impl Exposure {
     }
 
     /// The time of pixel (i, j) of an image of this size: the middle of its exposure, or that of one of its samples. Samples lie in equal
-    /// parts of the exposure; which sample lies in which part, and where in it, differs from pixel to pixel.
+    /// parts of the exposure; unless [`Exposure::is_even`] which sample lies in which part, and where in it, differs from pixel to pixel.
     pub fn time(&self, (i, j): (u32, u32), size: (u32, u32), sample: Option<Sample>) -> f64 {
         let middle = match &self.readout {
             Readout::AtOnce => 0.0,
@@ -104,10 +106,8 @@ impl Exposure {
             Readout::Table(table) => table.time((i, j), size),
         };
         let Some(Sample { number, count }) = sample.filter(|_| self.shutter != 0.0) else { return middle };
-        let random = hash(i, j);
-        let part = (u64::from(number) + u64::from(random >> 16)) % u64::from(count);
-        let place = (part as f64 + f64::from(random & 0xffff) / 65536.0) / f64::from(count);
-        middle + self.shutter * (place - 0.5)
+        let (part, within) = if self.is_even { (number, 0.5) } else { shuffled((i, j), number, count) };
+        middle + self.shutter * ((f64::from(part) + within) / f64::from(count) - 0.5)
     }
 }
 
@@ -136,6 +136,13 @@ impl TimeTable {
             None => self.times[(j as usize * width as usize + i as usize).min(self.times.len() - 1)],
         }
     }
+}
+
+/// The part of a pixel's exposure that one of its samples lies in, and where in it.
+fn shuffled((i, j): (u32, u32), number: u32, count: u32) -> (u32, f64) {
+    let random = hash(i, j);
+    let part = (u64::from(number) + u64::from(random >> 16)) % u64::from(count);
+    (part as u32, f64::from(random & 0xffff) / 65536.0)
 }
 
 /// A number without a pattern for each pixel (the 32-bit finaliser of MurmurHash3).
@@ -207,7 +214,11 @@ mod tests {
     use super::*;
 
     fn lines(order: LineOrder) -> Exposure {
-        Exposure { readout: Readout::Lines(Lines { first: 0.0, line_time: 0.5, order, count: 4 }), shutter: 0.0 }
+        Exposure {
+            readout: Readout::Lines(Lines { first: 0.0, line_time: 0.5, order, count: 4 }),
+            shutter: 0.0,
+            is_even: false,
+        }
     }
 
     #[test]
@@ -246,12 +257,12 @@ mod tests {
     #[test]
     fn a_table_of_one_row_is_that_of_all() {
         let table = TimeTable { size: Some((3, 1)), times: vec![1.0, 2.0, 4.0] };
-        let exposure = Exposure { readout: Readout::Table(Arc::new(table)), shutter: 0.0 };
+        let exposure = Exposure { readout: Readout::Table(Arc::new(table)), shutter: 0.0, is_even: false };
         assert_eq!([0, 1, 2].map(|i| exposure.time((i, 7), (3, 9), None)), [1.0, 2.0, 4.0]);
         assert_eq!([0, 2, 3, 5].map(|i| exposure.time((i, 7), (6, 9), None)), [1.0, 2.0, 2.0, 4.0]);
         assert_eq!(exposure.range(), [1.0, 4.0]);
         let list = TimeTable { size: None, times: vec![1.0, 2.0, 4.0] };
-        let exposure = Exposure { readout: Readout::Table(Arc::new(list)), shutter: 0.0 };
+        let exposure = Exposure { readout: Readout::Table(Arc::new(list)), shutter: 0.0, is_even: false };
         assert_eq!(
             [(0, 0), (1, 0), (0, 1), (1, 1)].map(|pixel| exposure.time(pixel, (2, 2), None)),
             [1.0, 2.0, 4.0, 4.0]

@@ -20,6 +20,7 @@ pub mod glc;
 pub mod graph;
 pub mod kinds;
 pub mod mesh;
+pub mod moving;
 pub mod optics;
 pub mod perturb;
 pub mod pieces;
@@ -44,6 +45,7 @@ pub use bundle::{Bundle, Ray};
 pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
 use glam::DVec3;
+use moving::Moving;
 pub use pieces::{Piece, Pieces};
 use recipe::{Built, SceneUse, Setting};
 use std::cell::Cell;
@@ -79,6 +81,8 @@ pub struct Camera {
     pub sample: Option<Sample>,
     /// For each pixel the one that it is of the image, row by row, if they are in another order.
     pub pixel_order: Option<Arc<[u32]>>,
+    /// Where it is at several times, if it moves while an image is taken.
+    pub moving: Option<Arc<Moving>>,
 }
 
 /// Clones the camera.
@@ -136,6 +140,7 @@ impl Camera {
             scene_use: SceneUse::Nothing,
             sample: None,
             pixel_order: None,
+            moving: None,
         })
     }
 
@@ -154,12 +159,20 @@ impl Camera {
             scene_use,
             sample: None,
             pixel_order: None,
+            moving: None,
         }
     }
 
     /// The same camera for one of the samples of each pixel, `(dx, dy)` pixels from the pixel's centre.
-    pub fn of_sample(&self, (dx, dy): (f64, f64), sample: Sample) -> Camera {
-        Camera { sample: Some(sample), ..self.with_sample_offset(dx, dy) }
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the camera moves and no pixel has a ray at the time of its sample.
+    pub fn of_sample(&self, (dx, dy): (f64, f64), sample: Sample) -> Result<Camera> {
+        let sampled = match &self.moving {
+            Some(moving) => moving.camera(Some(sample))?,
+            None => Camera { sample: Some(sample), ..self.clone() },
+        };
+        Ok(sampled.with_sample_offset(dx, dy))
     }
 
     /// The same camera with every pixel's sample moved by `(dx, dy)` pixels from the pixel centre.

@@ -56,6 +56,7 @@ features! {
     Bands, "an image larger than the adapter's bindings";
     Chunks, "a scene larger than the adapter's bindings";
     Timed, "things that move while the frame is taken";
+    MovingCamera, "a camera that moves while the shutter is open";
     Raster, "`--method raster`";
     Aimed, "`Frames::aim`";
     Relit, "`Frames::light`";
@@ -111,6 +112,11 @@ pub const REFUSALS: &[Refusal] = {
         refusal(&[Timed, Moving], "--moving is for scenes that stand still while a frame is taken", MOVES),
         refusal(&[Timed, Aimed], "Frames::aim does not support things that move while the frame is taken", ANEW),
         refusal(&[Timed, Samples], "while things move a frame takes 1 sample per pixel, not {samples}", ONE),
+        refusal(
+            &[MovingCamera, Samples],
+            "while the camera moves a frame takes 1 sample per pixel, not {samples}",
+            ONE,
+        ),
         refusal(&[Relit, Caustics], "the light cannot change with caustics", ANEW),
         refusal(&[Certified, Rival], "{rival} cannot certify pixels", "use --engine compute, or leave certified out"),
         refusal(
@@ -207,6 +213,7 @@ impl Feature {
             Feature::NoCull => *no_cull,
             Feature::Moving => *moving,
             Feature::Timed => scene.steps.is_some(),
+            Feature::MovingCamera => camera.moving.is_some() && scene.exposure.shutter > 0.0,
             Feature::Raster => *raster,
             Feature::Caustics => scene.caustics.is_some(),
             Feature::AlphaMasks => scene.mesh.has_alpha_masks(),

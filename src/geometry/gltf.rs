@@ -1,6 +1,7 @@
 //! glTF 2.0: the placed triangles of the default scene.
 
 mod accessor;
+mod pose;
 mod source;
 #[cfg(test)]
 mod tests;
@@ -18,8 +19,10 @@ use gltf::{Document, Node, Primitive, Semantic};
 
 use crate::geometry::mesh::{DIELECTRIC, MAX_TRIANGLES, Material, Mesh, Missing, NO_COLOR, NO_NORMAL, NO_UV};
 use crate::geometry::place::{transformed_normal, world_normal_from_object};
+use crate::geometry::spec::AnimationSpec;
 use crate::geometry::texture::{Images, ImagesRead, Texels, Texture, Wrap, decode};
 use crate::input::{Error, Result};
+use pose::Pose;
 use source::{FileAccess, Found, Source};
 
 /// Where the files that a glTF file names may be.
@@ -38,25 +41,26 @@ pub enum Files {
 /// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`; where a material
 /// is masked there is a surface from its cutoff on, and where it is blended from an opacity of one half on; without an image everywhere.
 /// `COLOR_0` is the vertices' colour, by which the diffuse colour is multiplied. It is as rough, metallic and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the
-/// inverse transpose. Vertices keep the file's order also where a node mirrors them. Skins, morph targets and animations are not
-/// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that do not exist are left out, and listed in
+/// inverse transpose. Vertices keep the file's order also where a node mirrors them. With `animation` the scene is as at a time of one of
+/// its animations, with its morph targets and skins; these are not applied otherwise. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that do not exist are left out, and listed in
 /// [`Mesh::missing`].
 ///
 /// # Errors
 /// [`Error::Input`] naming the file and the accessor, buffer, node or mesh: no glTF 2.0; a required extension
 /// that would change the triangles; a buffer that is missing, short, remote or where `files` does not allow it; an accessor or an index out
 /// of range; a node that is its own ancestor or has two parents; no triangles, or more than 2^28.
-pub fn load(path: &Path, files: Files, images: &Images) -> Result<Mesh> {
+pub fn load(path: &Path, files: Files, images: &Images, animation: Option<&AnimationSpec>) -> Result<Mesh> {
     let name = path.display().to_string();
     let bytes = crate::input::files::read(path).map_err(|e| Error::unreadable(path, e))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&bytes, FileAccess { folder, files }, images).map_err(|e| e.at(name))
+    parse(&bytes, FileAccess { folder, files }, images, animation).map_err(|e| e.at(name))
 }
 
 /// As [`load`], from the file's bytes.
-fn parse(bytes: &[u8], access: FileAccess, images: &Images) -> Result<Mesh> {
+fn parse(bytes: &[u8], access: FileAccess, images: &Images, animation: Option<&AnimationSpec>) -> Result<Mesh> {
     let source = Source::parse(bytes, access)?;
-    let mut builder = Builder::new(&source);
+    let pose = animation.map(|animation| Pose::at(&source, animation)).transpose()?;
+    let mut builder = Builder::new(&source, pose);
     builder.place_scene()?;
     builder.hang_images(access, images.read)?;
     builder.finish()
@@ -97,14 +101,31 @@ struct Placed {
     normals: HashMap<usize, Vec<u32>>,
 }
 
+/// How the vertices of a primitive get into the world.
+struct Placing<'p> {
+    node: &'p Node<'p>,
+    primitive: &'p Primitive<'p>,
+    /// One transform, or one for each vertex.
+    world: Vec<DMat4>,
+}
+
+impl Placing<'_> {
+    /// Of a vertex.
+    fn world_from_node(&self, vertex: usize) -> DMat4 {
+        self.world[vertex % self.world.len().max(1)]
+    }
+}
+
 struct Builder<'a> {
     source: &'a Source,
+    /// The nodes at a time of an animation; `None`: as the file places them.
+    pose: Option<Pose>,
     mesh: Mesh,
     default_is_used: bool,
 }
 
 impl<'a> Builder<'a> {
-    fn new(source: &'a Source) -> Self {
+    fn new(source: &'a Source, pose: Option<Pose>) -> Self {
         let read = |material: gltf::Material| {
             let pbr = material.pbr_metallic_roughness();
             let [r, g, b, _] = pbr.base_color_factor();
@@ -124,7 +145,7 @@ impl<'a> Builder<'a> {
             }
         };
         let materials = source.document.materials().map(read).collect();
-        Builder { source, mesh: Mesh { materials, ..Mesh::default() }, default_is_used: false }
+        Builder { source, pose, mesh: Mesh { materials, ..Mesh::default() }, default_is_used: false }
     }
 
     /// Puts their images on the materials that triangles have, each decoded once.
@@ -190,11 +211,12 @@ impl<'a> Builder<'a> {
                 let index = node.index();
                 return Err(Error::input(format!("node {index} is reached twice; nodes must form trees")));
             }
-            let world_from_node = world_from_parent * parent_from_node(&node);
+            let own = self.pose.as_ref().map_or_else(|| parent_from_node(&node), |pose| pose.parent_from_node(&node));
+            let world_from_node = world_from_parent * own;
             if let Some(mesh) = node.mesh() {
                 let mut placed = Placed::default();
                 for primitive in mesh.primitives() {
-                    self.place_primitive(&primitive, world_from_node, &mut placed).map_err(|e| {
+                    self.place_primitive(&node, &primitive, world_from_node, &mut placed).map_err(|e| {
                         e.at(format!("node {}: mesh {}, primitive {}", node.index(), mesh.index(), primitive.index()))
                     })?;
                 }
@@ -206,7 +228,13 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    fn place_primitive(&mut self, primitive: &Primitive, world_from_node: DMat4, placed: &mut Placed) -> Result<()> {
+    fn place_primitive(
+        &mut self,
+        node: &Node,
+        primitive: &Primitive,
+        world_from_node: DMat4,
+        placed: &mut Placed,
+    ) -> Result<()> {
         let mode = primitive.mode();
         let Some(positions) = primitive.get(&Semantic::Positions) else { return Ok(()) };
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
@@ -218,7 +246,11 @@ impl<'a> Builder<'a> {
         if self.mesh.triangles.len().saturating_add(most_added) > MAX_TRIANGLES {
             return Err(Error::input("more than 2^28 triangles; split the file"));
         }
-        let (base, count) = self.place_positions(&positions, world_from_node, placed)?;
+        let placing = self.placing(node, primitive, positions.count(), world_from_node)?;
+        // what moves vertices may differ from primitive to primitive
+        let mut own = Placed::default();
+        let placed = if self.pose.is_some() { &mut own } else { placed };
+        let (base, count) = self.place_positions(&positions, &placing, placed)?;
         let corners: Vec<u32> = match primitive.indices() {
             Some(indices) => self.source.read_indices(&indices, count)?,
             None => (0..count).collect(),
@@ -226,7 +258,7 @@ impl<'a> Builder<'a> {
         let triangles = triangles_of(mode, &corners)?;
 
         let normals = match primitive.get(&Semantic::Normals) {
-            Some(normals) => self.place_normals(&normals, count, DMat3::from_mat4(world_from_node), placed)?,
+            Some(normals) => self.place_normals(&normals, count, &placing, placed)?,
             None => &[],
         };
         let normal_of = |corner: u32| normals.get(corner as usize).copied().unwrap_or(NO_NORMAL);
@@ -250,8 +282,26 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
+    /// How the vertices of a primitive get into the world.
+    fn placing<'p>(&self, node: &'p Node, primitive: &'p Primitive, count: usize, world: DMat4) -> Result<Placing<'p>> {
+        let skinned = match &self.pose {
+            Some(pose) => pose.skinned(self.source, node, primitive, count)?,
+            None => None,
+        };
+        Ok(Placing { node, primitive, world: skinned.unwrap_or_else(|| vec![world]) })
+    }
+
+    /// The vectors of an accessor, moved by morph targets.
+    fn morphed(&self, from: &gltf::Accessor, what: Semantic, placing: &Placing) -> Result<Vec<DVec3>> {
+        let mut values = self.source.read_vectors(from)?;
+        if let Some(pose) = &self.pose {
+            pose.morph(self.source, placing.node, placing.primitive, what, &mut values)?;
+        }
+        Ok(values)
+    }
+
     /// Appends the accessor's positions unless this node has them already; the first one's index, and the count.
-    fn place_positions(&mut self, from: &gltf::Accessor, world: DMat4, placed: &mut Placed) -> Result<(u32, u32)> {
+    fn place_positions(&mut self, from: &gltf::Accessor, placing: &Placing, placed: &mut Placed) -> Result<(u32, u32)> {
         if let Some(&known) = placed.positions.get(&from.index()) {
             return Ok(known);
         }
@@ -259,8 +309,8 @@ impl<'a> Builder<'a> {
         if base.saturating_add(from.count()) >= u32::MAX as usize {
             return Err(Error::input("more than 2^32 - 2 vertices; split the file"));
         }
-        for p in self.source.read_vectors(from)? {
-            let p_world = world.transform_point3(p);
+        for (k, p) in self.morphed(from, Semantic::Positions, placing)?.into_iter().enumerate() {
+            let p_world = placing.world_from_node(k).transform_point3(p);
             if !p_world.is_finite() {
                 return Err(Error::input("a placed vertex is not finite; check the node's transform and POSITION"));
             }
@@ -321,17 +371,19 @@ impl<'a> Builder<'a> {
         &mut self,
         from: &gltf::Accessor,
         count: u32,
-        world_from_node: DMat3,
+        placing: &Placing,
         placed: &'p mut Placed,
     ) -> Result<&'p [u32]> {
-        let known = placed.normals.entry(from.index()).or_default();
         if from.count() != count as usize {
             let normals = from.count();
             return Err(Error::input(format!("{normals} normals for {count} positions; give one each")));
         }
+        let known = placed.normals.entry(from.index()).or_default();
         if known.is_empty() {
-            let matrix = world_normal_from_object(world_from_node);
-            for n in self.source.read_vectors(from)? {
+            let matrix_of = |k: usize| world_normal_from_object(DMat3::from_mat4(placing.world_from_node(k)));
+            let one = matrix_of(0);
+            for (k, n) in self.morphed(from, Semantic::Normals, placing)?.into_iter().enumerate() {
+                let matrix = if placing.world.len() == 1 { one } else { matrix_of(k) };
                 let index = self.mesh.normals.len() as u32;
                 match (matrix, n.try_normalize()) {
                     (Some(matrix), Some(n)) => self.mesh.normals.push(transformed_normal(matrix, n.as_vec3())),

@@ -1,11 +1,12 @@
 //! Loading the meshes of a scene: read or generated, with their materials, and placed in the world.
 
 use super::mesh::Mesh;
-use super::spec::{MeshSource, MeshSpec, TextureSpec};
+use super::spec::{AnimationSpec, MeshSource, MeshSpec, TextureSpec};
 use super::texture::{Images, Texture};
 use super::{generate, gltf, heights, obj, place, ply, smooth, stl};
 use crate::input::{Error, Result};
 use std::collections::{HashMap, HashSet};
+use std::path::Path;
 
 /// An object: consecutive triangles with one name.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,20 +47,14 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images) ->
         MeshSource::Builtin(builtin) => generate::generate(builtin)?,
         MeshSource::Heights(heights) => heights::load(heights)?,
         MeshSource::Given => given,
-        MeshSource::File(path) => {
-            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-            match extension.as_str() {
-                "obj" => obj::load(path, of_file)?,
-                "gltf" | "glb" => gltf::load(path, files, of_file)?,
-                "ply" => ply::load(path, of_file)?,
-                "stl" => stl::load(path)?,
-                _ => {
-                    let name = path.display();
-                    return Err(Error::input(format!(
-                        "{name}: unknown kind of mesh file; use .obj, .gltf, .glb, .ply or .stl, or .asc, .png or .tif with heights"
-                    )));
-                }
-            }
+        MeshSource::File(path) => load_file(path, files, of_file, spec.animation.as_ref())?,
+        MeshSource::Between(paths, share) => {
+            let [from, to] = [&paths[0], &paths[1]].map(|path| load_file(path, files, of_file, None));
+            let (from, to) = (from?, to?);
+            let names = || format!("{} and {}", paths[0].display(), paths[1].display());
+            blended(from, &to, *share).ok_or_else(|| {
+                Error::input(format!("{}: have other triangles; keyframes of files only move vertices", names()))
+            })?
         }
     };
     if spec.smooth {
@@ -95,6 +90,43 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images) ->
         mesh.repeat_uvs(repeat.as_vec2());
     }
     Ok(mesh)
+}
+
+fn load_file(path: &Path, files: gltf::Files, images: &mut Images, animation: Option<&AnimationSpec>) -> Result<Mesh> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    if animation.is_some() && !matches!(extension.as_str(), "gltf" | "glb") {
+        let name = path.display();
+        return Err(Error::input(format!("{name}: only glTF files have animations; leave animation out")));
+    }
+    match extension.as_str() {
+        "obj" => obj::load(path, images),
+        "gltf" | "glb" => gltf::load(path, files, images, animation),
+        "ply" => ply::load(path, images),
+        "stl" => stl::load(path),
+        _ => {
+            let name = path.display();
+            Err(Error::input(format!(
+                "{name}: unknown kind of mesh file; use .obj, .gltf, .glb, .ply or .stl, or .asc, .png or .tif with heights"
+            )))
+        }
+    }
+}
+
+/// A mesh on its way to another one of the same triangles; `None` if it is of others. Normals are of unit length there too.
+fn blended(mut from: Mesh, to: &Mesh, share: f64) -> Option<Mesh> {
+    let faces = |m: &Mesh| (m.positions.len(), m.normals.len());
+    let is_same =
+        from.triangles == to.triangles && from.corner_normals == to.corner_normals && faces(&from) == faces(to);
+    if !is_same {
+        return None;
+    }
+    for (p, q) in from.positions.iter_mut().zip(&to.positions) {
+        *p += share * (*q - *p);
+    }
+    for (n, m) in from.normals.iter_mut().zip(&to.normals) {
+        *n = (n.as_dvec3() + share * (m.as_dvec3() - n.as_dvec3())).try_normalize().map_or(*n, |n| n.as_vec3());
+    }
+    Some(from)
 }
 
 /// Gives objects different names: of those with one name, all but the first get the least number that makes it unique, as in `box.2`.

@@ -10,6 +10,7 @@ use crate::geometry::mesh::{DIELECTRIC, Material};
 use crate::geometry::pattern::{Pattern, read_pattern};
 use crate::geometry::places::Places;
 use crate::input::Result;
+use crate::input::keyframes::BETWEEN;
 use crate::input::reader::{Field, Table};
 use crate::input::tree::{Value, nearest, quote};
 
@@ -38,6 +39,17 @@ pub struct MeshSpec {
     pub gloss: GlossSpec,
     /// A glTF file may name files outside of its folder.
     pub outside_files: bool,
+    /// The animation of a glTF file that it is at a time of.
+    pub animation: Option<AnimationSpec>,
+}
+
+/// A time of an animation of a glTF file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnimationSpec {
+    /// Its name or its number.
+    pub name: String,
+    /// Seconds.
+    pub time: f64,
 }
 
 /// Overrides of the material's shininess: see [`crate::geometry::mesh::Material`].
@@ -83,6 +95,8 @@ pub enum TextureSpec {
 pub enum MeshSource {
     /// An .obj, .gltf, .glb, .ply or .stl file, already relative to the working directory.
     File(PathBuf),
+    /// On the way from one such file to another of the same triangles, and the share of that way.
+    Between([PathBuf; 2], f64),
     /// An .asc, .png or .tif file of heights.
     Heights(HeightSpec),
     Builtin(Builtin),
@@ -103,6 +117,7 @@ impl MeshSpec {
             two_sided: true,
             smooth: false,
             outside_files: false,
+            animation: None,
             color: None,
             texture: TextureSpec::OfFile,
             pattern: None,
@@ -114,9 +129,12 @@ impl MeshSpec {
     pub fn called(&self) -> String {
         match (&self.name, &self.source) {
             (Some(name), _) => name.clone(),
-            (None, MeshSource::File(path) | MeshSource::Heights(HeightSpec { file: path, .. })) => {
-                path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
-            }
+            (
+                None,
+                MeshSource::File(path)
+                | MeshSource::Between([path, _], _)
+                | MeshSource::Heights(HeightSpec { file: path, .. }),
+            ) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             (None, MeshSource::Builtin(builtin)) => builtin.name().into(),
             (None, MeshSource::Given) => "mesh".into(),
         }
@@ -178,7 +196,23 @@ fn read_keys(table: &Table, source: MeshSource) -> Result<MeshSpec> {
             emissive: table.optional("emissive", read_radiance)?,
         },
         outside_files: table.or("outside_files", false, Field::boolean)?,
+        animation: read_animation(table)?,
     })
+}
+
+fn read_animation(table: &Table) -> Result<Option<AnimationSpec>> {
+    let time = table.optional("animation_time", Field::number)?;
+    let Some(animation) = table.get("animation") else {
+        return match table.get("animation_time") {
+            Some(time) => Err(time.error("names no animation; add animation = \"NAME\" or its number")),
+            None => Ok(None),
+        };
+    };
+    let name = match animation.node().value {
+        Value::Int(_) => animation.integer(0, u32::MAX.into())?.to_string(),
+        _ => animation.text()?.to_owned(),
+    };
+    Ok(Some(AnimationSpec { name, time: time.unwrap_or(0.0) }))
 }
 
 /// `true` for those of its file, `false` for none, a file's name, or a table.
@@ -203,10 +237,15 @@ fn read_texture(field: &Field) -> Result<TextureSpec> {
 fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
     match (table.get("file"), table.get("builtin")) {
         (Some(_), Some(builtin)) => Err(builtin.error("a mesh has either a file or a builtin; remove one of the two")),
+        (Some(file), None) if file.is_table() => {
+            allow(table, "file", &[&["outside_files"], more].concat())?;
+            read_between(&file)
+        }
         (Some(file), None) => {
             let path = file.path()?;
             if !is_height_image(&path) {
-                allow(table, "file", &[&["outside_files"], more].concat())?;
+                let of_gltf = ["outside_files", "animation", "animation_time"];
+                allow(table, "file", &[&of_gltf[..], more].concat())?;
                 return Ok(MeshSource::File(path));
             }
             allow(table, "file", &[&["height_scale", "cell"], more].concat())?;
@@ -225,6 +264,8 @@ fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
                 &[
                     "builtin",
                     "outside_files",
+                    "animation",
+                    "animation_time",
                     "height_scale",
                     "cell",
                     "level",
@@ -240,6 +281,21 @@ fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
             Err(table.error("a mesh needs file = \"NAME.obj\" or builtin = \"city\""))
         }
     }
+}
+
+/// What keyframes of files come to between two of them.
+fn read_between(file: &Field) -> Result<MeshSource> {
+    let table = file.table()?;
+    table.allow(&BETWEEN)?;
+    let path = |key: &str| table.need(key, "\"NAME.obj\"")?.path();
+    let files = [path("from")?, path("to")?];
+    if let Some(heights) = files.iter().find(|path| is_height_image(path)) {
+        let name = heights.display();
+        return Err(
+            file.error(format_args!("{name} has heights, which have no keyframes; use meshes of the same triangles"))
+        );
+    }
+    Ok(MeshSource::Between(files, table.need("share", "0.5")?.number()?))
 }
 
 fn allow(table: &Table, source: &str, own: &[&str]) -> Result<()> {

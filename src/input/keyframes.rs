@@ -1,16 +1,16 @@
 //! Keyframes: any number or list of numbers may be a list of `{ frame, value }` keys. Numbers are interpolated linearly, quaternions on the
-//! sphere.
+//! sphere. Between two texts there is a table of both, and of the share of the way from the one to the other, for the keys that take one.
 
 use super::reader::{Field, Source};
 use crate::input::Result;
-use crate::input::tree::{Node, Value};
+use crate::input::tree::{Entry, Node, Value};
 use glam::{DQuat, DVec4};
 
 /// One key: its frame, and its number or list of numbers.
 struct Key<'a> {
     frame: f64,
     value: Field<'a>,
-    /// One, or those of a list.
+    /// One, or those of a list; none of a text.
     numbers: Vec<f64>,
 }
 
@@ -91,6 +91,7 @@ fn read_key<'a>(item: &Field<'a>) -> Result<Key<'a>> {
             .error("lists of lists have no keyframes; to move a camera give eye and target, or eye and quaternion"));
     }
     let numbers = match value.is_list() {
+        _ if is_text(&value) => Vec::new(),
         true => value.items("numbers")?.map(|n| n.number()).collect::<Result<_>>()?,
         false => vec![value.number()?],
     };
@@ -103,15 +104,39 @@ fn check_order(a: &Key, b: &Key) -> Result<()> {
         let frames = format!("frame {} comes after frame {}", b.frame, a.frame);
         return Err(b.value.error(format_args!("{frames}; put the keys in order, each frame once")));
     }
-    if a.value.is_list() != b.value.is_list() || a.numbers.len() != b.numbers.len() {
+    if a.value.is_list() != b.value.is_list()
+        || a.numbers.len() != b.numbers.len()
+        || is_text(&a.value) != is_text(&b.value)
+    {
         let (found, first) = (b.value.node().value.describe(), a.value.node().value.describe());
         return Err(b.value.error(format_args!("{found} after {first}; all keys need as many numbers")));
     }
     Ok(())
 }
 
+fn is_text(value: &Field) -> bool {
+    matches!(value.node().value, Value::Text(_))
+}
+
+/// The table that stands between two texts: its keys.
+pub(crate) const BETWEEN: [&str; 3] = ["from", "to", "share"];
+
+fn between_texts(a: &Key, b: &Key, frame: f64) -> Value {
+    let share = Value::Float((frame - a.frame) / (b.frame - a.frame));
+    let values = [a.value.node().value.clone(), b.value.node().value.clone(), share];
+    let place = a.value.node().place;
+    let entry = |(key, value): (&str, Value)| Entry { key: key.into(), place, node: Node { value, place } };
+    Value::Table(BETWEEN.into_iter().zip(values).map(entry).collect())
+}
+
 /// Linear between two keys. Whole frames and numbers give the exact value, rounded once.
 fn between(a: &Key, b: &Key, frame: f64) -> Value {
+    if is_text(&a.value) {
+        return match a.value.node().value == b.value.node().value {
+            true => a.value.node().value.clone(),
+            false => between_texts(a, b, frame),
+        };
+    }
     let number = |(&x, &y): (&f64, &f64)| match x == y {
         true => Value::Float(x),
         false => Value::Float((x * (b.frame - frame) + y * (frame - a.frame)) / (b.frame - a.frame)),
@@ -226,6 +251,19 @@ mod tests {
             pick(&mut picked, "", &Source::new(path, path), 1.0).unwrap();
             assert_eq!(plain, picked, "{text}");
         }
+    }
+
+    #[test]
+    fn between_two_texts_there_are_both_and_a_share() {
+        let keys = "[{ frame = 0, value = \"a\" }, { frame = 4, value = \"b\" }, { frame = 8, value = \"b\" }]";
+        assert_eq!(at(keys, -1.0).unwrap(), Value::Text("a".into()));
+        assert_eq!(at(keys, 4.0).unwrap(), Value::Text("b".into()));
+        assert_eq!(at(keys, 6.0).unwrap(), Value::Text("b".into()));
+        let Value::Table(entries) = at(keys, 1.0).unwrap() else { panic!() };
+        let values: Vec<Value> = entries.into_iter().map(|e| e.node.value).collect();
+        assert_eq!(values, [Value::Text("a".into()), Value::Text("b".into()), Value::Float(0.25)]);
+        let mixed = at("[{ frame = 0, value = \"a\" }, { frame = 4, value = 1 }]", 1.0).unwrap_err().to_string();
+        assert!(mixed.contains("key.1.value: the whole number 1 after the text \"a\""), "{mixed}");
     }
 
     #[test]

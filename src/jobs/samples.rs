@@ -7,6 +7,7 @@ use crate::camera::exposure::Sample;
 use crate::engine::combinations::at_once;
 use crate::engine::plan::Wanted;
 use crate::engine::plan::samples::sample_offsets;
+use crate::engine::planned::Planned;
 use crate::engine::sequence::Sequence;
 use crate::engine::{Rendered, RunOptions};
 use crate::image::cryptomatte::Matte;
@@ -41,9 +42,10 @@ pub fn render(
     if !means.is_empty() || ids.is_some() {
         let channels = means.into_iter().chain(ids).collect();
         let each = Wanted { counting: wanted.counting, frames: samples, ..Wanted::of(channels) };
+        let mut frames = Frames::default();
         for (number, offset) in (0..samples).zip(sample_offsets(samples)) {
-            let moved = Arc::new(camera.of_sample(offset.into(), Sample { number, count: samples }));
-            let rendered = backend.render(scene, &moved, &each, run)?;
+            let moved = Arc::new(camera.of_sample(offset.into(), Sample { number, count: samples })?);
+            let rendered = frames.render(backend, scene, &moved, &each, run)?;
             count_centres(&rendered.frame, mattes);
             all.add(rendered);
         }
@@ -99,6 +101,33 @@ pub fn count(rendered: &mut Rendered, mattes: &mut [Matte]) {
 fn count_centres(frame: &Frame, mattes: &mut [Matte]) {
     let ids = frame.u32(Channel::TriangleId).unwrap_or_default();
     mattes.iter_mut().for_each(|matte| matte.add(ids));
+}
+
+/// The frames of samples, one after another: what they share stays on the device.
+#[derive(Default)]
+struct Frames {
+    sequence: Sequence,
+    last: Option<Planned>,
+}
+
+impl Frames {
+    fn render(
+        &mut self,
+        backend: &mut Backend,
+        scene: &Scene,
+        camera: &Arc<Camera>,
+        wanted: &Wanted,
+        run: &RunOptions,
+    ) -> Result<Rendered> {
+        let is_plain = run.repeat == 0 && !run.moving && Sequence::takes(scene, camera, wanted);
+        let Backend::Compute(engine, None) = backend else { return backend.render(scene, camera, wanted, run) };
+        if !is_plain {
+            return engine.render(scene, camera.clone(), wanted, run);
+        }
+        let planned = engine.planner().plan(scene, camera.clone(), wanted, run, self.last.as_ref())?;
+        self.last = Some(planned.clone());
+        Ok(self.sequence.render(engine, planned, run)?.rendered())
+    }
 }
 
 /// Sums of planes in f64, and of their costs.

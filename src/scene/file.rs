@@ -257,7 +257,7 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
         style: table.or("style", Style::default(), style::read_style)?,
         sky: table.optional("environment", read_sky)?,
         camera,
-        exposure: Exposure { readout, shutter: image.shutter },
+        exposure: Exposure { readout, shutter: image.shutter, is_even: false },
         steps: Vec::new(),
         camera_keys: Arc::default(),
         caustics: table.optional("caustics", read_caustics)?,

@@ -4,6 +4,7 @@ use super::Scene;
 use super::file::{FileStep, SceneFile, SkySpec};
 use super::sky::Sky;
 use crate::camera::Camera;
+use crate::camera::exposure::Exposure;
 use crate::camera::recipe::SceneUse;
 use crate::camera::spec::CameraSpec;
 use crate::geometry::load::{Object, load_unplaced, placed, with_unique_names};
@@ -136,6 +137,9 @@ impl Library {
         )?;
         let (mesh, objects) = (merged.0.clone(), merged.1.clone());
         let steps = self.steps(&file, &mesh, &mut images)?;
+        let moves = file.steps.iter().any(|step| step.camera != file.camera);
+        let camera_steps =
+            file.steps.into_iter().filter(|_| moves).map(|step| (step.time, step.camera)).collect::<Vec<_>>();
         let size = match (file.image.width, file.image.height) {
             (Some(w), Some(h)) => Some((w, h)),
             (None, None) => None,
@@ -162,8 +166,9 @@ impl Library {
             camera: file.camera,
             camera_keys: file.camera_keys,
             caustics: caustics.map(|c| c.0.clone()),
-            exposure: file.exposure,
+            exposure: Exposure { is_even: !camera_steps.is_empty(), ..file.exposure },
             steps,
+            camera_steps,
             output: file.output,
         })
     }
@@ -173,6 +178,9 @@ impl Library {
     /// # Errors
     /// Those of [`Camera::in_scene`].
     pub fn camera(&self, scene: &Scene, size: Option<(u32, u32)>) -> Result<Arc<Camera>> {
+        if !scene.camera_steps.is_empty() {
+            return scene.camera_of_size(size.or(scene.size)).map(Arc::new);
+        }
         let key = (scene.camera.clone(), size.or(scene.size));
         let suits = |(_, around): &(Arc<Camera>, Around)| match around.scene_use {
             SceneUse::Nothing => true,

@@ -15,6 +15,7 @@ pub mod style;
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
 use crate::camera::kinds::pinhole::Pinhole;
+use crate::camera::moving::Moving;
 use crate::camera::optics::Surface;
 use crate::camera::spec::CameraSpec;
 use crate::geometry::load::Object;
@@ -67,6 +68,8 @@ pub struct Scene {
     pub exposure: Exposure,
     /// Where the mesh is at the times of a frame, if it moves; [`Scene::mesh`] is at the frame's own time, 0.
     pub steps: Option<Arc<TimeSteps>>,
+    /// The camera at the times of a frame, if it moves.
+    pub camera_steps: Vec<(f64, CameraSpec)>,
     pub output: file::OutputSpec,
 }
 
@@ -97,6 +100,7 @@ impl Scene {
             caustics: None,
             exposure: Exposure::default(),
             steps: None,
+            camera_steps: Vec::new(),
             output: file::OutputSpec::default(),
         }
     }
@@ -107,7 +111,18 @@ impl Scene {
 
     /// The scene's camera for an image of its size.
     pub fn camera(&self) -> Result<Camera> {
-        Camera::in_scene(&self.camera, self.size, &self.mesh)
+        self.camera_of_size(self.size)
+    }
+
+    /// The scene's camera for an image of `size`.
+    pub fn camera_of_size(&self, size: Option<(u32, u32)>) -> Result<Camera> {
+        let compiled = |spec: &CameraSpec| Camera::in_scene(spec, size, &self.mesh);
+        if self.camera_steps.is_empty() {
+            return compiled(&self.camera);
+        }
+        let times = self.camera_steps.iter().map(|(time, _)| *time).collect();
+        let cameras = self.camera_steps.iter().map(|(_, spec)| compiled(spec)).collect::<Result<_>>()?;
+        Moving::new(self.exposure.clone(), times, cameras)?.camera(None)
     }
 
     /// All channels of the scene and a camera, except `certified`, which is requested by name.
@@ -169,6 +184,15 @@ impl Scene {
             let pixel = |k: u64| ((k % u64::from(w)) as u32, (k / u64::from(w)) as u32);
             (0..u64::from(w) * u64::from(h)).into_par_iter().map(|k| self.moment(camera, pixel(k))).collect()
         })
+    }
+
+    /// The corners of a triangle at a moment, in the order of its file.
+    pub fn corners_at(&self, id: u32, moment: Moment) -> [DVec3; 3] {
+        let at = |v: u32| match &self.steps {
+            Some(steps) => steps.position_at(&self.mesh, v, moment),
+            None => self.mesh.positions[v as usize],
+        };
+        self.mesh.triangles[id as usize].map(at)
     }
 }
 

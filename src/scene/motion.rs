@@ -15,7 +15,7 @@ pub const NEEDED: [Channel; 4] = [Channel::T, Channel::TriangleId, Channel::Bary
 pub const NAMES: [&str; 2] = ["motion.X", "motion.Y"];
 
 /// Motion of each pixel of `frame`, rendered from `now`, to the image of `next`: right and down, px. The same point of the same
-/// triangle is projected; of several images the nearest counts, hidden or not. 0 where nothing is hit; NaN where `next` has no image of
+/// triangle is projected, where it is one frame after the pixel's own time; of several images the nearest counts, hidden or not. 0 where nothing is hit; NaN where `next` has no image of
 /// it, or the search was given up ([`crate::camera::project::Images::incomplete`]).
 ///
 /// # Errors
@@ -41,10 +41,10 @@ pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) ->
             return DVec2::ZERO;
         }
         let (i, j) = ((k % width) as u32, (k / width) as u32);
-        let corners = |scene: &Scene| scene.mesh.triangles[ids[k] as usize].map(|c| scene.mesh.positions[c as usize]);
-        let found = weights(camera, (i, j), layer_of(t[k]), corners(scene));
+        let corners = |scene: &Scene, camera: &Camera| scene.corners_at(ids[k], scene.moment(camera, (i, j)));
+        let found = weights(camera, (i, j), layer_of(t[k]), corners(scene, camera));
         let [u, v] = found.unwrap_or([u[k].into(), v[k].into()]);
-        let [a, b, c] = corners(next_scene);
+        let [a, b, c] = corners(next_scene, next_camera);
         let own = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
         let places = projector.project(a + u * (b - a) + v * (c - a)).images;
         let steps = places.iter().map(|image| DVec2::new(image.x, image.y) - own);

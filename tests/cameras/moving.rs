@@ -1,9 +1,10 @@
 //! Things that move while a frame is taken, through cameras of all kinds, against the f64 reference.
 
-use super::project_named::{BOX, all_keys};
+use super::project_named::{BOX, all_keys, keys_with_pose};
 use crate::common;
 
 use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout, Sample};
+use anamorph::internals::camera::moving::Moving;
 use anamorph::internals::geometry::generate;
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::geometry::place;
@@ -36,9 +37,9 @@ fn swirling() -> (Mesh, TimeSteps) {
 fn exposures() -> [(Exposure, Option<Sample>); 5] {
     let lines = |order: LineOrder, count| {
         let lines = Lines { first: -0.4, line_time: 1.3 / f64::from(count), order, count };
-        (Exposure { readout: Readout::Lines(lines), shutter: 0.0 }, None)
+        (Exposure { readout: Readout::Lines(lines), shutter: 0.0, is_even: false }, None)
     };
-    let open = Exposure { readout: Readout::AtOnce, shutter: 1.5 };
+    let open = Exposure { readout: Readout::AtOnce, shutter: 1.5, is_even: false };
     [
         lines(LineOrder::Down, SIZE.1),
         lines(LineOrder::Up, SIZE.1),
@@ -62,6 +63,67 @@ fn share(first: usize) {
         camera.sample = sample;
         let Some((frame, ..)) = check(keys, &swirling_scene(exposure), &camera) else { return };
         assert!(hits(&frame) > 100, "{keys}: {} hits", hits(&frame));
+    }
+}
+
+/// Half of the cameras that have a pose, flown past what moves while their rows are read.
+fn flown(first: usize) {
+    let folder = tempfile::tempdir().unwrap();
+    let still = all_keys(folder.path());
+    let poses = ["eye = [-0.4, 0.5, 3.8]\ntarget = [0.2, 0.1, 0]", "eye = [0.6, -0.1, 4.1]\ntarget = [-0.1, 0, 0.2]"];
+    let [before, after] = poses.map(|pose| keys_with_pose(folder.path(), pose));
+    let all = before.iter().zip(&after).zip(&still).filter(|((before, _), still)| before != still);
+    for ((before, after), _) in all.skip(first).step_by(2) {
+        let lines = Lines { first: -0.4, line_time: 1.3 / f64::from(SIZE.1), order: LineOrder::Down, count: SIZE.1 };
+        let exposure = Exposure { readout: Readout::Lines(lines), shutter: 0.2, is_even: true };
+        let cameras = [before, after].map(|keys| camera_of(BOX, SIZE, keys).unwrap_or_else(|e| panic!("{keys}: {e}")));
+        let moving = Moving::new(exposure.clone(), vec![-0.5, 1.0], cameras.into()).unwrap();
+        for sample in [None, Some(Sample { number: 3, count: 4 })] {
+            let camera = moving.camera(sample).unwrap();
+            let Some((frame, ..)) = check(before, &swirling_scene(exposure.clone()), &camera) else { return };
+            assert!(hits(&frame) > 100, "{before}: {} hits", hits(&frame));
+        }
+    }
+}
+
+#[test]
+fn every_other_camera_that_moves_sees_what_moves() {
+    flown(0);
+}
+
+#[test]
+fn the_moving_cameras_between_them_do_too() {
+    flown(1);
+}
+
+/// The rolling shutter of `opencv`, which moves its camera by the row, and keyframes of `eye` say the same of a pinhole.
+#[test]
+fn keyframes_move_a_camera_as_its_velocity_does() {
+    let folder = tempfile::tempdir().unwrap();
+    // of a pinhole of 40 degrees: no distortion, its axis in the middle
+    let focal = f64::from(SIZE.1) / 2.0 / 20f64.to_radians().tan();
+    let centre = [f64::from(SIZE.0) / 2.0 - 0.5, f64::from(SIZE.1) / 2.0 - 0.5];
+    let yaml = format!(
+        "%YAML:1.0\n---\nimage_width: {}\nimage_height: {}\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   \
+         data: [ {focal}, 0., {}, 0., {focal}, {}, 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 4\n   cols: 1\n   \
+         dt: d\n   data: [ 0., 0., 0., 0. ]\n",
+        SIZE.0, SIZE.1, centre[0], centre[1]
+    );
+    std::fs::write(folder.path().join("camera.yml"), yaml).unwrap();
+    let pose = "eye = [0.2, 0.3, 4]\ntarget = [0.2, 0.3, 0]";
+    let rolling = format!(
+        "kind = 'opencv'\nfile = '{}/camera.yml'\n{pose}\nline_time = 0.02\nvelocity = [3, -1, 0.5]",
+        folder.path().display()
+    );
+    let keyed = "kind = 'pinhole'\nvfov = 40\nline_time = 0.02\n\
+        eye = [{ frame = -1, value = [-2.8, 1.3, 3.5] }, { frame = 1, value = [3.2, -0.7, 4.5] }]\n\
+        target = [{ frame = -1, value = [-2.8, 1.3, -0.5] }, { frame = 1, value = [3.2, -0.7, 0.5] }]";
+    let [a, b] = [&rolling, keyed].map(|keys| camera_of(BOX, SIZE, keys).unwrap());
+    assert!(b.moving.is_some());
+    for (i, j) in (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j))) {
+        let (a, b) = (a.ray(i, j).unwrap(), b.ray(i, j).unwrap());
+        let apart = (a.origin - b.origin).length() + (a.direction - b.direction).length();
+        assert!(apart < 1e-13, "{i},{j}: {apart:e}");
     }
 }
 

@@ -120,10 +120,18 @@ fn keys(of: &str, folder: &Path) -> String {
 
 /// The keys of all these cameras, whose files are in a folder.
 pub(crate) fn all_keys(folder: &Path) -> Vec<String> {
+    keys_with_pose(folder, POSE)
+}
+
+/// The same, those that have a pose with another one.
+pub(crate) fn keys_with_pose(folder: &Path, pose: &str) -> Vec<String> {
     std::fs::write(folder.join("camera.yml"), CALIBRATED).unwrap();
     std::fs::write(folder.join("rig.json"), F_THETA).unwrap();
     std::fs::write(folder.join("screen.obj"), SCREEN).unwrap();
-    ASKED.iter().map(|(kind, asked)| format!("kind = '{kind}'\n{}", keys(asked, folder))).collect()
+    ASKED
+        .iter()
+        .map(|(kind, asked)| format!("kind = '{kind}'\n{}", keys(&asked.replace("POSE", pose), folder)))
+        .collect()
 }
 
 /// The cameras of one share of the list, so that the shares are tested side by side.

@@ -43,6 +43,7 @@ pub fn of_layers(layers: Vec<MeshCameraSpec>, (width, height): (u32, u32)) -> Ca
         scene_use: Default::default(),
         sample: None,
         pixel_order: None,
+        moving: None,
     }
 }
 

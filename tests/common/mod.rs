@@ -46,6 +46,7 @@ pub fn scene(mesh: Mesh) -> Scene {
         caustics: None,
         exposure: Default::default(),
         steps: None,
+        camera_steps: Vec::new(),
         output: OutputSpec::default(),
     }
 }

@@ -4,6 +4,7 @@
 use crate::common;
 
 use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::moving::Moving;
 use anamorph::internals::engine::combinations::{Feature, REFUSALS, Refusal};
 use anamorph::internals::engine::plan::{Rows, Wanted};
 use anamorph::internals::engine::planned::Planner;
@@ -35,6 +36,7 @@ const SIZE: (u32, u32) = (64, 64);
 
 const MIRROR: &str = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }\n\
     mirror = { shape = \"sphere\", center = [0, 0, 0], radius = 1, count = 60 }";
+const PINHOLE: &str = "kind = \"pinhole\"\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nvfov = 40";
 const DISPLAY: &str = "kind = \"lightfield\"\ncenter = [0, 0, 2]\nnormal = [0, 0, 1]\nup = [0, 1, 0]\nwidth = 2\nheight = 2\n\
     views = [8, 8]\nfov = 40";
 const CAUSTICS: &str = r#"image = { width = 64, height = 64 }
@@ -106,7 +108,7 @@ impl Case {
         let many = features.iter().any(|f| matches!(f, Feature::Samples | Feature::ManySamples));
         let few = features.iter().any(|f| matches!(f, NoSamples | OneSample));
         let counts = [many, features.contains(&NoSamples), features.contains(&OneSample)];
-        let kinds = [Feature::Curves, Feature::Incoherent, Feature::Atlas];
+        let kinds = [Feature::Curves, Feature::Incoherent, Feature::Atlas, Feature::MovingCamera];
         let cameras = features.iter().filter(|f| kinds.contains(f)).count()
             + usize::from(features.iter().any(|f| matches!(f, Feature::Optics | Feature::Bounces)));
         // what an image larger than the bindings needs of a scene is caustics' own affair
@@ -177,6 +179,12 @@ impl Case {
                     normals: self.scene.mesh.normals.clone(),
                 };
                 self.scene.steps = TimeSteps::new(vec![0.0, 1.0], vec![at(0.0), at(1.0)]).map(Arc::new);
+            }
+            Feature::MovingCamera => {
+                let ends = [camera_of("", SIZE, PINHOLE).unwrap(), camera_of("", SIZE, PINHOLE).unwrap()];
+                self.scene.exposure.shutter = 1.0;
+                let moving = Moving::new(self.scene.exposure.clone(), vec![-0.5, 0.5], ends.into()).unwrap();
+                self.camera = moving.camera(None).unwrap();
             }
             Feature::Raster => run.method = Method::Raster,
             Feature::Aimed | Feature::Relit | Feature::InSequence => unreachable!("of frames that follow others"),

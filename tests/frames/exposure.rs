@@ -128,7 +128,7 @@ fn samples_blur_what_moves() {
     let camera = scene.camera().unwrap();
     let mut sum = vec![0.0; (SIZE.0 * SIZE.1) as usize];
     for (number, offset) in (0..samples).zip(sample_offsets(samples)) {
-        let camera = camera.of_sample(offset.into(), Sample { number, count: samples });
+        let camera = camera.of_sample(offset.into(), Sample { number, count: samples }).unwrap();
         let frame = render(&scene, &camera).unwrap_or_else(|| image(&scene, &camera, &[Channel::TriangleId]));
         sum.iter_mut().zip(ids(&frame)).for_each(|(sum, id)| *sum += f64::from(u8::from(*id != NO_ID)));
     }
@@ -168,7 +168,7 @@ fn random_scenes_that_move_have_the_reference_s_triangles() {
         let order = [LineOrder::Down, LineOrder::Up, LineOrder::Right, LineOrder::Left][rng.below(4)];
         let lines = Lines { first: -1.0, line_time: 0.1, order, count: 32 };
         let shutter = rng.unit();
-        scene.exposure = Exposure { readout: Readout::Lines(lines), shutter };
+        scene.exposure = Exposure { readout: Readout::Lines(lines), shutter, is_even: false };
         camera.sample = (rng.below(2) == 0).then_some(Sample { number: 1, count: 3 });
         if check(&format!("scene {number}, {}", camera.kind), &scene, &camera).is_none() {
             return;

@@ -285,7 +285,7 @@ fn load(name: &str) -> Option<Mesh> {
         if name.ends_with(".obj") {
             obj::load(&path, &mut Images::default())
         } else {
-            gltf::load(&path, gltf::Files::Below, &Images::default())
+            gltf::load(&path, gltf::Files::Below, &Images::default(), None)
         }
         .unwrap(),
     )

@@ -343,6 +343,7 @@ mod tests {
             caustics: None,
             exposure: Default::default(),
             steps: None,
+            camera_steps: Vec::new(),
             output: Default::default(),
         }
     }

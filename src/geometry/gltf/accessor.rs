@@ -1,6 +1,6 @@
 //! Typed reading of buffers: every range is checked before it is read.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 use gltf::Accessor;
 use gltf::accessor::sparse::{IndexType, Sparse};
 use gltf::accessor::{DataType, Dimensions};
@@ -21,6 +21,47 @@ impl Source {
         }
         let values = self.read(accessor).map_err(|message| at(accessor, message))?;
         Ok(values.chunks_exact(3).map(|v| DVec3::new(v[0], v[1], v[2])).collect())
+    }
+
+    /// The accessor's numbers, whatever its shape.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the accessor: out of its buffer's range.
+    pub(super) fn read_numbers(&self, accessor: &Accessor) -> Result<Vec<f64>> {
+        self.read(accessor).map_err(|message| at(accessor, message))
+    }
+
+    /// The accessor's scalars.
+    ///
+    /// # Errors
+    /// As [`Source::read_vectors`].
+    pub(super) fn read_scalars(&self, accessor: &Accessor) -> Result<Vec<f64>> {
+        if accessor.dimensions() != Dimensions::Scalar {
+            return Err(at(accessor, "must hold single numbers; export it again".into()));
+        }
+        self.read_numbers(accessor)
+    }
+
+    /// The accessor's vectors of four.
+    ///
+    /// # Errors
+    /// As [`Source::read_vectors`].
+    pub(super) fn read_fours(&self, accessor: &Accessor) -> Result<Vec<DVec4>> {
+        if accessor.dimensions() != Dimensions::Vec4 {
+            return Err(at(accessor, "must hold vectors of 4; export it again".into()));
+        }
+        Ok(self.read_numbers(accessor)?.chunks_exact(4).map(DVec4::from_slice).collect())
+    }
+
+    /// The accessor's matrices of four by four.
+    ///
+    /// # Errors
+    /// As [`Source::read_vectors`].
+    pub(super) fn read_matrices(&self, accessor: &Accessor) -> Result<Vec<DMat4>> {
+        if accessor.dimensions() != Dimensions::Mat4 {
+            return Err(at(accessor, "must hold matrices of 4 x 4; export it again".into()));
+        }
+        Ok(self.read_numbers(accessor)?.chunks_exact(16).map(DMat4::from_cols_slice).collect())
     }
 
     /// The accessor's vectors of two.

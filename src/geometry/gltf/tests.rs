@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::geometry::spec::AnimationSpec;
 
 fn here() -> FileAccess<'static> {
     FileAccess { folder: Path::new(""), files: Files::Below }
@@ -48,7 +49,7 @@ fn load_quad(edit: impl FnOnce(&mut serde_json::Value)) -> Result<Mesh> {
     std::fs::write(folder.path().join("quad.bin"), quad_bytes()).unwrap();
     let path = folder.path().join("quad.gltf");
     std::fs::write(&path, serde_json::to_vec(&json).unwrap()).unwrap();
-    load(&path, Files::Below, &Images::default())
+    load(&path, Files::Below, &Images::default(), None)
 }
 
 fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
@@ -79,7 +80,7 @@ fn external_inline_and_binary_buffers_are_the_same() {
     let uri = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAA\
                AAABAAIAAgABAAMAAAECAw==";
     assert_eq!(load_quad(|json| json["buffers"][0]["uri"] = uri.into()).unwrap(), external);
-    assert_eq!(parse(&quad_glb(), here(), &Images::default()).unwrap(), external);
+    assert_eq!(parse(&quad_glb(), here(), &Images::default(), None).unwrap(), external);
 }
 
 #[test]
@@ -195,10 +196,10 @@ fn wrong_documents_say_where() {
         assert!(!message.contains('\n'), "{message}");
     }
     for bytes in [&b""[..], b"glTF", b"glTF\x02\0\0\0\xff\0\0\0", b"{}", b"[1]", b"\xff\xfe"] {
-        assert!(matches!(parse(bytes, here(), &Images::default()), Err(Error::Input(_))));
+        assert!(matches!(parse(bytes, here(), &Images::default(), None), Err(Error::Input(_))));
     }
     assert!(
-        load(Path::new("no/such.glb"), Files::Below, &Images::default())
+        load(Path::new("no/such.glb"), Files::Below, &Images::default(), None)
             .unwrap_err()
             .to_string()
             .starts_with("no/such.glb: cannot be read")
@@ -272,7 +273,7 @@ fn load_textured_quad(images: &Images, edit: impl FnOnce(&mut serde_json::Value)
     let binary = [quad_bytes(), uvs, two_texels()].concat();
     let mut text = serde_json::to_vec(&json).unwrap();
     text.resize(text.len().next_multiple_of(4), b' ');
-    parse(&glb(&text, &binary), here(), images)
+    parse(&glb(&text, &binary), here(), images, None)
 }
 
 #[test]
@@ -307,7 +308,7 @@ fn files_outside_of_the_folder_are_refused_unless_allowed() {
         let mut json = quad_json();
         json["buffers"][0]["uri"] = uri.into();
         std::fs::write(&path, serde_json::to_vec(&json).unwrap()).unwrap();
-        load(&path, files, &Images::default())
+        load(&path, files, &Images::default(), None)
     };
     let absolute = place.path().join("quad.bin").display().to_string();
     let mut outside =
@@ -427,7 +428,7 @@ fn models_have_the_counts_and_bounds_of_their_list() {
         ("kaykit-city/gltf/building_H.gltf", 1885, [-1.003, 0.0, -1.0], [1.003, 3.05, 1.0]),
     ] {
         let Some(path) = model(name) else { continue };
-        let mesh = load(&path, Files::Below, &Images::default()).unwrap();
+        let mesh = load(&path, Files::Below, &Images::default(), None).unwrap();
         assert_eq!(mesh.triangles.len(), triangles, "{name}");
         assert_eq!((mesh.corner_normals.len(), mesh.material_of.len()), (triangles, triangles));
         assert!(mesh.normals.iter().all(|n| n.is_normalized()));
@@ -453,7 +454,7 @@ proptest! {
             bytes[place] = value;
         }
         bytes.truncate(if is_cut { cut.index(bytes.len()) } else { bytes.len() });
-        let _ = parse(&bytes, here(), &Images::default());
+        let _ = parse(&bytes, here(), &Images::default(), None);
     }
 
     #[test]
@@ -463,7 +464,7 @@ proptest! {
         let place = place % numbers.len();
         let at = text.match_indices(|c: char| c.is_ascii_digit()).nth(place).unwrap().0;
         let changed = format!("{}{value}{}", &text[..at], &text[at + 1..]);
-        let _ = parse(&glb(changed.replace("\"uri\":\"quad.bin\",", "").as_bytes(), &quad_bytes()), here(), &Images::default());
+        let _ = parse(&glb(changed.replace("\"uri\":\"quad.bin\",", "").as_bytes(), &quad_bytes()), here(), &Images::default(), None);
     }
 }
 
@@ -490,7 +491,7 @@ fn colours_of_vertices_are_linear() {
         let load = |json: &serde_json::Value| {
             let path = folder.path().join("quad.gltf");
             std::fs::write(&path, serde_json::to_vec(json).unwrap()).unwrap();
-            load(&path, Files::Below, &Images::default())
+            load(&path, Files::Below, &Images::default(), None)
         };
         let mesh = load(&json).unwrap();
         assert_eq!(mesh.colors, [[1.0, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0; 3], [1.0; 3]]);
@@ -499,5 +500,133 @@ fn colours_of_vertices_are_linear() {
         assert_eq!(mesh.materials.last().unwrap().diffuse, [1.0; 3]);
         json["accessors"][3]["count"] = 3.into();
         assert!(load(&json).unwrap_err().to_string().contains("3 colours for 4 positions"));
+    }
+}
+
+/// The quad's document after `edit`, at a time of its animation "a". `more.bin` has these numbers, each list a view and an accessor of its
+/// own from number 3 on.
+fn load_animated(time: f64, more: &[(&str, &[f32])], edit: impl FnOnce(&mut serde_json::Value)) -> Result<Mesh> {
+    let folder = tempfile::tempdir().unwrap();
+    let mut json = quad_json();
+    let mut bytes: Vec<u8> = Vec::new();
+    for (kind, numbers) in more {
+        let width = match *kind {
+            "SCALAR" => 1,
+            "VEC3" => 3,
+            "VEC4" => 4,
+            _ => 16,
+        };
+        let views = json["bufferViews"].as_array_mut().unwrap();
+        views.push(serde_json::json!({ "buffer": 1, "byteOffset": bytes.len(), "byteLength": 4 * numbers.len() }));
+        let view = views.len() - 1;
+        json["accessors"].as_array_mut().unwrap().push(serde_json::json!({
+            "bufferView": view, "componentType": 5126, "count": numbers.len() / width, "type": kind
+        }));
+        bytes.extend(numbers.iter().flat_map(|v| v.to_le_bytes()));
+    }
+    let buffer = serde_json::json!({ "uri": "more.bin", "byteLength": bytes.len() });
+    json["buffers"].as_array_mut().unwrap().push(buffer);
+    edit(&mut json);
+    std::fs::write(folder.path().join("quad.bin"), quad_bytes()).unwrap();
+    std::fs::write(folder.path().join("more.bin"), bytes).unwrap();
+    let path = folder.path().join("quad.gltf");
+    std::fs::write(&path, serde_json::to_vec(&json).unwrap()).unwrap();
+    load(&path, Files::Below, &Images::default(), Some(&AnimationSpec { name: "a".into(), time }))
+}
+
+/// One channel of an animation "a" by accessors 3 and 4.
+fn animation(node: usize, path: &str) -> serde_json::Value {
+    serde_json::json!([{
+        "name": "a",
+        "channels": [{ "sampler": 0, "target": { "node": node, "path": path } }],
+        "samplers": [{ "input": 3, "output": 4 }],
+    }])
+}
+
+#[test]
+fn animations_move_nodes_and_morph_targets() {
+    let times: (&str, &[f32]) = ("SCALAR", &[0.0, 1.0]);
+    let still = load_quad(|_| {}).unwrap();
+    let slide: (&str, &[f32]) = ("VEC3", &[0.0, 0.0, 0.0, 2.0, -4.0, 0.0]);
+    for (time, share) in [(-1.0, 0.0), (0.25, 0.25), (5.0, 1.0)] {
+        let moved =
+            load_animated(time, &[times, slide], |json| json["animations"] = animation(0, "translation")).unwrap();
+        let by = share * DVec3::new(2.0, -4.0, 0.0);
+        assert!(moved.positions.iter().zip(&still.positions).all(|(p, q)| *p == *q + by), "{time}");
+        assert_eq!(moved.triangles, still.triangles);
+    }
+    // a target that lifts the second vertex, by a weight that grows from 0 to 3
+    let weights: (&str, &[f32]) = ("SCALAR", &[0.0, 3.0]);
+    let lift: (&str, &[f32]) = ("VEC3", &[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let morphed = load_animated(0.5, &[times, weights, lift], |json| {
+        json["animations"] = animation(0, "weights");
+        json["meshes"][0]["primitives"][0]["targets"] = serde_json::json!([{ "POSITION": 5 }]);
+    });
+    let expected: Vec<DVec3> =
+        still.positions.iter().enumerate().map(|(k, p)| *p + DVec3::Z * if k == 1 { 1.5 } else { 0.0 }).collect();
+    assert_eq!(morphed.unwrap().positions, expected);
+}
+
+#[test]
+fn skins_move_vertices_with_their_joints() {
+    let times: (&str, &[f32]) = ("SCALAR", &[0.0, 1.0]);
+    let (sin, cos) = std::f32::consts::FRAC_PI_4.sin_cos();
+    let turn: (&str, &[f32]) = ("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, sin, cos]);
+    // vertices 0 and 1 are bound to the first joint, 2 to the second, 3 to both by half
+    let joints: (&str, &[f32]) =
+        ("VEC4", &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let weights: (&str, &[f32]) =
+        ("VEC4", &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0]);
+    let mut bind = [0.0; 32];
+    for k in 0..4 {
+        (bind[5 * k], bind[16 + 5 * k]) = (1.0, 1.0);
+    }
+    // the second joint is bound at (0, 1, 0)
+    bind[16 + 13] = -1.0;
+    let mesh = load_animated(1.0, &[times, turn, joints, weights, ("MAT4", &bind)], |json| {
+        json["animations"] = animation(2, "rotation");
+        json["scenes"] = serde_json::json!([{ "nodes": [0, 1] }]);
+        // the node's own place does not count, and the first joint stands at (5, 0, 0)
+        json["nodes"] = serde_json::json!([
+            { "mesh": 0, "skin": 0, "translation": [100, 0, 0] },
+            { "translation": [5, 0, 0], "children": [2] },
+            { "translation": [0, 1, 0] },
+        ]);
+        json["skins"] = serde_json::json!([{ "joints": [1, 2], "inverseBindMatrices": 7 }]);
+        let attributes = json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap();
+        attributes.insert("JOINTS_0".into(), 5.into());
+        attributes.insert("WEIGHTS_0".into(), 6.into());
+    })
+    .unwrap();
+    // the second joint turns by 90 degrees about (5, 1, 0): what was at (1, 1, 0) is at (5, 2, 0)
+    let by_first = DVec3::new(6.0, 1.0, 0.0);
+    let by_second = DVec3::new(5.0, 2.0, 0.0);
+    let expected =
+        [DVec3::new(5.0, 0.0, 0.0), DVec3::new(6.0, 0.0, 0.0), DVec3::new(5.0, 1.0, 0.0), 0.5 * (by_first + by_second)];
+    for (p, q) in mesh.positions.iter().zip(expected) {
+        assert!((*p - q).length() < 1e-7, "{p} is not {q}");
+    }
+}
+
+#[test]
+fn wrong_animations_are_refused_in_one_line() {
+    let times: (&str, &[f32]) = ("SCALAR", &[0.0, 1.0]);
+    let refused = |more: &[(&str, &[f32])], edit: &dyn Fn(&mut serde_json::Value)| {
+        let error = load_animated(0.5, more, |json| edit(json)).unwrap_err().to_string();
+        assert!(!error.contains('\n'), "{error}");
+        error
+    };
+    let one: (&str, &[f32]) = ("VEC3", &[0.0, 0.0, 0.0]);
+    let translation = |json: &mut serde_json::Value| json["animations"] = animation(0, "translation");
+    for (text, says) in [
+        (refused(&[times, one], &|_| {}), "has no animation \"a\"; it has none"),
+        (refused(&[times, one], &translation), "animation 0, channel 0: 3 numbers for 2 times"),
+        (refused(&[("SCALAR", &[1.0, 0.0]), ("VEC3", &[0.0; 6])], &translation), "its times must ascend"),
+        (
+            refused(&[times, one], &|json| json["animations"] = animation(7, "translation")),
+            "animation 0: an index is out of range",
+        ),
+    ] {
+        assert!(text.contains(says), "{text}");
     }
 }

@@ -13,6 +13,9 @@ use crate::input::{Error, Result};
 /// its chord by less than 0.04 percent.
 const TURN_MAX: f64 = 5.0;
 
+/// Steps of a second of a glTF animation, unless the file says how many there are.
+const ANIMATION_STEPS: f64 = 60.0;
+
 /// Steps of a camera that moves from one keyframe to the next, unless the file says how many there are.
 const CAMERA_STEPS: u32 = 8;
 
@@ -81,7 +84,9 @@ fn step(keyed: &Node, source: &Source, file: &SceneFile, (frame, time): (f64, f6
 fn parts(from: &FileStep, to: &FileStep) -> u32 {
     let turn = |(a, b): (&MeshSpec, &MeshSpec)| (b.rotate - a.rotate).abs().element_sum();
     let turned = from.meshes.iter().zip(&to.meshes).map(turn).fold(0.0, f64::max);
+    let time = |mesh: &MeshSpec| mesh.animation.as_ref().map_or(0.0, |a| a.time);
+    let played = from.meshes.iter().zip(&to.meshes).map(|(a, b)| (time(b) - time(a)).abs()).fold(0.0, f64::max);
     // a number of any size saturates
-    let of_meshes = (turned / TURN_MAX).ceil().max(1.0) as u32;
+    let of_meshes = (turned / TURN_MAX).max(played * ANIMATION_STEPS).ceil().max(1.0) as u32;
     if from.camera == to.camera { of_meshes } else { of_meshes.max(CAMERA_STEPS) }
 }
