@@ -196,7 +196,7 @@ impl Camera {
     pub fn near(&self, layer: usize, i: u32, j: u32) -> (Vec<Bundle>, bool) {
         match &self.layers[layer] {
             Rays::Pieces(p) => p.near(i, j, SAFE_RADIUS_PX),
-            Rays::Field(f) => (f.quadrants(i, j), false),
+            Rays::Field(f) => (f.quadrants(i, j), f.ends_near(i, j)),
             Rays::Curves(_) => (Vec::new(), true),
         }
     }
