@@ -287,6 +287,12 @@ impl Field {
         bundles
     }
 
+    /// The part of the image that the pixel lies in; see [`RayMap::part`].
+    pub(super) fn part(&self, i: u32, j: u32) -> Option<usize> {
+        let Some(map) = &self.map else { return Some(0) };
+        map.map.part(DVec2::new(f64::from(i), f64::from(j)) + map.sample, self.size())
+    }
+
     /// Whether the pixel has a ray, and a place within [`SAFE_RADIUS_PX`] lies in no part of the image.
     pub(super) fn ends_near(&self, i: u32, j: u32) -> bool {
         let Some(map) = &self.map else { return false };
