@@ -16,6 +16,7 @@ __all__ = [
     "calibrated",
     "camera_texture",
     "chain",
+    "composite",
     "cross_slit",
     "curved_convergence",
     "cylinder",
@@ -1550,6 +1551,32 @@ def lidar(
     `anamorph render SCENE --points OUT.ply` (or .npy) writes the points that are hit.
     """
     return Camera("lidar", {"file": file, "eye": eye, "target": target, "up": up, "beams": beams, "columns": columns, "start": start, "sweep": sweep, "velocity": velocity, "period": period, "t_range": t_range, "matrix": matrix, "quaternion": quaternion, "convention": convention, "distance": distance})
+
+
+def composite(
+    *,
+    cameras: Value | None = None,
+) -> Camera:
+    """Several cameras in one image, each in a region of its own.
+
+      cameras  [{ camera = { kind = "pinhole", ... }, region = { ... }, frame = "image", priority = 0 }, ...]
+               1 to 256 tables; a pixel shows the first camera whose region holds it, background without one
+
+    Keys of each table:
+        camera    {...}    a camera of any kind with one layer of rays, straight or curved, and no mirror or lens
+        region    {...}    where it shows (default: the whole image):
+                  { kind = "rectangle", from = [a0, b0], to = [a1, b1] }  from its upper left to its lower right corner
+                  { kind = "polygon", points = [[a, b], ...] }            3 to 1024 corners; inside by the even-odd rule
+                  { kind = "mask", file = "F.png" }                       white texels of an image of any size, over all of this one
+        frame     "image"  the camera's own image is the whole image (default), or "region": the box around its region
+        priority  N        a whole number; higher ones come first, equal ones in the order of the list (default 0)
+
+    The border of a rectangle or polygon belongs to it. A texel is white where R + G + B >= 3/2 and opacity >= 1/2. Where the
+    camera that shows has no ray, the background is seen. t is each camera's own if all rays are straight and all cameras have
+    the same t_range; else t from 0 to 1 is each camera's t_range, which must have two ends. Samples belong to the region of
+    their own place. Agrawala, Zorin and Munzner 2000, Artistic Multiprojection Rendering; Brosz et al. 2007, section 6.1.
+    """
+    return Camera("composite", {"cameras": cameras})
 
 
 def rays(origins: Numbers, directions: Numbers, t_range: tuple[float, float] = (0.0, np.inf)) -> Camera:

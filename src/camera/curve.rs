@@ -108,6 +108,10 @@ pub trait CurveMap: Debug + Send + Sync {
     fn degree(&self) -> usize;
     /// The curve at image coordinates (a, b), and the number of the piece that it belongs to; `None`: no curve.
     fn curve(&self, a: f64, b: f64) -> Option<(u32, Curve)>;
+    /// The same at a place in pixels of an image of this size.
+    fn curve_at(&self, place_px: DVec2, size_px: DVec2) -> Option<(u32, Curve)> {
+        self.curve(place_px.x / size_px.x, place_px.y / size_px.y)
+    }
     /// Number of pieces; 0 if the image has none.
     fn piece_count(&self) -> usize {
         0
@@ -140,7 +144,7 @@ impl Curves {
 
     /// The curve at an image place (px), and its piece.
     pub fn at_place(&self, place_px: DVec2) -> Option<(u32, Curve)> {
-        let found = self.map.curve(place_px.x / self.width as f64, place_px.y / self.height as f64)?;
+        let found = self.map.curve_at(place_px, DVec2::new(self.width.into(), self.height.into()))?;
         found.1.points().iter().all(|p| p.is_finite()).then_some(found)
     }
 }

@@ -18,6 +18,21 @@ pub trait RayMap: Debug + Send + Sync {
     /// The ray at image coordinates (a, b); `None`: no ray there.
     fn ray(&self, a: f64, b: f64) -> Option<Ray>;
 
+    /// The same at a place in pixels of an image of this size.
+    fn ray_at(&self, place_px: DVec2, size_px: DVec2) -> Option<Ray> {
+        self.ray(place_px.x / size_px.x, place_px.y / size_px.y)
+    }
+
+    /// The part of the image that a place (px) lies in, by its number; `None`: in none. Rays may jump from part to part.
+    fn part(&self, _place_px: DVec2, _size_px: DVec2) -> Option<usize> {
+        Some(0)
+    }
+
+    /// The ray of a part's formula at a place (px), in the part or beside it.
+    fn ray_of_part(&self, _part: usize, place_px: DVec2, size_px: DVec2) -> Option<Ray> {
+        self.ray_at(place_px, size_px)
+    }
+
     /// Bounds on the curvature of the rays over the rectangle from `lo` to `hi` of image coordinates, for weights of P and D;
     /// `None` if a ray is missing. The default samples, and proves nothing.
     fn bend(&self, lo: DVec2, hi: DVec2, weights: &[(f64, f64)]) -> Option<Bend> {
@@ -201,9 +216,7 @@ impl Field {
         }
         let place = DVec2::new(f64::from(i), f64::from(j));
         match &self.map {
-            Some(map) => {
-                map.ray(place + (map.sample + offset), DVec2::new(f64::from(self.width), f64::from(self.height)))
-            }
+            Some(map) => map.ray(place + (map.sample + offset), self.size()),
             None => self.bilinear(place.x + offset.x, place.y + offset.y),
         }
     }
@@ -218,7 +231,7 @@ impl Field {
         match &self.map {
             Some(map) if self.rays.is_empty() => {
                 let place = DVec2::new(i as f64, j as f64);
-                map.ray(place + map.sample, DVec2::new(f64::from(self.width), f64::from(self.height)))
+                map.ray(place + map.sample, self.size())
             }
             _ => self.rays[j as usize * self.width as usize + i as usize],
         }
@@ -250,33 +263,53 @@ impl Field {
     }
 
     /// The bundles on the four sides of the pixel's centre: bilinear interpolation has a slope for each; a formula the
-    /// secants to a place [`SAFE_RADIUS_PX`] away.
+    /// secants to a place [`SAFE_RADIUS_PX`] away. Those of other parts of the image that are as near follow. Empty if the pixel
+    /// has no ray.
     pub fn quadrants(&self, i: u32, j: u32) -> Vec<Bundle> {
-        if let Some(map) = &self.map {
-            let sides = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(DVec2::from);
-            return sides.iter().filter_map(|&side| self.secants(map, i, j, side * SAFE_RADIUS_PX)).collect();
+        let Some(map) = &self.map else {
+            let sides = [(1, 1), (-1, 1), (1, -1), (-1, -1)];
+            return sides.iter().filter_map(|&(x, y)| self.bundle_towards(i, j, x, y)).collect();
+        };
+        let (place, size) = (DVec2::new(f64::from(i), f64::from(j)) + map.sample, self.size());
+        let Some(own) = map.map.part(place, size) else { return Vec::new() };
+        let mut bundles = map.quadrants(own, place, size);
+        if bundles.is_empty() {
+            return bundles;
         }
-        [(1, 1), (-1, 1), (1, -1), (-1, -1)].iter().filter_map(|&(x, y)| self.bundle_towards(i, j, x, y)).collect()
+        let mut parts = vec![own];
+        for step in AROUND.map(|side| DVec2::from(side) * SAFE_RADIUS_PX) {
+            if let Some(part) = map.map.part(place + step, size).filter(|part| !parts.contains(part)) {
+                parts.push(part);
+                let beside = map.quadrants(part, place + step, size);
+                bundles.extend(beside.iter().map(|bundle| bundle.recentred(-step.x, -step.y)));
+            }
+        }
+        bundles
     }
 
-    /// The ray of the pixel with the formula's slopes towards `step` px away in x and in y; no slope to where there is no ray.
-    fn secants(&self, map: &Sampled, i: u32, j: u32, step: DVec2) -> Option<Bundle> {
-        let (p, d) = self.ray(i, j)?;
-        let at = DVec2::new(i as f64, j as f64) + map.sample;
-        let size = DVec2::new(self.width as f64, self.height as f64);
-        let slope = |by: DVec2, step: f64| match map.ray(at + by, size) {
-            Some((q, e)) => ((q - p) / step, (e - d) / step),
-            None => (DVec3::ZERO, DVec3::ZERO),
-        };
-        let (px, dx) = slope(DVec2::new(step.x, 0.0), step.x);
-        let (py, dy) = slope(DVec2::new(0.0, step.y), step.y);
-        Some(Bundle { p: [p, px, py], d: [d, dx, dy], h: [1.0, 0.0, 0.0] })
+    /// The part of the image that the pixel lies in; see [`RayMap::part`].
+    pub(super) fn part(&self, i: u32, j: u32) -> Option<usize> {
+        let Some(map) = &self.map else { return Some(0) };
+        map.map.part(DVec2::new(f64::from(i), f64::from(j)) + map.sample, self.size())
+    }
+
+    /// Whether the pixel has a ray, and a place within [`SAFE_RADIUS_PX`] lies in no part of the image.
+    pub(super) fn ends_near(&self, i: u32, j: u32) -> bool {
+        let Some(map) = &self.map else { return false };
+        let (place, size) = (DVec2::new(f64::from(i), f64::from(j)) + map.sample, self.size());
+        let is_in_none = |side| map.map.part(place + DVec2::from(side) * SAFE_RADIUS_PX, size).is_none();
+        self.ray(i, j).is_some() && AROUND.into_iter().any(is_in_none)
+    }
+
+    /// Of the image, px.
+    fn size(&self) -> DVec2 {
+        DVec2::new(f64::from(self.width), f64::from(self.height))
     }
 
     /// The ray at an image place (px): by the formula, or bilinearly between pixel centres and clamped beyond them.
     pub fn ray_at(&self, place_px: DVec2) -> Option<Ray> {
         let ray = match &self.map {
-            Some(map) => map.ray(place_px, DVec2::new(self.width as f64, self.height as f64)),
+            Some(map) => map.ray(place_px, self.size()),
             None => self.bilinear(place_px.x - 0.5, place_px.y - 0.5),
         };
         ray.map(|(origin, direction)| Ray { origin, direction })
@@ -324,10 +357,35 @@ impl Field {
     }
 }
 
+/// The corners of a square about a pixel's sample, and the middles of its sides.
+const AROUND: [(f64, f64); 8] = [(1., 1.), (-1., 1.), (1., -1.), (-1., -1.), (1., 0.), (-1., 0.), (0., 1.), (0., -1.)];
+
 impl Sampled {
     /// Origin and direction at a place in pixels; `None` as well where the ray is not finite or has no direction.
     fn ray(&self, at_px: DVec2, size: DVec2) -> Option<(DVec3, DVec3)> {
-        let Ray { origin: p, direction: d } = self.map.ray(at_px.x / size.x, at_px.y / size.y)?;
-        (p.is_finite() && d.is_finite() && d != DVec3::ZERO).then_some((p, d))
+        usable(self.map.ray_at(at_px, size)?)
     }
+
+    /// The bundles of a part's formula on the four sides of a place (px), with its slopes to [`SAFE_RADIUS_PX`] away in x and in y; no
+    /// slope to where there is no ray.
+    fn quadrants(&self, part: usize, at_px: DVec2, size: DVec2) -> Vec<Bundle> {
+        let ray = |by: DVec2| usable(self.map.ray_of_part(part, at_px + by, size)?);
+        let Some((p, d)) = ray(DVec2::ZERO) else { return Vec::new() };
+        let slope = |by: DVec2, step: f64| match ray(by) {
+            Some((q, e)) => ((q - p) / step, (e - d) / step),
+            None => (DVec3::ZERO, DVec3::ZERO),
+        };
+        let secants = |side: &(f64, f64)| {
+            let step = DVec2::from(*side) * SAFE_RADIUS_PX;
+            let (px, dx) = slope(DVec2::new(step.x, 0.0), step.x);
+            let (py, dy) = slope(DVec2::new(0.0, step.y), step.y);
+            Bundle { p: [p, px, py], d: [d, dx, dy], h: [1.0, 0.0, 0.0] }
+        };
+        AROUND[..4].iter().map(secants).collect()
+    }
+}
+
+/// Origin and direction of a ray that is finite and has a direction.
+fn usable(Ray { origin: p, direction: d }: Ray) -> Option<(DVec3, DVec3)> {
+    (p.is_finite() && d.is_finite() && d != DVec3::ZERO).then_some((p, d))
 }

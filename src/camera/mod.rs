@@ -120,14 +120,14 @@ impl Camera {
 
     fn build(spec: &CameraSpec, setting: &Setting) -> Result<Camera> {
         let kind = spec.kind.name;
-        let Built { size: (width, height), layers, unit_t, optics, notes, unfulfilled } =
+        let Built { size: (width, height), layers, t_range, optics, notes, unfulfilled } =
             spec.kind.recipe.build(setting)?;
         if layers.is_empty() || layers.len() > LAYERS_MAX {
             let n = layers.len();
             return Err(Error::input(format!("camera: {n} layers; a chain has 1 to {LAYERS_MAX}")));
         }
         layers.iter().try_for_each(check_reach)?;
-        let t_range = if unit_t { [0.0, 1.0] } else { spec.t_range };
+        let t_range = t_range.unwrap_or(spec.t_range);
         Ok(Camera {
             kind,
             width,
@@ -234,7 +234,7 @@ impl Camera {
     pub fn near(&self, layer: usize, i: u32, j: u32) -> (Vec<Bundle>, bool) {
         match &self.layers[layer] {
             Rays::Pieces(p) => p.near(i, j, SAFE_RADIUS_PX),
-            Rays::Field(f) => (f.quadrants(i, j), false),
+            Rays::Field(f) => (f.quadrants(i, j), f.ends_near(i, j)),
             Rays::Curves(_) => (Vec::new(), true),
         }
     }

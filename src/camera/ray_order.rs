@@ -89,7 +89,7 @@ fn incoherent_field(camera: &Camera) -> Option<&Field> {
     (!field.is_stacked() && has_incoherent_rays(field)).then_some(field)
 }
 
-/// Whether directions differ within tiles nearly as much as between them.
+/// Whether directions differ within tiles nearly as much as between them. Of a tile with several parts of the image it is one part.
 fn has_incoherent_rays(field: &Field) -> bool {
     // whole tiles, or one part of a tile where the image is narrower
     let (tiles_x, tiles_y) = ((field.width / TILE).max(1), (field.height / TILE).max(1));
@@ -99,7 +99,7 @@ fn has_incoherent_rays(field: &Field) -> bool {
     }
     let is_inside = |i: u32, j: u32| i < field.width && j < field.height;
     let ray = |i: u32, j: u32| is_inside(i, j).then(|| field.ray(i, j)).flatten();
-    let direction = |i: u32, j: u32| ray(i, j).map(|(_, d)| d.normalize());
+    let direction = |i: u32, j: u32| ray(i, j).map(|(_, d)| (field.part(i, j), d.normalize()));
     let step = tiles.div_ceil(TILES_SAMPLED);
     let spread = |list: &[DVec3]| {
         let mean = list.iter().sum::<DVec3>() / list.len().max(1) as f64;
@@ -109,7 +109,9 @@ fn has_incoherent_rays(field: &Field) -> bool {
     for tile in (0..tiles).step_by(step as usize) {
         let corner = (tile % tiles_x * TILE, tile / tiles_x * TILE);
         let pixels = (0..TILE * TILE).filter_map(|k| direction(corner.0 + k % TILE, corner.1 + k / TILE));
-        let own: Vec<DVec3> = pixels.collect();
+        let mut pixels = pixels.peekable();
+        let part = pixels.peek().map(|(part, _)| *part);
+        let own: Vec<DVec3> = pixels.filter(|(of, _)| Some(*of) == part).map(|(_, d)| d).collect();
         if !own.is_empty() {
             within += spread(&own);
             tested += 1.0;

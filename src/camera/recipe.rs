@@ -129,8 +129,8 @@ pub struct Built {
     pub size: (u32, u32),
     /// One, or the layers of a chain, first to last.
     pub layers: Vec<Rays>,
-    /// t is in [0, 1], whatever `t_range` says: chains and projectors.
-    pub unit_t: bool,
+    /// The range of t, if not that of the scene file: [0, 1] for chains and projectors.
+    pub t_range: Option<[f64; 2]>,
     /// The mirror or lens in view.
     pub optics: Option<Arc<Optics>>,
     /// Notes for the user: what was left out or approximated.
@@ -142,6 +142,6 @@ pub struct Built {
 impl Built {
     /// A camera of one layer.
     pub fn new(size: (u32, u32), rays: Rays) -> Built {
-        Built { size, layers: vec![rays], unit_t: false, optics: None, notes: Vec::new(), unfulfilled: Vec::new() }
+        Built { size, layers: vec![rays], t_range: None, optics: None, notes: Vec::new(), unfulfilled: Vec::new() }
     }
 }

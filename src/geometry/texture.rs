@@ -227,21 +227,8 @@ pub fn is_missing(e: &std::io::Error) -> bool {
 /// # Errors
 /// [`Error::Input`] if it is neither, damaged, or too large for memory.
 pub fn decode(bytes: &[u8]) -> Result<Texels> {
-    let wrong = |e: String| Error::input(format!("is no PNG, JPEG or HDR that can be read: {e}"));
-    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?;
-    let image = reader.decode().map_err(|e| match e {
-        ImageError::Limits(_) => {
-            let most = Limits::default().max_alloc.unwrap_or(u64::MAX) >> 20;
-            Error::input(format!(
-                "is an image that takes more than {most} MiB of memory, the limit for one; make it smaller"
-            ))
-        }
-        other => wrong(other.to_string()),
-    })?;
+    let image = decoded(bytes)?;
     let (width, height) = (image.width(), image.height());
-    if width == 0 || height == 0 {
-        return Err(Error::input("is an image without pixels"));
-    }
     let rgba = match image {
         DynamicImage::ImageLuma16(_)
         | DynamicImage::ImageLumaA16(_)
@@ -267,6 +254,28 @@ pub fn decode(bytes: &[u8]) -> Result<Texels> {
         }
     };
     Ok(Texels { width, height, rgba })
+}
+
+/// The pixels of such a file as they are stored, one at least.
+///
+/// # Errors
+/// Those of [`decode`].
+pub fn decoded(bytes: &[u8]) -> Result<DynamicImage> {
+    let wrong = |e: String| Error::input(format!("is no PNG, JPEG or HDR that can be read: {e}"));
+    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?;
+    let image = reader.decode().map_err(|e| match e {
+        ImageError::Limits(_) => {
+            let most = Limits::default().max_alloc.unwrap_or(u64::MAX) >> 20;
+            Error::input(format!(
+                "is an image that takes more than {most} MiB of memory, the limit for one; make it smaller"
+            ))
+        }
+        other => wrong(other.to_string()),
+    })?;
+    if image.width() == 0 || image.height() == 0 {
+        return Err(Error::input("is an image without pixels"));
+    }
+    Ok(image)
 }
 
 /// Colours, or white, with the opacities of another image that lies `offset` from them, as many texels as the larger of both: its

@@ -26,6 +26,12 @@ const SIZE: (u32, u32) = (61, 45);
 /// Through the middle of the scenes here, all around.
 const FISHEYE: &str = "kind = \"fisheye\"\neye = [0.3, 0.2, 2.5]\ntarget = [0, 0, 0]\nfov = 100\nframe = \"full\"";
 
+/// Three cameras whose regions meet within pixels.
+const COMPOSITE: &str = "kind = \"composite\"\ncameras = [
+    { camera = { kind = \"pinhole\", eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }, region = { kind = \"polygon\", points = [[0, 0], [0.7, 0.1], [0.2, 0.9]] } },
+    { camera = { kind = \"fisheye\", eye = [0.3, 0.2, 2.5], target = [0, 0, 0], fov = 100 }, region = { kind = \"rectangle\", from = [0.1, 0.1], to = [0.61, 0.97] } },
+    { camera = { kind = \"orthographic\", eye = [0, 0, 4], target = [0, 0, 0], height = 3 }, region = { kind = \"rectangle\", from = [0.3, 0], to = [1, 0.81] } }]";
+
 fn cameras() -> Vec<(&'static str, Camera)> {
     let shape = MeshShape::default();
     let meshes = [
@@ -39,6 +45,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
         ("chain", chain(3, 3, (4, 3), shape, SIZE)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
         ("fisheye", camera_of("", SIZE, FISHEYE).unwrap()),
+        ("composite", camera_of("", SIZE, COMPOSITE).unwrap()),
     ];
     glc.chain(meshes.map(mesh)).chain(more).collect()
 }

@@ -106,6 +106,19 @@ const ASKED: &[(&str, &str)] = &[
     ("panini", "POSE\nfov = 40\ns = 0.7"),
     ("display", "eye = [0, 0.1, 4]\nmesh = 'FOLDER/screen.obj'"),
     ("lightfield", "center = [0, 0, 1.5]\nnormal = [0, 0, 1]\nwidth = 2\nheight = 1.5\nviews = [5, 4]\nfov = 20"),
+    (
+        "composite",
+        "cameras = [
+         { camera = { kind = 'pinhole', eye = [0.2, 0.3, 4], target = [0, 0, 0], vfov = 30 }, region = { kind = 'rectangle', from = [0, 0], to = [0.52, 0.7] } },
+         { camera = { kind = 'fisheye', eye = [0.2, 0.3, 4], target = [0, 0, 0], fov = 60, frame = 'full' }, frame = 'region', region = { kind = 'rectangle', from = [0.52, 0], to = [1, 1] } },
+         { camera = { kind = 'orthographic', eye = [0.2, 0.3, 4], target = [0, 0, 0], height = 2 } }]",
+    ),
+    (
+        "composite",
+        "cameras = [
+         { camera = { kind = 'pinhole', eye = [0.2, 0.3, 4], target = [0, 0, 0], vfov = 30, t_range = [0, 9] }, region = { kind = 'rectangle', from = [0, 0], to = [0.52, 0.7] } },
+         { camera = { kind = 'twist', angle = 80, degree = 2 } }]",
+    ),
 ];
 
 const VIEWS: &str = "views = [{ eye = [-0.3, 0.2, 4], target = [-0.7, 0, 0], vfov = 30 }, { eye = [0.3, 0.4, 4], target = [0.7, 0, 0], vfov = 30 }]";

@@ -4,6 +4,7 @@
 pub mod calibrated;
 pub mod camera_texture;
 mod central;
+pub mod composite;
 pub mod cross_slit;
 pub mod cylinder;
 pub mod display;
@@ -93,6 +94,7 @@ pub const KINDS: &[Kind] = &[
     Kind { name: "reflection", help: include_str!("../help/reflection.txt"), read: reflection::read },
     Kind { name: "refraction", help: include_str!("../help/refraction.txt"), read: reflection::read_refraction },
     Kind { name: "lidar", help: include_str!("../help/lidar.txt"), read: lidar::read },
+    Kind { name: "composite", help: include_str!("../help/composite.txt"), read: composite::read },
 ];
 
 #[cfg(test)]

@@ -81,7 +81,7 @@ impl Recipe for Occlusion {
         Ok(Built {
             size,
             layers: segments.into_iter().flat_map(|s| s.layers).collect(),
-            unit_t: true,
+            t_range: Some([0.0, 1.0]),
             optics: None,
             notes: vec!["layers: from the eye to near, on to far, and on to end".into()],
             unfulfilled: Vec::new(),

@@ -243,7 +243,7 @@ impl Recipe for Optical {
         let notes = [eye.notes, vec![note]].concat();
         let size = (eye.width, eye.height);
         let (optics, unfulfilled) = (Some(Arc::new(optics)), eye.unfulfilled);
-        Ok(Built { size, layers: eye.layers, unit_t: false, optics, notes, unfulfilled })
+        Ok(Built { size, layers: eye.layers, t_range: None, optics, notes, unfulfilled })
     }
 }
 

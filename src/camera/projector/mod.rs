@@ -115,7 +115,7 @@ impl Volume {
             }
             None => Built::new(size, Rays::Curves(self.curves(size)?)),
         };
-        Ok(Built { unit_t: true, ..built })
+        Ok(Built { t_range: Some([0.0, 1.0]), ..built })
     }
 
     fn curves(&self, (w, h): (u32, u32)) -> Result<Curves> {

@@ -1,0 +1,50 @@
+//! Masks: images whose white texels are a region.
+
+use crate::geometry::texture::decoded;
+use crate::input::{Error, Result, files};
+use glam::{DVec2, UVec2};
+use std::path::Path;
+
+/// Texels that are inside or outside, over the whole image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mask {
+    size: UVec2,
+    /// Row by row from the top.
+    inside: Vec<bool>,
+    /// The corners of the box around all texels that are inside, image coordinates.
+    pub bounds: [DVec2; 2],
+}
+
+/// Half of white, of 16 bits: a byte of 128 as 16 bits is over it, one of 127 under.
+const HALF: u32 = 1 << 15;
+
+impl Mask {
+    /// Of a PNG, JPEG or Radiance file. A texel is inside where R + G + B is at least 3/2 and its opacity at least 1/2, as stored, of 1.
+    ///
+    /// # Errors
+    /// [`Error::Missing`] or [`Error::Read`] if it cannot be read; [`Error::Input`] naming it if it is no image, or no texel is inside.
+    pub fn load(path: &Path) -> Result<Mask> {
+        let bytes = files::read(path).map_err(|e| Error::unreadable(path, e))?;
+        let texels = decoded(&bytes).map_err(|e| e.at(path.display()))?.into_rgba16();
+        let is_inside = |[r, g, b, opacity]: [u32; 4]| r + g + b >= 3 * HALF && opacity >= HALF;
+        let inside: Vec<bool> = texels.pixels().map(|texel| is_inside(texel.0.map(u32::from))).collect();
+        let size = UVec2::new(texels.width(), texels.height());
+        let bounds = bounds(size, &inside).ok_or_else(|| {
+            Error::input(format!("{}: no texel is white, so the camera would show nowhere", path.display()))
+        })?;
+        Ok(Mask { size, inside, bounds })
+    }
+
+    /// The texel that holds the place is inside. Places on a border between texels belong to the right and lower one.
+    pub fn holds(&self, place: DVec2) -> bool {
+        let texel = (place * self.size.as_dvec2()).as_uvec2().min(self.size - 1);
+        self.inside[texel.y as usize * self.size.x as usize + texel.x as usize]
+    }
+}
+
+fn bounds(size: UVec2, inside: &[bool]) -> Option<[DVec2; 2]> {
+    let at = |k: usize| UVec2::new((k % size.x as usize) as u32, (k / size.x as usize) as u32);
+    let texels = inside.iter().enumerate().filter(|(_, is_inside)| **is_inside).map(|(k, _)| at(k));
+    let [low, high] = texels.map(|q| [q, q + 1]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
+    Some([low, high].map(|q| q.as_dvec2() / size.as_dvec2()))
+}
