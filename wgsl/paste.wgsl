@@ -76,6 +76,9 @@ fn paste(
     copied(PLANE_P_X, pixel, from_texel);
     copied(PLANE_P_Y, pixel, from_texel);
     copied(PLANE_P_Z, pixel, from_texel);
+    copied(PLANE_VIEW_X, pixel, from_texel);
+    copied(PLANE_VIEW_Y, pixel, from_texel);
+    copied(PLANE_VIEW_Z, pixel, from_texel);
     copied(PLANE_ALBEDO_R, pixel, from_texel);
     copied(PLANE_ALBEDO_G, pixel, from_texel);
     copied(PLANE_ALBEDO_B, pixel, from_texel);

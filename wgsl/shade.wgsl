@@ -27,6 +27,7 @@ struct Seen {
     weights: vec2<f32>,     // of the triangle's second and third corner
     n: vec3<f32>,
     p: vec3<f32>,
+    view: vec3<f32>,        // unit, towards the viewer
     albedo: vec3<f32>,
     uv: vec2<f32>,
     light: vec3<f32>,
@@ -91,6 +92,9 @@ fn shade(
     store(PLANE_P_X, at, bitcast<u32>(seen.p.x));
     store(PLANE_P_Y, at, bitcast<u32>(seen.p.y));
     store(PLANE_P_Z, at, bitcast<u32>(seen.p.z));
+    store(PLANE_VIEW_X, at, bitcast<u32>(seen.view.x));
+    store(PLANE_VIEW_Y, at, bitcast<u32>(seen.view.y));
+    store(PLANE_VIEW_Z, at, bitcast<u32>(seen.view.z));
     store(PLANE_ALBEDO_R, at, bitcast<u32>(seen.albedo.x));
     store(PLANE_ALBEDO_G, at, bitcast<u32>(seen.albedo.y));
     store(PLANE_ALBEDO_B, at, bitcast<u32>(seen.albedo.z));
@@ -118,7 +122,7 @@ fn miss(at: Place, light: vec3<f32>) -> Seen {
     let none = vec3<f32>(0.0);
     let infinity = bitcast<f32>(0x7f800000u);
     let alpha = select(1.0, 0.0, first_surface(at.pixel) == NONE);
-    return Seen(NONE, infinity, infinity, alpha, NONE, none.xy, none, none, none, none.xy, light);
+    return Seen(NONE, infinity, infinity, alpha, NONE, none.xy, none, none, none, none, none.xy, light);
 }
 
 // A hit at t of the last ray on a smooth surface where rays end.
@@ -136,6 +140,7 @@ fn hit_of_smooth(at: Place, id: u32, t: f32) -> Seen {
     seen.z = path_length(at.pixel) + reached(ray, 0u, x, y, t);
     seen.piece = 0u;
     seen.p = point_at(ray, t) + shading.anchor;
+    seen.view = -normalize(ray.d);
     seen.albedo = seen.light;
     return seen;
 }
@@ -178,6 +183,7 @@ fn hit_of_triangle(at: Place, id: u32, layer: u32, t: f32) -> Seen {
     let diffuse = surface_albedo(slot, triangle, ray, differential) * pattern_at(hit);
     seen.n = surface_normal(slot, triangle, ray);
     seen.p = point_at(ray, t) + shading.anchor;
+    seen.view = -normalize(ray.d);
     seen.albedo = colour_of(id, diffuse);
     if PLANE_UV_U != NONE || PLANE_UV_V != NONE {
         seen.uv = surface_uv(slot, triangle, ray);

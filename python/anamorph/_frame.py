@@ -89,8 +89,8 @@ class _Channels(Mapping[str, Plane]):
 class Frame(_Channels):
     """The channels of one image.
 
-    ``frame["Z"]`` is an (H, W) array, row 0 on top: float32, or uint32 where the channel holds ids. ``frame["N"]``, ``"P"``, ``"albedo"``
-    and ``"uv"`` are (H, W, 3) or (H, W, 2) arrays of several channels. Where nothing is hit ``Z`` and ``t`` are infinite and ids are
+    ``frame["Z"]`` is an (H, W) array, row 0 on top: float32, or uint32 where the channel holds ids. ``frame["N"]``, ``"P"``, ``"view"``,
+    ``"albedo"`` and ``"uv"`` are (H, W, 3) or (H, W, 2) arrays of several channels. Where nothing is hit ``Z`` and ``t`` are infinite and ids are
     :data:`NO_ID`.
     """
 

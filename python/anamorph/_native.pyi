@@ -133,7 +133,7 @@ def cast_all(scene: Scene, origins: Incomplete, directions: Incomplete, t_range:
 
 def channels_named(name: str) -> list[str]:
     """
-    The names of the channels that a name stands for: several of `N`, `P`, `albedo` and `uv`.
+    The names of the channels that a name stands for: several of `N`, `P`, `albedo`, `uv` and `view`.
     """
 
 def check(scene: Scene, camera: Camera, planes: SupportsGetItem[int, tuple[str, Any]]) -> str:

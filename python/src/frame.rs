@@ -20,7 +20,9 @@ pub fn channels(names: &[String]) -> PyResult<Vec<Channel>> {
             none if none.is_empty() => {
                 let known: Vec<&str> = Channel::every().map(Channel::name).collect();
                 let known = known.join(", ");
-                return Err(PyValueError::new_err(format!("no channel {name:?}; known: {known}, N, P, albedo, uv")));
+                return Err(PyValueError::new_err(format!(
+                    "no channel {name:?}; known: {known}, N, P, albedo, uv, view"
+                )));
             }
             own => all.extend(own),
         }
@@ -28,7 +30,7 @@ pub fn channels(names: &[String]) -> PyResult<Vec<Channel>> {
     Ok(all)
 }
 
-/// The names of the channels that a name stands for: several of `N`, `P`, `albedo` and `uv`.
+/// The names of the channels that a name stands for: several of `N`, `P`, `albedo`, `uv` and `view`.
 #[pyfunction]
 pub fn channels_named(name: String) -> PyResult<Vec<&'static str>> {
     Ok(channels(&[name])?.into_iter().map(Channel::name).collect())

@@ -405,6 +405,7 @@ impl Frames {
             ray_order: self.ray_order.clone(),
             wanted: self.wanted.clone(),
             labels: self.wanted.has_labels().then(|| Labels::of(&self.scene)),
+            depth_range: self.scene.depth_range,
         }
     }
 

@@ -128,6 +128,7 @@ impl Planner {
         let scene = scene.with_optics(&camera).into_owned();
         let extent = SceneExtent::of(&camera, scene.bounds());
         check_size(&scene, extent)?;
+        scene.check_depth(&wanted.channels)?;
         self.check_normals(&scene)?;
         let plan = self.plan_of(&scene, &camera, extent, wanted, run, last);
         let clustered = match last.filter(|l| same_clusters(l, &scene, &plan)) {

@@ -8,7 +8,7 @@ use crate::camera::ray_order::RayOrder;
 use crate::engine::plan::{Plan, Wanted};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::PendingRead;
-use crate::image::frame::{Channel, Frame, NO_ID, Plane};
+use crate::image::frame::{Channel, Frame, NO_ID, Plane, normalised_depth};
 use crate::input::Result;
 use crate::scene::labels::Labels;
 use std::sync::Arc;
@@ -24,6 +24,8 @@ pub(super) struct FrameLayout {
     pub wanted: Wanted,
     /// The scene's labels, if they are wanted.
     pub labels: Option<Labels>,
+    /// Near and far of normalised depth.
+    pub depth_range: Option<[f64; 2]>,
 }
 
 /// A frame that was given to the device. Others may be given to it before this one is done.
@@ -85,7 +87,9 @@ pub(super) struct RawFrame {
 /// A plane is brought to the host.
 pub(super) fn is_read(wanted: &Wanted, channel: Channel) -> bool {
     let needs_ids = wanted.sample_ids || wanted.has_labels();
-    wanted.channels.contains(&channel) || needs_ids && channel == Channel::TriangleId
+    wanted.channels.contains(&channel)
+        || needs_ids && channel == Channel::TriangleId
+        || wanted.has_normalised_depth() && channel == Channel::Z
 }
 
 impl PendingReads {
@@ -139,7 +143,8 @@ impl FrameLayout {
         let read = plan.planes.iter().copied().filter(|channel| is_read(wanted, *channel));
         for (k, channel) in read.enumerate() {
             let is_of_labels = channel == Channel::TriangleId && self.labels.is_some();
-            if !wanted.channels.contains(&channel) && !is_of_labels {
+            let is_of_depth = channel == Channel::Z && wanted.has_normalised_depth();
+            if !wanted.channels.contains(&channel) && !is_of_labels && !is_of_depth {
                 continue;
             }
             let mut all: Vec<u32> = Vec::with_capacity(camera.width as usize * plan.rows() as usize);
@@ -150,20 +155,32 @@ impl FrameLayout {
             let all = self.restored(all);
             planes.push((channel, Plane::of_words(channel, all)));
         }
+        self.add_depths(&mut planes);
         self.label(&mut planes);
+        planes.retain(|(channel, _)| wanted.channels.contains(channel));
+        planes.sort_by_key(|(channel, _)| *channel);
         Frame { width: camera.width, height: plan.rows(), planes }
     }
 
-    /// Adds the label planes, computed from the triangle ids, and removes the ids unless they are wanted.
+    /// Adds the label planes, computed from the triangle ids.
     fn label(&self, planes: &mut Vec<(Channel, Plane)>) {
         let ids = planes.iter().find(|(channel, _)| *channel == Channel::TriangleId);
         let (Some(labels), Some((_, Plane::U32(ids)))) = (&self.labels, ids) else { return };
         let of = |channel: &Channel| Some((*channel, Plane::U32(labels.plane(*channel, ids)?)));
         let more: Vec<_> = self.wanted.channels.iter().filter_map(of).collect();
         planes.extend(more);
-        planes.retain(|(channel, _)| self.wanted.channels.contains(channel));
-        planes.sort_by_key(|(channel, _)| *channel);
-        planes.dedup_by_key(|(channel, _)| *channel);
+    }
+
+    /// Adds the planes that follow from Z.
+    fn add_depths(&self, planes: &mut Vec<(Channel, Plane)>) {
+        let z = planes.iter().find(|(channel, _)| *channel == Channel::Z);
+        let (Some(range), Some((_, Plane::F32(z)))) = (self.depth_range, z) else { return };
+        let depth = |z: &f32, k: usize| normalised_depth(f64::from(*z), range)[k] as f32;
+        let plane = |k: usize| Plane::F32(z.iter().map(|z| depth(z, k)).collect());
+        let wanted = |channel: &Channel| self.wanted.channels.contains(channel);
+        let both = [Channel::DepthLinear, Channel::DepthPerspective];
+        let more: Vec<_> = both.into_iter().zip(0..).filter(|(c, _)| wanted(c)).map(|(c, k)| (c, plane(k))).collect();
+        planes.extend(more);
     }
 
     /// Four bytes a pixel.

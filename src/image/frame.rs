@@ -31,6 +31,10 @@ pub struct PixelValues {
     /// Linear; 0 where nothing is hit.
     pub albedo: [f32; 3],
     pub uv: [f64; 2],
+    /// Unit, from the hit towards the viewer, world axes; 0 where nothing is hit.
+    pub view: DVec3,
+    /// Z between the scene's near and far: linear, and as a depth buffer of a perspective camera has it; 1 where nothing is hit.
+    pub depth: [f64; 2],
 }
 
 /// A channel's value.
@@ -40,6 +44,8 @@ enum Value {
     Id(fn(&PixelValues) -> u32),
     /// An id that follows from the triangle's.
     Label(fn(&PixelValues) -> u32),
+    /// A number that follows from Z.
+    OfZ(fn(&PixelValues) -> f64),
 }
 
 /// Generates the enum of channels, its lists, names and values from one table.
@@ -124,6 +130,16 @@ channels! {
         TextureU, "uv.U", Number, |p| p.uv[0];
         /// v of the texture coordinates.
         TextureV, "uv.V", Number, |p| p.uv[1];
+        /// x of the unit vector from the hit towards the viewer, along the ray, world axes; 0 where nothing is hit.
+        ViewX, "view.X", Number, |p| p.view.x;
+        /// y of that vector.
+        ViewY, "view.Y", Number, |p| p.view.y;
+        /// z of that vector.
+        ViewZ, "view.Z", Number, |p| p.view.z;
+        /// Z between the scene's near and far ([`normalised_depth`]): 0 at near, 1 at far; 1 where nothing is hit.
+        DepthLinear, "depth.linear", OfZ, |p| p.depth[0];
+        /// The same as a depth buffer of a perspective camera has it.
+        DepthPerspective, "depth.perspective", OfZ, |p| p.depth[1];
         /// The number of the triangle's object.
         ObjectId, "object.id", Label, |p| p.object;
         /// The number of the triangle's material.
@@ -139,7 +155,7 @@ impl Channel {
 
     /// Whether its values are ids (u32).
     pub fn is_id(self) -> bool {
-        !matches!(self.value(), Value::Number(_))
+        matches!(self.value(), Value::Id(_) | Value::Label(_))
     }
 
     /// Whether it is a function of the triangle id.
@@ -147,16 +163,36 @@ impl Channel {
         matches!(self.value(), Value::Label(_))
     }
 
-    /// The channel of this name, or all those of a vector or colour: `N`, `P`, `albedo` and `uv`.
+    /// Whether it is a function of Z.
+    pub fn is_of_z(self) -> bool {
+        matches!(self.value(), Value::OfZ(_))
+    }
+
+    /// Whether kernels write it; the host makes the others of those.
+    pub fn is_rendered(self) -> bool {
+        !self.is_label() && !self.is_of_z()
+    }
+
+    /// The channel of this name, or all those of a vector or colour: `N`, `P`, `albedo`, `uv` and `view`.
     pub fn named(name: &str) -> Vec<Channel> {
         match name {
             "N" => vec![Channel::NormalX, Channel::NormalY, Channel::NormalZ],
             "P" => vec![Channel::PositionX, Channel::PositionY, Channel::PositionZ],
             "albedo" => vec![Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB],
             "uv" => vec![Channel::TextureU, Channel::TextureV],
+            "view" => vec![Channel::ViewX, Channel::ViewY, Channel::ViewZ],
             _ => Channel::every().filter(|c| c.name() == name).collect(),
         }
     }
+}
+
+/// Z between near and far: (Z - near) / (far - near), and far (Z - near) / (Z (far - near)), which is 0 at near and 1 at far too.
+pub fn normalised_depth(z: f64, [near, far]: [f64; 2]) -> [f64; 2] {
+    if z == f64::INFINITY {
+        return [1.0; 2];
+    }
+    let linear = (z - near) / (far - near);
+    [linear, far / z * linear]
 }
 
 impl PixelValues {
@@ -177,12 +213,14 @@ impl PixelValues {
         position: DVec3::ZERO,
         albedo: [0.0; 3],
         uv: [0.0; 2],
+        view: DVec3::ZERO,
+        depth: [1.0; 2],
     };
 
     /// A channel's word in its plane: the bits of an f32, or an id.
     pub fn word(&self, channel: Channel) -> u32 {
         match channel.value() {
-            Value::Number(of) => (of(self) as f32).to_bits(),
+            Value::Number(of) | Value::OfZ(of) => (of(self) as f32).to_bits(),
             Value::Id(of) | Value::Label(of) => of(self),
         }
     }
@@ -190,7 +228,7 @@ impl PixelValues {
     /// The number in a channel that is not one of ids.
     pub fn number(&self, channel: Channel) -> Option<f64> {
         match channel.value() {
-            Value::Number(of) => Some(of(self)),
+            Value::Number(of) | Value::OfZ(of) => Some(of(self)),
             Value::Id(_) | Value::Label(_) => None,
         }
     }

@@ -81,6 +81,7 @@ impl<'e> Backend<'e> {
                 Err(Error::input("certified needs --engine compute; for the reference use --check or --pixel"))
             }
             Backend::Reference => {
+                scene.check_depth(&wanted.channels)?;
                 if wanted.has_colour() {
                     scene.check_shadows()?;
                 }

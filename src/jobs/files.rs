@@ -124,8 +124,12 @@ pub fn attributes(path: &Path, scene: &Scene, camera: &Camera, channels: &[Chann
         (SCENE_HASH, format!("{:016x}", scene_hash(scene, camera))),
         ("anamorph.version", env!("CARGO_PKG_VERSION").into()),
     ];
+    let depth = scene.depth_range.filter(|_| channels.iter().any(|c| c.is_of_z()));
+    let depth = depth.map(|[near, far]| {
+        ("anamorph.depth_range".into(), format!("near {near}, far {far}, world units along the ray"))
+    });
     let labels = names(scene, camera, channels)?;
-    let texts = texts.into_iter().map(|(name, text)| (name.into(), text)).chain(labels).collect();
+    let texts = texts.into_iter().map(|(name, text)| (name.into(), text)).chain(depth).chain(labels).collect();
     Ok(Attributes { texts, world_to_camera: world_to_camera(scene), world_to_ndc: world_to_ndc(scene, camera) })
 }
 

@@ -48,7 +48,8 @@ pub fn channels(name: &str) -> Result<Named, String> {
     let found = Channel::named(name.trim());
     if found.is_empty() {
         let known: Vec<&str> = Channel::every().map(Channel::name).collect();
-        let more = "N, P and albedo for three each, uv and motion for two, crypto.object and crypto.material, all";
+        let more =
+            "N, P, albedo and view for three each, uv and motion for two, crypto.object and crypto.material, all";
         return Err(format!("no such channel; known: {}, {more}", known.join(", ")));
     }
     Ok(Named::Channels(found))
@@ -113,7 +114,7 @@ mod tests {
         assert_eq!(of(" N"), [Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
         assert!(matches!(channels("crypto.object"), Ok(Named::Matte(MatteKind::Objects))));
         assert!(matches!(channels("all"), Ok(Named::All)));
-        assert!(channels("q").is_err_and(|e| e.contains("bary.v") && e.contains("N, P and albedo")));
+        assert!(channels("q").is_err_and(|e| e.contains("bary.v") && e.contains("N, P, albedo and view")));
         assert!(engine("rastr").is_err_and(|e| e.contains("raytrace")) && engine("raytrace").is_ok());
     }
 }

@@ -6,7 +6,7 @@ use super::lens::own;
 use super::light::{Obstacles, albedo, light, normal};
 use super::{Finding, Outcome, Path, Reference};
 use crate::camera::Camera;
-use crate::image::frame::{Channel, Frame, NO_ID, PixelValues, Plane};
+use crate::image::frame::{Channel, Frame, NO_ID, PixelValues, Plane, normalised_depth};
 use crate::scene::Scene;
 use crate::scene::caustics::CausticMaps;
 use crate::scene::labels::Labels;
@@ -121,13 +121,16 @@ fn pixel(
         return PixelValues { colour, coverage, piece, mirror, ..PixelValues::MISS };
     };
     let (segment, id) = (shown.path.of(&seen), seen.hit.triangle);
+    let z = shown.path.depth(&seen);
     let is_triangle = (id as usize) < scene.mesh.triangles.len();
     let ends_on = camera.optics.as_ref().filter(|o| id >= o.first_id(&scene.mesh));
     let uv = ends_on.map_or_else(|| scene.mesh.uv_at(id, seen.hit.bary), |_| None).unwrap_or_default();
     PixelValues {
         colour,
         coverage,
-        z: shown.path.depth(&seen),
+        z,
+        view: -segment.view(seen.hit.t),
+        depth: scene.depth_range.map_or([1.0; 2], |range| normalised_depth(z, range)),
         // t of a bounced path is that of its last ray
         t: if camera.optics.is_some() { seen.hit.t } else { seen.t() },
         bary: seen.hit.bary,

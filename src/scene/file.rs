@@ -78,6 +78,8 @@ pub struct ImageSpec {
     pub frame_rate: f64,
     /// Into how many steps a frame is divided, in which everything moves straight, besides at keyframes; `None`: as many as it takes.
     pub motion_steps: Option<u32>,
+    /// Near and far of the channels of normalised depth, world units.
+    pub depth_range: Option<[f64; 2]>,
 }
 
 impl Default for ImageSpec {
@@ -90,6 +92,7 @@ impl Default for ImageSpec {
             shutter: 0.0,
             frame_rate: 1.0,
             motion_steps: None,
+            depth_range: None,
         }
     }
 }
@@ -276,7 +279,17 @@ const FRAME_RATE_MAX: f64 = 1e9;
 
 fn read_image(field: &Field) -> Result<ImageSpec> {
     let table = field.table()?;
-    table.allow(&["width", "height", "background", "exposure", "tone", "shutter", "frame_rate", "motion_steps"])?;
+    table.allow(&[
+        "width",
+        "height",
+        "background",
+        "exposure",
+        "tone",
+        "shutter",
+        "frame_rate",
+        "motion_steps",
+        "depth_range",
+    ])?;
     let side = |key| table.optional(key, |f| f.integer(1, MAX_SIDE));
     let (width, height) = (side("width")?, side("height")?);
     if let (Some(width), Some(height)) = (width, height) {
@@ -304,7 +317,17 @@ fn read_image(field: &Field) -> Result<ImageSpec> {
         shutter,
         frame_rate,
         motion_steps: motion_steps.map(|n| n as u32),
+        depth_range: table.optional("depth_range", read_depth_range)?,
     })
+}
+
+/// Near and far, world units.
+fn read_depth_range(field: &Field) -> Result<[f64; 2]> {
+    let [near, far] = field.numbers("near and far, as [0.1, 100]")?;
+    if 0.0 < near && near < far {
+        return Ok([near, far]);
+    }
+    Err(field.error(format_args!("[{near}, {far}] is no range; near must be above 0, and far above near")))
 }
 
 /// Stops either way, far within f32.

@@ -162,6 +162,7 @@ impl Library {
             sky,
             background: file.image.background,
             tone: file.image.tone,
+            depth_range: file.image.depth_range,
             size,
             camera: file.camera,
             camera_keys: file.camera_keys,

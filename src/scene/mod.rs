@@ -57,6 +57,8 @@ pub struct Scene {
     pub background: [f32; 3],
     /// Tone mapping of 8-bit images.
     pub tone: Tone,
+    /// Near and far of the channels of normalised depth, world units.
+    pub depth_range: Option<[f64; 2]>,
     /// The image's size in pixels, unless the camera brings its own.
     pub size: Option<(u32, u32)>,
     pub camera: CameraSpec,
@@ -91,6 +93,7 @@ impl Scene {
             sky: None,
             background: [0.0; 3],
             tone: Tone::default(),
+            depth_range: None,
             size: None,
             camera: CameraSpec {
                 kind: Pinhole { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, vfov: 40.0 }.into(),
@@ -130,6 +133,7 @@ impl Scene {
         let is_available = |c: &Channel| match c {
             Channel::Certified => false,
             Channel::TextureU | Channel::TextureV => !self.mesh.corner_uvs.is_empty(),
+            Channel::DepthLinear | Channel::DepthPerspective => self.depth_range.is_some(),
             _ => true,
         };
         camera.channels().into_iter().chain(Channel::MORE.into_iter().filter(is_available)).collect()
@@ -149,6 +153,18 @@ impl Scene {
     /// Whether any light or ambient occlusion needs shadow rays.
     pub fn has_shadows(&self) -> bool {
         self.ambient_occlusion.is_some() || self.lights.iter().any(|l| l.casts_shadows)
+    }
+
+    /// # Errors
+    /// [`Error::Input`] for channels of normalised depth if the scene says no near and far.
+    pub fn check_depth(&self, channels: &[Channel]) -> Result<()> {
+        match channels.iter().find(|c| c.is_of_z()).filter(|_| self.depth_range.is_none()) {
+            Some(channel) => {
+                let name = channel.name();
+                Err(Error::input(format!("{name} needs near and far; add depth_range = [near, far] to [image]")))
+            }
+            None => Ok(()),
+        }
     }
 
     /// # Errors

@@ -113,12 +113,27 @@ fn shade_pixel(input: &KernelInputs, key: Option<u64>, pixel: u32, real: Real) -
         normal: DVec3::splat(normal_error),
         position: DVec3::splat(position_error(input, point, point_size)),
         uv: [uv_error; 2],
+        view: DVec3::splat(direction_error + UNIT * NORMALIZE_UNITS),
         ..PixelValues::default()
     };
     let (position, albedo) = (point + input.anchor(), input.base(id).unwrap_or_else(|| hit.albedo()));
     let (bary, triangle) = ([weights[1], weights[2]], id);
-    let seen =
-        PixelValues { triangle, piece, mirror, t, z, bary, colour, normal, position, albedo, uv, ..PixelValues::MISS };
+    let view = -direction.normalize();
+    let seen = PixelValues {
+        view,
+        triangle,
+        piece,
+        mirror,
+        t,
+        z,
+        bary,
+        colour,
+        normal,
+        position,
+        albedo,
+        uv,
+        ..PixelValues::MISS
+    };
     Pixel::Hit(Shaded { values: PixelValues { coverage: 1.0, ..seen }, error })
 }
 

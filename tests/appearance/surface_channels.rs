@@ -12,7 +12,7 @@ use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use common::file::load;
-use common::gpu::{Without, engine, ids};
+use common::gpu::{Without, engine, engine_on, ids};
 use common::rng::Rng;
 use glam::DVec3;
 use pictures::COLOUR;
@@ -250,5 +250,65 @@ fn three_corners_of_one_colour_are_a_plain_triangle() {
                 assert!(off <= WEIGHTS_ERROR, "{off} with {samples} samples: {text}");
             }
         }
+    }
+}
+
+/// Views are those of the reference and point against the ray; normalised depths follow from Z by their formulas.
+#[test]
+fn views_and_normalised_depths() {
+    let text = "image = { width = 61, height = 45, depth_range = [2, 9] }\n[[mesh]]\nbuiltin = \"teapot\"\n\
+        [camera]\nkind = \"KIND\"\neye = [3, 4, 6]\ntarget = [0, 1, 0]\n";
+    let cameras = [
+        ("pinhole", "vfov = 40"),
+        ("orthographic", "height = 5"),
+        ("fisheye", "fov = 70"),
+        ("twist", "angle = 40\ndegree = 3\nvfov = 40"),
+        ("cylinder", "vfov = 50"),
+        ("panini", "fov = 60"),
+    ];
+    let channels = ["view", "depth.linear", "depth.perspective"].into_iter().flat_map(Channel::named);
+    let wanted = Wanted::of(channels.chain([Channel::Z]).collect());
+    for (kind, keys) in cameras {
+        let scene = load(&format!("{}{keys}\n", text.replace("KIND", kind))).unwrap();
+        let camera = scene.camera().unwrap();
+        let truth = image(&scene, &camera, &wanted.channels);
+        let Some(mut engine) = engine_on(|_| {}) else { return };
+        let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
+        let names = |frame: &Frame| frame.planes.iter().map(|(c, _)| *c).collect::<Vec<_>>();
+        assert_eq!(names(&frame), names(&truth), "{kind}");
+        let of = |frame: &Frame, channel: Channel| frame.f32(channel).unwrap().to_vec();
+        let mut hits = 0;
+        for k in 0..of(&frame, Channel::Z).len() {
+            let z = f64::from(of(&frame, Channel::Z)[k]);
+            let depths = [Channel::DepthLinear, Channel::DepthPerspective].map(|c| f64::from(of(&frame, c)[k]));
+            let views = [Channel::ViewX, Channel::ViewY, Channel::ViewZ].map(|c| (of(&frame, c)[k], of(&truth, c)[k]));
+            if z.is_infinite() {
+                assert!(depths == [1.0; 2] && views.iter().all(|v| v.0 == 0.0), "{kind} {k}");
+                continue;
+            }
+            hits += 1;
+            let linear = (z - 2.0) / 7.0;
+            // f32 of what f64 makes of the f32 Z
+            let ulp = f64::from(f32::EPSILON);
+            assert!((depths[0] - linear).abs() <= ulp * linear.abs(), "{kind} {k}");
+            assert!((depths[1] - 9.0 / z * linear).abs() <= ulp * depths[1].abs(), "{kind} {k}");
+            let length: f32 = views.iter().map(|v| v.0 * v.0).sum();
+            assert!((length - 1.0).abs() < 1e-6, "{kind} {k}");
+            // a few roundings of f32; where the reference sees another triangle a curve's tangent differs with t
+            let off = views.iter().map(|v| (v.0 - v.1).abs()).fold(0.0, f32::max);
+            let is_same = (of(&truth, Channel::Z)[k] - of(&frame, Channel::Z)[k]).abs() < 1e-4;
+            assert!(off < 2e-6 || !is_same, "{kind} {k}: {off}");
+        }
+        assert!(hits > 300, "{kind}: {hits}");
+    }
+    let without =
+        load(&format!("{}vfov = 40\n", text.replace("KIND", "pinhole").replace(", depth_range = [2, 9]", ""))).unwrap();
+    let camera = without.camera().unwrap();
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let error = engine.render(&without, &camera, &wanted, &RunOptions::default()).unwrap_err().to_string();
+    assert_eq!(error, "depth.linear needs near and far; add depth_range = [near, far] to [image]");
+    for range in ["[0, 1]", "[2, 2]", "[3, 1]"] {
+        let error = load(&text.replace("[2, 9]", range).replace("KIND", "pinhole")).unwrap_err().to_string();
+        assert!(error.contains("near must be above 0, and far above near"), "{error}");
     }
 }

@@ -111,6 +111,10 @@ fn cases() -> Vec<Case> {
         add("plain", plain, Wanted::of(vec![Channel::TriangleId]));
         add("rich", rich, Wanted { channels: shown.clone(), ..all.clone() });
         add("alpha masks", SceneContents { has_alpha_masks: true, ..rich }, Wanted { channels: shown, ..all.clone() });
+        if name != &"atlas" {
+            let shown = Channel::every().filter(|c| *c != Channel::Certified).collect();
+            add("moving", SceneContents { steps: 3, ..rich }, Wanted { channels: shown, ..all.clone() });
+        }
         if camera.optics.is_none() {
             add("certified", plain, all.clone());
         }

@@ -123,6 +123,7 @@ fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &KernelIn
                 Channel::BaryU | Channel::BaryV => 2,
                 Channel::R | Channel::G | Channel::B => 3,
                 Channel::NormalX | Channel::NormalY | Channel::NormalZ => 4,
+                Channel::ViewX | Channel::ViewY | Channel::ViewZ => 4,
                 Channel::PositionX | Channel::PositionY | Channel::PositionZ => 5,
                 _ => {
                     seen.uvs.insert(got);

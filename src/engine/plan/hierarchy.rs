@@ -334,6 +334,7 @@ mod tests {
             sky: None,
             background: [0.0; 3],
             tone: Default::default(),
+            depth_range: None,
             size: None,
             camera_keys: Arc::default(),
             camera: crate::camera::spec::CameraSpec {

@@ -172,6 +172,11 @@ impl Wanted {
         self.channels.iter().any(|c| c.is_label())
     }
 
+    /// Channels that follow from Z are wanted.
+    pub fn has_normalised_depth(&self) -> bool {
+        self.channels.iter().any(|c| c.is_of_z())
+    }
+
     /// Samples of a pixel that something of this comes from.
     fn samples(&self) -> u32 {
         let of_samples = self.has_colour() || self.sample_ids || self.channels.contains(&Channel::A);
@@ -266,11 +271,12 @@ impl Plan {
         binding_limit: u64,
     ) -> Plan {
         let slabs = Slabs::of(camera);
-        let mut planes: Vec<Channel> = wanted.channels.iter().copied().filter(|c| !c.is_label()).collect();
+        let mut planes: Vec<Channel> = wanted.channels.iter().copied().filter(|c| c.is_rendered()).collect();
         if wanted.srgb8 {
             planes.extend([Channel::R, Channel::G, Channel::B]);
         }
         planes.extend((wanted.sample_ids || wanted.has_labels()).then_some(Channel::TriangleId));
+        planes.extend(wanted.has_normalised_depth().then_some(Channel::Z));
         planes.sort_unstable();
         planes.dedup();
         let table_bytes = match variant.rays {
@@ -308,7 +314,7 @@ impl Plan {
             anchor: extent.anchor,
             centre: extent.centre,
             scene_size: extent.scene_size,
-            steps: contents.steps,
+            steps: contents.steps.max(1),
             // so many boxes of this width tile the pixel
             filter_width: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
             method_why: "",
@@ -502,7 +508,7 @@ fn left_out(
     if !wanted.srgb8 {
         say("write", "no 8-bit picture asked for".into());
     }
-    if contents.steps == 1 {
+    if contents.steps <= 1 {
         say("time steps", "nothing moves while the frame is taken".into());
     }
     if !wanted.counting {

@@ -159,10 +159,10 @@ impl Kernel {
     }
 }
 
-/// The constants with the number of a channel's plane: `PLANE_BARY_U` for `bary.u`. Labels have none: the host computes them.
+/// The constants with the number of a channel's plane: `PLANE_BARY_U` for `bary.u`. Those that the host computes have none.
 static PLANES: LazyLock<Vec<(Channel, String)>> = LazyLock::new(|| {
     let name = |channel: Channel| format!("PLANE_{}", channel.name().to_uppercase().replace('.', "_"));
-    Channel::every().filter(|channel| !channel.is_label()).map(|channel| (channel, name(channel))).collect()
+    Channel::every().filter(|channel| channel.is_rendered()).map(|channel| (channel, name(channel))).collect()
 });
 
 /// Stands for a snippet's name in front of the first one.

@@ -40,7 +40,7 @@ pub fn of_case(case: &Case, has: AdapterFeatures) -> Result<Vec<KernelOperations
     let scene = Scene::load(&case.write(folder.path())?, &case.set, 0.0)?;
     let (camera, wanted) = (scene.camera()?, seen(false, false));
     let variant = variant(&camera, SceneContents::of(&scene), &wanted, has, &RunOptions::default());
-    let planes: Vec<Channel> = wanted.channels.into_iter().filter(|channel| !channel.is_label()).collect();
+    let planes: Vec<Channel> = wanted.channels.into_iter().filter(|channel| channel.is_rendered()).collect();
     let kernels = KERNELS.into_iter().filter_map(|id| id.kernel(variant, &planes));
     let counted = kernels.map(|kernel| {
         let by_loop_depth = kernel.operations().map_err(Error::work)?;
