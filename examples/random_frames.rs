@@ -1,6 +1,6 @@
-//! Random small scenes against the reference: `cargo run --features internals --release --example random_frames -- COUNT [FIRST] [no-int64] [no-f64]`.
+//! Random small scenes against the reference: `cargo run --features internals --release --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving]`.
 //! Each is one of `any`'s scenes in 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end. Without 64-bit
-//! atomics, raster bounds t in f32 as it does on GPUs without f64.
+//! atomics, raster bounds t in f32 as it does on GPUs without f64. With `moving` everything moves while the frame is taken.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -41,7 +41,8 @@ struct Seen {
 fn main() -> ExitCode {
     let less = |what: &str| std::env::args().any(|a| a == what);
     let options = GpuOptions { no_int64: less("no-int64"), no_f64: less("no-f64"), ..GpuOptions::default() };
-    let mut numbers = std::env::args().skip(1).filter(|a| !a.starts_with("no-")).map(|n| n.parse::<u64>());
+    let mut numbers =
+        std::env::args().skip(1).filter(|a| !a.starts_with("no-") && a != "moving").map(|n| n.parse::<u64>());
     let (Some(Ok(count)), first) = (numbers.next(), numbers.next().transpose().unwrap_or(None).unwrap_or(0)) else {
         eprintln!("error: give how many scenes, and the first one's number; as in random_frames 1000 0");
         return ExitCode::from(2);
@@ -51,10 +52,17 @@ fn main() -> ExitCode {
         return ExitCode::from(1);
     };
     let mut engine = Engine::new(gpu);
-    let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId, Channel::Certified]);
+    // what moves is not certified
+    let certified = if less("moving") { None } else { Some(Channel::Certified) };
+    let channels: Vec<Channel> = [Channel::T, Channel::TriangleId].into_iter().chain(certified).collect();
+    let wanted = Wanted::of(channels);
     let mut all = Seen::default();
     for number in first..first + count {
-        let (scene, camera) = common::any::any(&mut common::rng::Rng(number), SIZE);
+        let rng = &mut common::rng::Rng(number);
+        let (scene, camera) = match less("moving") {
+            true => common::any::any_moving(rng, SIZE),
+            false => common::any::any(rng, SIZE),
+        };
         let frame = match engine.render(&scene, &camera, &wanted, &RunOptions::default()) {
             Ok(rendered) => rendered.frame,
             Err(e) => {
@@ -85,7 +93,7 @@ fn main() -> ExitCode {
             let wrong = (0..same.len()).filter(|k| count == 1 && !same[*k] && (judged.safe[*k] || judged.not_near > 0));
             for k in wrong.take(3) {
                 let (x, y) = (k as u32 % SIZE.0, k as u32 / SIZE.0);
-                println!("pixel {x},{y} shows {:?}, proven {}", ids(&frame)[k], proven[k]);
+                println!("pixel {x},{y} shows {:?}, proven {:?}", ids(&frame)[k], proven.get(k));
                 println!("{}", explain(&scene, &camera, x, y).text);
             }
         }
@@ -94,7 +102,7 @@ fn main() -> ExitCode {
         // t may be rounded to the f32 beside
         let own_t = has.f64 && (!has.by_tile() || has.software && has.atomics64);
         let (counts, gap) = (|k: usize| judged.safe[k] || !own_t, u32::from(own_t));
-        let ways = [Method::Raster, Method::Trace];
+        let ways: &[Method] = if less("moving") { &[Method::Trace] } else { &[Method::Raster, Method::Trace] };
         let differ: u64 =
             ways.iter().map(|m| differing(&mut engine, &scene, &camera, *m, &frame, (&counts, gap))).sum();
         if differ > 0 {

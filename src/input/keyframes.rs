@@ -38,6 +38,36 @@ pub(crate) fn pick(node: &mut Node, key: &str, source: &Source, frame: f64) -> R
     }
 }
 
+/// Puts the number of a frame into all texts below `node`: `{frame}` becomes 7, `{frame:04}` 0007. Of a frame between two the lower number
+/// counts.
+pub(crate) fn number(node: &mut Node, frame: f64) {
+    match &mut node.value {
+        Value::Text(text) if text.contains("{frame") => *text = numbered(text, frame.floor() as i64),
+        Value::List(items) => items.iter_mut().for_each(|item| number(item, frame)),
+        Value::Table(entries) => entries.iter_mut().for_each(|entry| number(&mut entry.node, frame)),
+        _ => {}
+    }
+}
+
+/// Digits that a number may be filled up to.
+const DIGITS_MAX: usize = 19;
+
+fn numbered(text: &str, frame: i64) -> String {
+    let mut parts = text.split("{frame");
+    let mut all = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (format, rest) = part.split_once('}').unwrap_or((" ", part));
+        let width = format.strip_prefix(":0").and_then(|digits| digits.parse().ok()).filter(|n| *n <= DIGITS_MAX);
+        match (format, width) {
+            ("", _) => all += &format!("{frame}{rest}"),
+            (_, Some(width)) => all += &format!("{frame:0width$}{rest}"),
+            // no number is asked for
+            _ => all += &format!("{{frame{part}"),
+        }
+    }
+    all
+}
+
 /// The frames of all keys below `node`, in any order; of lists that are no keys none.
 pub(crate) fn frames(node: &Node) -> Vec<f64> {
     let number = |node: &Node| match node.value {
@@ -183,6 +213,7 @@ mod tests {
     use super::super::parse::{Format, parse};
     use super::*;
     use crate::input::reader::Source;
+    use crate::input::tree::Place;
     use std::path::Path;
 
     /// The value of `key = TEXT` on line 2 at a frame.
@@ -250,6 +281,28 @@ mod tests {
             let mut picked = plain.clone();
             pick(&mut picked, "", &Source::new(path, path), 1.0).unwrap();
             assert_eq!(plain, picked, "{text}");
+        }
+    }
+
+    #[test]
+    fn texts_name_the_file_of_their_frame() {
+        let named = |text: &str, frame: f64| {
+            let mut node = Node { value: Value::Text(text.into()), place: Place::Argument };
+            number(&mut node, frame);
+            let Value::Text(text) = node.value else { panic!() };
+            text
+        };
+        for (text, frame, file) in [
+            ("a{frame}.png", 7.0, "a7.png"),
+            ("a{frame:04}.png", 7.9, "a0007.png"),
+            ("{frame:03}/{frame}.exr", 12.0, "012/12.exr"),
+            ("a{frame:04}.png", -3.0, "a-003.png"),
+            ("a{frame:4}.png", 7.0, "a{frame:4}.png"),
+            ("a{frames}.png", 7.0, "a{frames}.png"),
+            ("a{frame", 7.0, "a{frame"),
+            ("a.png", 7.0, "a.png"),
+        ] {
+            assert_eq!(named(text, frame), file);
         }
     }
 

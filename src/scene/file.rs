@@ -166,7 +166,7 @@ pub(crate) fn expanded(text: &str, path: &Path) -> Result<Node> {
 fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
     let dir = path.parent().unwrap_or(Path::new(""));
     let source = Source::new(path, dir);
-    let keyed = read_keyed(text, format, &source, overrides)?;
+    let keyed = read_keyed(text, format, &source, overrides, frame)?;
     let mut root = keyed.clone();
     keyframes::pick(&mut root, "", &source, frame)?;
     let mut file = read_tree(root, path, dir)?;
@@ -174,17 +174,18 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
     Ok(file)
 }
 
-/// The values of a scene file with overrides, all keyframes as they are.
-fn read_keyed(text: &str, format: parse::Format, source: &Source, overrides: &[String]) -> Result<Node> {
+/// The values of a scene file with overrides and the files of a frame, all keyframes as they are.
+fn read_keyed(text: &str, format: parse::Format, source: &Source, overrides: &[String], frame: f64) -> Result<Node> {
     let mut root = parse::parse(text, format, source.path)?;
     overrides::apply(&mut root, overrides)?;
+    keyframes::number(&mut root, frame);
     poses::expand(&mut root, source)?;
     Ok(root)
 }
 
 fn read_values(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<Node> {
     let source = Source::new(path, path.parent().unwrap_or(Path::new("")));
-    let mut root = read_keyed(text, format, &source, overrides)?;
+    let mut root = read_keyed(text, format, &source, overrides, frame)?;
     keyframes::pick(&mut root, "", &source, frame)?;
     Ok(root)
 }

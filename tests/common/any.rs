@@ -6,11 +6,13 @@ use super::layered::{chain, wavy};
 use super::rng::Rng;
 use super::{ALL_T, FORWARD, camera, mesh, scene};
 use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout, Sample};
 use anamorph::internals::camera::kinds::glc::Glc;
 use anamorph::internals::camera::kinds::orthographic::Orthographic;
 use anamorph::internals::camera::kinds::pinhole::Pinhole;
 use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::geometry::mesh::{Material, Mesh};
+use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
 use anamorph::internals::scene::Scene;
 use glam::DVec3;
 
@@ -26,6 +28,26 @@ pub fn any(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
         mesh.positions.iter_mut().for_each(|p| *p = scale * (*p + offset));
     }
     (scene(mesh), camera)
+}
+
+/// Such a scene whose vertices go to random places while the frame is taken, row by row or with an open shutter.
+#[allow(dead_code)] // not of all programs that have this module
+pub fn any_moving(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
+    let (mut scene, mut camera) = any(rng, size);
+    let extent = scene.bounds().map_or(1.0, |(lo, hi)| (hi - lo).length());
+    let times: Vec<f64> = (0..2 + rng.below(4)).map(|k| k as f64 - 1.0).collect();
+    let part = [1.0, 0.3, 0.01, 1e-6][rng.below(4)];
+    let step = |_: &f64| {
+        let moved = scene.mesh.positions.iter().map(|p| *p + part * extent * rng.vector());
+        TimeStep { positions: moved.collect(), normals: scene.mesh.normals.clone() }
+    };
+    let steps = times.iter().map(step).collect();
+    scene.steps = TimeSteps::new(times, steps).map(Into::into);
+    let order = [LineOrder::Down, LineOrder::Up, LineOrder::Right, LineOrder::Left][rng.below(4)];
+    let lines = Lines { first: -1.0, line_time: 3.0 / f64::from(size.1), order, count: size.1 };
+    scene.exposure = Exposure { readout: Readout::Lines(lines), shutter: rng.unit(), is_even: rng.below(2) == 0 };
+    camera.sample = (rng.below(2) == 0).then_some(Sample { number: 1, count: 3 });
+    (scene, camera)
 }
 
 /// The camera, and whether it is where `place` says.

@@ -2,18 +2,17 @@
 
 use crate::common;
 
-use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout, Sample};
+use anamorph::internals::camera::exposure::Sample;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::plan::samples::sample_offsets;
-use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
-use common::any::any;
+use common::any::any_moving;
 use common::file::load;
 use common::gpu::{check, ids, render, render_with};
 use common::rng::Rng;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 /// Four units high; a pixel is 1/15 wide.
 const SIZE: (u32, u32) = (80, 60);
@@ -154,22 +153,7 @@ fn samples_blur_what_moves() {
 #[test]
 fn random_scenes_that_move_have_the_reference_s_triangles() {
     for number in 0..80 {
-        let rng = &mut Rng(9_000 + number);
-        let (mut scene, mut camera) = any(rng, (32, 32));
-        let size = scene.bounds().map_or(1.0, |(lo, hi)| (hi - lo).length());
-        let times: Vec<f64> = (0..2 + rng.below(4)).map(|k| k as f64 - 1.0).collect();
-        let part = if rng.below(2) == 0 { 0.3 } else { 0.01 };
-        let step = |_: &f64| {
-            let moved: Vec<DVec3> = scene.mesh.positions.iter().map(|p| *p + part * size * rng.vector()).collect();
-            TimeStep { positions: moved, normals: scene.mesh.normals.clone() }
-        };
-        let steps = times.iter().map(step).collect();
-        scene.steps = TimeSteps::new(times, steps).map(Into::into);
-        let order = [LineOrder::Down, LineOrder::Up, LineOrder::Right, LineOrder::Left][rng.below(4)];
-        let lines = Lines { first: -1.0, line_time: 0.1, order, count: 32 };
-        let shutter = rng.unit();
-        scene.exposure = Exposure { readout: Readout::Lines(lines), shutter, is_even: false };
-        camera.sample = (rng.below(2) == 0).then_some(Sample { number: 1, count: 3 });
+        let (scene, camera) = any_moving(&mut Rng(9_000 + number), (32, 32));
         if check(&format!("scene {number}, {}", camera.kind), &scene, &camera).is_none() {
             return;
         }

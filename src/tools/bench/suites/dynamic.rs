@@ -1,6 +1,7 @@
 //! Every vertex is new in each frame, or the camera: what changes is made anew and uploaded, what a technique builds over it is built
 //! again, and all of that is in the time.
 
+use crate::engine::Method;
 use crate::tools::bench::case::{Arm, Case, arms};
 use crate::tools::bench::row::Moving;
 
@@ -45,13 +46,38 @@ fn pieces(count: u32) -> Case {
         .set(&[&format!("camera.pieces={count}"), &eye.to_owned()])
 }
 
+/// So many triangles that slide while their picture is read row by row; and the same at rest, which is wrong where they have moved.
+fn while_read(count: u32) -> Case {
+    let still = Arm::ours().by(Method::Trace).set(&["camera.line_time=0"]).label("at rest");
+    let all = [Arm::ours().by(Method::Trace), still];
+    let all = all.into_iter().map(|arm| arm.parameter("triangles that move while read", f64::from(count))).collect();
+    let slide = "mesh.0.translate=[{ frame = 0, value = [0, 0, 0] }, { frame = 1, value = [3, 0, 0] }]";
+    Case::of(format!("{count:>7} triangles that move while read"), "city-cross-slit", all)
+        .set(&super::city_of(count))
+        .set(&[slide, "camera.line_time=0.0016"])
+        .set(&SIZE)
+}
+
 pub fn cases() -> Vec<Case> {
     let counts = [1000, 10_000, 100_000, 1_000_000, 4_000_000];
     let pieces = [10, 100, 1000, 10_000].map(pieces);
-    counts.map(triangles).into_iter().chain(counts.map(under_a_camera)).chain(pieces).collect()
+    counts
+        .map(triangles)
+        .into_iter()
+        .chain(counts.map(under_a_camera))
+        .chain(pieces)
+        .chain(counts.map(while_read))
+        .collect()
 }
 
 pub fn quick() -> Vec<Case> {
     let counts = [1000, 10_000];
-    counts.map(triangles).into_iter().chain(counts.map(under_a_camera)).chain([10, 100].map(pieces)).collect()
+    let read = [while_read(1000)];
+    counts
+        .map(triangles)
+        .into_iter()
+        .chain(counts.map(under_a_camera))
+        .chain([10, 100].map(pieces))
+        .chain(read)
+        .collect()
 }
