@@ -407,7 +407,7 @@ fn plane_constants(kernel: &Kernel) -> Vec<(&'static str, f64)> {
 
 #[test]
 fn every_channel_has_an_override_that_defaults_to_no_plane() {
-    let all: Vec<Channel> = Channel::every().filter(|c| !c.is_label()).collect();
+    let all: Vec<Channel> = Channel::every().filter(|c| c.is_rendered()).collect();
     let name = |channel: &Channel| format!("PLANE_{}", channel.name().replace('.', "_").to_uppercase());
     let expected: Vec<(String, u32)> = all.iter().map(|channel| (name(channel), layout::NONE)).collect();
     let of = |planes: &[Channel]| {

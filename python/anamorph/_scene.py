@@ -119,6 +119,46 @@ class Scene:
             raise ValueError(f"vertices: an array of shape (N, 3) is needed, not {rows.shape}")
         self._native.set_vertices(mesh, rows)
 
+    def animate(self, mesh: str, times: Numbers, vertices: Numbers) -> None:
+        """Lets an object move while an image is taken: each pixel sees it where it is at the pixel's own time.
+
+        Between two times vertices move straight; before the first and after the last they stand still. For all that has no time of its own
+        the object is where it is at time 0. Its normals are dropped: it is shaded flat. :meth:`move` and :meth:`update` let it stand still
+        again. :meth:`expose` says when pixels are exposed.
+
+        Args:
+            mesh: the object's name, as in :attr:`objects`.
+            times: (K,), ascending, in the unit of :meth:`expose`; at most 256 for all objects together.
+            vertices: (K, N, 3), where the object's N vertices are at each time, world units.
+
+        Raises:
+            ValueError: there is no such object; an array is wrong. The scene is unchanged.
+        """
+        steps = np.ascontiguousarray(vertices, dtype=np.float64)
+        moments = np.asarray(times, dtype=np.float64)
+        if moments.ndim != 1 or steps.ndim != 3 or steps.shape[0] != len(moments) or steps.shape[2] != 3:
+            raise ValueError(f"times of shape (K,) and vertices of shape (K, N, 3) are needed, not {moments.shape} and {steps.shape}")
+        self._native.animate(mesh, moments.tolist(), steps)
+
+    def expose(
+        self, line_time: float = 0, line_order: str = "down", times: Numbers | None = None, shutter: float = 0
+    ) -> None:
+        """Sets when the pixels of images are exposed; what moves is seen at these times.
+
+        Args:
+            line_time: the time from one line to the next; the first line is read at time 0.
+            line_order: ``"down"`` or ``"up"`` for rows, ``"right"`` or ``"left"`` for columns.
+            times: instead, (H, W): the time of each pixel; (1, W) or (H, 1) holds for all rows or columns.
+            shutter: how long the shutter is open at each pixel, about the pixel's own time; images of several samples are blurred by it.
+
+        Raises:
+            ValueError: a value is wrong.
+        """
+        table = None if times is None else np.ascontiguousarray(times, dtype=np.float64)
+        if table is not None and table.ndim != 2:
+            raise ValueError(f"times: an array of shape (H, W) is needed, not {table.shape}")
+        self._native.set_exposure(line_time, line_order, table, shutter)
+
     @property
     def camera(self) -> Camera | None:
         """The scene file's camera; ``None`` if the scene has none."""

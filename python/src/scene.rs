@@ -1,8 +1,9 @@
 //! Scenes, and meshes from arrays.
 
 use crate::calls::run;
-use anamorph::{Caster, Mesh};
+use anamorph::{Caster, Exposure, LineOrder, Mesh};
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -145,6 +146,44 @@ impl Scene {
     fn set_vertices(&self, py: Python<'_>, name: String, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
         let vertices = rows(&vertices);
         self.change(py, move |scene| scene.set_vertices(&name, &vertices))
+    }
+
+    /// Lets an object move while an image is taken.
+    fn animate(
+        &self,
+        py: Python<'_>,
+        name: String,
+        times: Vec<f64>,
+        vertices: PyReadonlyArray3<'_, f64>,
+    ) -> PyResult<()> {
+        let array = vertices.as_array();
+        let step = |step: numpy::ndarray::ArrayView2<'_, f64>| {
+            step.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>()
+        };
+        let steps: Vec<Vec<[f64; 3]>> = array.outer_iter().map(step).collect();
+        self.change(py, move |scene| scene.animate(&name, &times, &steps))
+    }
+
+    /// Sets when the pixels of images are exposed.
+    fn set_exposure(
+        &self,
+        py: Python<'_>,
+        line_time: f64,
+        line_order: &str,
+        times: Option<PyReadonlyArray2<'_, f64>>,
+        shutter: f64,
+    ) -> PyResult<()> {
+        let Some(line_order) = LineOrder::named(line_order) else {
+            let message =
+                format!("line_order: {line_order:?} is no order; known: \"down\", \"up\", \"right\", \"left\"");
+            return Err(PyValueError::new_err(message));
+        };
+        let times = times.map(|times| {
+            let shape = times.as_array().raw_dim();
+            (shape[1] as u32, shape[0] as u32, times.as_array().iter().copied().collect())
+        });
+        let exposure = Exposure { line_time, line_order, times, shutter };
+        self.change(py, move |scene| scene.set_exposure(&exposure))
     }
 
     #[getter]

@@ -179,3 +179,51 @@ def test_arrays_of_other_libraries_by_dlpack() -> None:
     # and frames are taken without a copy
     frame = am.render(scene, am.camera.pinhole(eye=[0, 0, 4], target=[0, 0, 0], vfov=40), (20, 10), ["Z"])
     assert np.shares_memory(np.from_dlpack(frame["Z"]), frame["Z"])
+
+
+def test_what_moves_is_seen_at_the_time_of_its_row() -> None:
+    bar = np.array([[-0.1, -2, 0], [0.1, -2, 0], [0.1, 2, 0], [-0.1, 2, 0]], dtype=float)
+    scene = am.Scene()
+    scene.add(am.Mesh(bar, [[0, 1, 2], [0, 2, 3]], name="bar"))
+    camera = am.camera.orthographic(eye=[0, 0, 5], target=[0, 0, 0], height=3)
+    still = am.render(scene, camera, size=(64, 48), channels=["Z"])["Z"]
+    scene.animate("bar", [0, 1], [bar - [1, 0, 0], bar + [1, 0, 0]])
+    scene.expose(line_time=1 / 48)
+    seen = am.render(scene, camera, size=(64, 48), channels=["Z"])["Z"]
+    width = 3 / 48
+    for row in range(48):
+        middle = -1 + 2 * row / 48
+        x = (np.arange(64) + 0.5 - 32) * width
+        # times are rounded to 2^-24 of the way of 2 units
+        sure = np.abs(np.abs(x - middle) - 0.1) > 1e-6
+        assert (np.isfinite(seen[row]) == (np.abs(x - middle) < 0.1))[sure].all(), row
+    # read to the left all at its own time
+    scene.expose(times=np.full((1, 64), 0.5))
+    assert (am.render(scene, camera, size=(64, 48), channels=["Z"])["Z"] == still).all()
+    # a move lets it stand still again
+    scene.move("bar", np.eye(4))
+    scene.expose(line_time=1 / 48)
+    first = am.render(scene, camera, size=(64, 48), channels=["Z"])["Z"]
+    assert (first == first[0]).all()
+
+
+def test_wrong_motion_is_refused() -> None:
+    scene = am.Scene()
+    scene.add(am.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], name="a"))
+    one = np.zeros((3, 3))
+    for times, vertices, says in [
+        ([0, 1], [one], "times of shape"),
+        ([1, 0], [one, one], "ascend"),
+        ([0], [one[:2]], "2 vertices at time 0 for an object of 3"),
+        ([0], [one * np.nan], "use finite numbers"),
+    ]:
+        with pytest.raises(ValueError, match=says):
+            scene.animate("a", times, np.array(vertices))
+    with pytest.raises(ValueError, match="no object"):
+        scene.animate("b", [0], one[None])
+    with pytest.raises(ValueError, match="is no order"):
+        scene.expose(line_time=1, line_order="sideways")
+    with pytest.raises(ValueError, match="shutter"):
+        scene.expose(shutter=-1)
+    with pytest.raises(ValueError, match="leave line_time out"):
+        scene.expose(line_time=1, times=np.zeros((2, 2)))

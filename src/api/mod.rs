@@ -8,6 +8,7 @@ mod mesh;
 mod objects;
 mod renderer;
 mod scene;
+mod time;
 #[cfg(feature = "view")]
 mod view;
 mod views;
@@ -19,6 +20,7 @@ pub use self::job::Job;
 pub use self::mesh::Mesh;
 pub use self::renderer::{RenderOptions, Rendered, Renderer, check, reference};
 pub use self::scene::{Placed, Scene};
+pub use self::time::{Exposure, LineOrder};
 #[cfg(feature = "view")]
 pub use self::view::Viewer;
 pub use self::views::Views;

@@ -3,6 +3,7 @@
 use super::Scene;
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
 use crate::geometry::place::{transformed_normal, world_normal_from_object};
+use crate::geometry::time_steps::TimeSteps;
 use crate::input::{Error, Result};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use std::ops::Range;
@@ -21,6 +22,11 @@ pub(super) struct Rest {
 }
 
 impl Rest {
+    /// In the scene's positions.
+    pub fn vertices(&self) -> Range<usize> {
+        self.vertices.clone()
+    }
+
     fn of(scene: &crate::scene::Scene, name: &str) -> Result<Rest> {
         let mut first = 0;
         let triangles = scene.objects.iter().find_map(|object| {
@@ -93,7 +99,7 @@ impl Scene {
     }
 
     /// The object as it was last added or set, kept from its first move on.
-    fn rest(&mut self, name: &str) -> Result<&Rest> {
+    pub(super) fn rest(&mut self, name: &str) -> Result<&Rest> {
         if self.scene.caustics.is_some() {
             return Err(Error::input("a scene with caustics takes its meshes from its file; move them there"));
         }
@@ -104,13 +110,18 @@ impl Scene {
         Ok(&self.rests[self.rests.len() - 1])
     }
 
-    fn put(&mut self, name: &str, positions: Vec<DVec3>, normals: Option<Vec<Vec3>>) -> Result<()> {
+    /// Sets an object's vertices, and its normals or none. If it moved while images are taken, it stands still from then on.
+    pub(super) fn put(&mut self, name: &str, positions: Vec<DVec3>, normals: Option<Vec<Vec3>>) -> Result<()> {
         if let Some(v) = positions.iter().find(|p| !p.is_finite()) {
             return Err(Error::input(format!("{name}: a vertex would lie at {v}; use finite numbers")));
         }
         let Some(rest) = self.rests.iter().find(|rest| rest.name == name) else { return Ok(()) };
         let mesh = Arc::make_mut(&mut self.scene.mesh);
         mesh.positions[rest.vertices.clone()].copy_from_slice(&positions);
+        if let Some(steps) = self.scene.steps.take() {
+            let still = TimeSteps::with(Some(&steps), mesh, rest.vertices.clone(), (&[0.0], &[positions]));
+            self.scene.steps = still.map(Arc::new);
+        }
         match normals {
             // none are left after set_vertices
             Some(normals) if normals.len() == rest.normals.len() => {

@@ -32,16 +32,20 @@ pub struct Lines {
     /// From one line to the next.
     pub line_time: f64,
     pub order: LineOrder,
-    /// Lines of the sensor, which an image of another size is a picture of.
+    /// Lines of the sensor, which an image of another size is a picture of; 0: those of the image.
     pub count: u32,
 }
 
 /// From the first line to the last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineOrder {
+    /// Rows, from the top.
     Down,
+    /// Rows, from the bottom.
     Up,
+    /// Columns, from the left.
     Right,
+    /// Columns, from the right.
     Left,
 }
 
@@ -67,6 +71,11 @@ pub const KEYS: [&str; 3] = ["line_time", "line_order", "times"];
 impl LineOrder {
     const ALL: [(LineOrder, &'static str); 4] =
         [(LineOrder::Down, "down"), (LineOrder::Up, "up"), (LineOrder::Right, "right"), (LineOrder::Left, "left")];
+
+    /// That of a name: "down", "up", "right" or "left".
+    pub fn named(name: &str) -> Option<LineOrder> {
+        LineOrder::ALL.into_iter().find(|(_, own)| *own == name).map(|(order, _)| order)
+    }
 
     /// Lines are rows, not columns.
     pub fn is_of_rows(self) -> bool {
@@ -113,10 +122,12 @@ impl Exposure {
 
 impl Lines {
     fn time(&self, (i, j): (u32, u32), (width, height): (u32, u32)) -> f64 {
-        let count = f64::from(self.count);
+        let own = if self.order.is_of_rows() { height } else { width };
+        let sensor = if self.count == 0 { own } else { self.count };
+        let count = f64::from(sensor);
         // in lines of the sensor, from the middle of the first one
         let along =
-            |k: u32, n: u32| if n == self.count { k.into() } else { (f64::from(k) + 0.5) / f64::from(n) * count - 0.5 };
+            |k: u32, n: u32| if n == sensor { k.into() } else { (f64::from(k) + 0.5) / f64::from(n) * count - 0.5 };
         let line = match self.order {
             LineOrder::Down => along(j, height),
             LineOrder::Up => count - 1.0 - along(j, height),
@@ -193,10 +204,7 @@ pub fn read_readout(
 fn read_order(field: &Field) -> Result<LineOrder> {
     let text = field.text()?;
     let known = || LineOrder::ALL.map(|(_, name)| format!("{name:?}")).join(", ");
-    let found = LineOrder::ALL.into_iter().find(|(_, name)| *name == text);
-    found
-        .map(|(order, _)| order)
-        .ok_or_else(|| field.error(format_args!("{text:?} is no order of lines; known: {}", known())))
+    LineOrder::named(text).ok_or_else(|| field.error(format_args!("{text:?} is no order of lines; known: {}", known())))
 }
 
 /// Seconds, from a file of N or height x width numbers (.npy).
@@ -232,6 +240,8 @@ mod tests {
             let size = if order.is_of_rows() { (10, 4) } else { (4, 10) };
             assert_eq!(lines(order).time(pixel, size, None), time, "{order:?}");
         }
+        let of_image = Lines { first: 0.0, line_time: 0.5, order: LineOrder::Up, count: 0 };
+        assert_eq!(of_image.time((0, 2), (5, 9)), 3.0);
         // of an image of half the size a row lies between two lines
         assert_eq!(lines(LineOrder::Down).time((0, 1), (5, 2), None), 1.25);
         assert_eq!(lines(LineOrder::Down).range(), [-0.25, 1.75]);

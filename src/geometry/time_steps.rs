@@ -3,6 +3,7 @@
 use super::mesh::Mesh;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Most times of a frame: a [`Moment`] has 8 bits for them.
 pub const TIMES_MAX: usize = 1 << 8;
@@ -69,13 +70,10 @@ impl TimeSteps {
 
     /// A time in frames, rounded to a part of the way between two steps. Before the first and after the last nothing moves.
     pub fn moment(&self, time: f64) -> Moment {
-        let next = self.times.partition_point(|t| *t <= time).clamp(1, self.times.len() - 1);
-        let (from, to) = (self.times[next - 1], self.times[next]);
-        let share = ((time - from) / (to - from)).clamp(0.0, 1.0);
-        let part = (share * f64::from(PARTS)).round() as u32;
-        match part {
-            PARTS => Moment { step: next as u32, part: 0 },
-            part => Moment { step: next as u32 - 1, part },
+        let (step, share) = between(&self.times, time);
+        match (share * f64::from(PARTS)).round() as u32 {
+            PARTS => Moment { step: step as u32 + 1, part: 0 },
+            part => Moment { step: step as u32, part },
         }
     }
 
@@ -110,6 +108,47 @@ impl TimeSteps {
             normals: [&before.normals[..], &s.normals].concat(),
         };
         TimeSteps { times: self.times.clone(), steps: self.steps.iter().map(joined).collect() }
+    }
+
+    /// A vertex at any time, without rounding it.
+    fn exact_position(&self, mesh: &Mesh, vertex: u32, time: f64) -> DVec3 {
+        let (step, share) = between(&self.times, time);
+        let [a, b] = [step, step + 1].map(|k| self.position(mesh, vertex, k as u32));
+        a + share * (b - a)
+    }
+
+    /// The mesh as it moves already, if it does, and a run of its vertices by itself: at each of these times, ascending, as many positions as
+    /// the run has vertices; constant before the first and after the last time. `None` if nothing moves.
+    pub fn with(
+        before: Option<&TimeSteps>,
+        mesh: &Mesh,
+        vertices: Range<usize>,
+        (times, positions): (&[f64], &[Vec<DVec3>]),
+    ) -> Option<TimeSteps> {
+        let mut all: Vec<f64> = before.into_iter().flat_map(|b| &b.times).chain(times).copied().collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        let count = vertices.end.max(before.map_or(0, |b| b.steps[0].positions.len()));
+        let normals = before.map_or_else(Vec::new, |b| b.steps[0].normals.clone());
+        let step = |time: &f64| {
+            let (k, share) = between(times, *time);
+            let next = (k + 1).min(times.len() - 1);
+            let own = |v: usize| positions[k][v] + share * (positions[next][v] - positions[k][v]);
+            let other =
+                |v: u32| before.map_or_else(|| mesh.positions[v as usize], |b| b.exact_position(mesh, v, *time));
+            let position = |v: usize| if vertices.contains(&v) { own(v - vertices.start) } else { other(v as u32) };
+            let normals =
+                (0..normals.len() as u32).map(|n| before.map_or(Vec3::ZERO, |b| b.exact_normal(mesh, n, *time)));
+            TimeStep { positions: (0..count).into_par_iter().map(position).collect(), normals: normals.collect() }
+        };
+        let steps = all.iter().map(step).collect();
+        TimeSteps::new(all, steps)
+    }
+
+    fn exact_normal(&self, mesh: &Mesh, normal: u32, time: f64) -> Vec3 {
+        let (step, share) = between(&self.times, time);
+        let [a, b] = [step, step + 1].map(|k| self.normal(mesh, normal, k as u32).as_dvec3());
+        (a + share * (b - a)).normalize_or(a).as_vec3()
     }
 
     /// The corners of the box around all vertices at all times; `None` without any.
@@ -163,6 +202,16 @@ impl<'a> MovingMesh<'a> {
     }
 }
 
+/// The last of some ascending times at or before a time, and the share of the way to the next; the ends for times beyond.
+fn between(times: &[f64], time: f64) -> (usize, f64) {
+    if times.len() < 2 {
+        return (0, 0.0);
+    }
+    let next = times.partition_point(|t| *t <= time).clamp(1, times.len() - 1);
+    let share = (time - times[next - 1]) / (times[next] - times[next - 1]);
+    (next - 1, share.clamp(0.0, 1.0))
+}
+
 fn joined(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> (DVec3, DVec3) {
     (a.0.min(b.0), a.1.max(b.1))
 }
@@ -206,6 +255,29 @@ mod tests {
     fn what_stands_still_has_no_steps() {
         let step = TimeStep { positions: vec![DVec3::ONE], normals: Vec::new() };
         assert_eq!(TimeSteps::new(vec![0.0, 1.0], vec![step.clone(), step]), None);
+    }
+
+    #[test]
+    fn a_run_of_vertices_moves_beside_others() {
+        let mesh = Mesh { positions: vec![DVec3::ZERO, DVec3::Y, DVec3::Z], ..Mesh::default() };
+        let first = TimeSteps::with(None, &mesh, 1..2, (&[0.0, 2.0], &[vec![DVec3::Y], vec![3.0 * DVec3::Y]])).unwrap();
+        let both = TimeSteps::with(
+            Some(&first),
+            &mesh,
+            2..3,
+            (&[1.0, 2.0, 5.0], &[vec![DVec3::Z], vec![DVec3::X], vec![DVec3::Z]]),
+        );
+        let both = both.unwrap();
+        assert_eq!((first.count(), both.count()), (2, 4));
+        let at = |v: u32, time: f64| both.position_at(&mesh, v, both.moment(time));
+        for (time, y) in [(-1.0, 1.0), (0.5, 1.5), (1.0, 2.0), (1.5, 2.5), (4.0, 3.0)] {
+            assert_eq!(at(1, time), y * DVec3::Y, "{time}");
+        }
+        let half = 0.5 * (DVec3::X + DVec3::Z);
+        for (time, p) in [(0.5, DVec3::Z), (1.5, half), (2.0, DVec3::X), (3.5, half), (9.0, DVec3::Z)] {
+            assert_eq!(at(2, time), p, "{time}");
+        }
+        assert_eq!(at(0, 1.7), DVec3::ZERO);
     }
 
     #[test]

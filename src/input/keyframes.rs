@@ -1,5 +1,5 @@
 //! Keyframes: any number or list of numbers may be a list of `{ frame, value }` keys. Numbers are interpolated linearly, quaternions on the
-//! sphere. Between two texts there is a table of both, and of the share of the way from the one to the other, for the keys that take one.
+//! sphere. Between two names of a `file` there is a table of both, and of the share of the way from the one to the other.
 
 use super::reader::{Field, Source};
 use crate::input::Result;
@@ -20,7 +20,9 @@ pub(crate) fn pick(node: &mut Node, key: &str, source: &Source, frame: f64) -> R
     match &mut node.value {
         Value::List(items) if is_keys(items) => {
             let rule = if key.rsplit('.').next() == Some("quaternion") { rotated } else { between };
-            node.value = value_at(&Field::new(source, key, node), frame, rule)?;
+            // only files are on their way from one to the next
+            let takes_texts = key.rsplit('.').next() == Some("file");
+            node.value = value_at(&Field::new(source, key, node), frame, (rule, takes_texts))?;
             Ok(())
         }
         Value::List(items) => {
@@ -100,8 +102,8 @@ fn is_keys(items: &[Node]) -> bool {
     !items.is_empty() && items.iter().all(is_key)
 }
 
-fn value_at(list: &Field, frame: f64, rule: fn(&Key, &Key, f64) -> Value) -> Result<Value> {
-    let keys = list.items("keys")?.map(|item| read_key(&item)).collect::<Result<Vec<Key>>>()?;
+fn value_at(list: &Field, frame: f64, (rule, takes_texts): (fn(&Key, &Key, f64) -> Value, bool)) -> Result<Value> {
+    let keys = list.items("keys")?.map(|item| read_key(&item, takes_texts)).collect::<Result<Vec<Key>>>()?;
     keys.windows(2).try_for_each(|pair| check_order(&pair[0], &pair[1]))?;
     let next = keys.partition_point(|k| k.frame <= frame);
     let value = match (next.checked_sub(1).map(|k| &keys[k]), keys.get(next)) {
@@ -113,7 +115,7 @@ fn value_at(list: &Field, frame: f64, rule: fn(&Key, &Key, f64) -> Value) -> Res
     Ok(whole(value))
 }
 
-fn read_key<'a>(item: &Field<'a>) -> Result<Key<'a>> {
+fn read_key<'a>(item: &Field<'a>, takes_texts: bool) -> Result<Key<'a>> {
     let table = item.table()?;
     let value = table.need("value", "1")?;
     if value.is_list() && value.items("rows")?.any(|row| row.is_list()) {
@@ -121,7 +123,7 @@ fn read_key<'a>(item: &Field<'a>) -> Result<Key<'a>> {
             .error("lists of lists have no keyframes; to move a camera give eye and target, or eye and quaternion"));
     }
     let numbers = match value.is_list() {
-        _ if is_text(&value) => Vec::new(),
+        _ if takes_texts && is_text(&value) => Vec::new(),
         true => value.items("numbers")?.map(|n| n.number()).collect::<Result<_>>()?,
         false => vec![value.number()?],
     };
@@ -219,7 +221,12 @@ mod tests {
     /// The value of `key = TEXT` on line 2 at a frame.
     fn at(text: &str, frame: f64) -> Result<Value> {
         let path = Path::new("s.toml");
-        let mut root = parse(&format!("[camera]\nkey = {text}\n"), Format::Toml, path)?;
+        at_key("key", text, frame)
+    }
+
+    fn at_key(key: &str, text: &str, frame: f64) -> Result<Value> {
+        let path = Path::new("s.toml");
+        let mut root = parse(&format!("[camera]\n{key} = {text}\n"), Format::Toml, path)?;
         pick(&mut root, "", &Source::new(path, path), frame)?;
         Ok(entry(entry(root.value)))
     }
@@ -309,14 +316,15 @@ mod tests {
     #[test]
     fn between_two_texts_there_are_both_and_a_share() {
         let keys = "[{ frame = 0, value = \"a\" }, { frame = 4, value = \"b\" }, { frame = 8, value = \"b\" }]";
-        assert_eq!(at(keys, -1.0).unwrap(), Value::Text("a".into()));
-        assert_eq!(at(keys, 4.0).unwrap(), Value::Text("b".into()));
-        assert_eq!(at(keys, 6.0).unwrap(), Value::Text("b".into()));
-        let Value::Table(entries) = at(keys, 1.0).unwrap() else { panic!() };
+        assert_eq!(at_key("file", keys, -1.0).unwrap(), Value::Text("a".into()));
+        assert_eq!(at_key("file", keys, 4.0).unwrap(), Value::Text("b".into()));
+        assert_eq!(at_key("file", keys, 6.0).unwrap(), Value::Text("b".into()));
+        let Value::Table(entries) = at_key("file", keys, 1.0).unwrap() else { panic!() };
         let values: Vec<Value> = entries.into_iter().map(|e| e.node.value).collect();
         assert_eq!(values, [Value::Text("a".into()), Value::Text("b".into()), Value::Float(0.25)]);
-        let mixed = at("[{ frame = 0, value = \"a\" }, { frame = 4, value = 1 }]", 1.0).unwrap_err().to_string();
-        assert!(mixed.contains("key.1.value: the whole number 1 after the text \"a\""), "{mixed}");
+        let mixed =
+            at_key("file", "[{ frame = 0, value = \"a\" }, { frame = 4, value = 1 }]", 1.0).unwrap_err().to_string();
+        assert!(mixed.contains("file.1.value: the whole number 1 after the text \"a\""), "{mixed}");
     }
 
     #[test]

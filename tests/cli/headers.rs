@@ -204,8 +204,11 @@ fn all_channels_and_the_names_of_objects_and_materials() {
         "R G B A Z t triangle.id piece.id bary.u bary.v N.X N.Y N.Z P.X P.Y P.Z albedo.R albedo.G albedo.B";
     // boxes have texture coordinates, balls do not
     let all = of("boxes.toml", "all", &[]);
-    assert_eq!(names(&all), format!("{without_uv} uv.U uv.V object.id material.id"));
-    assert_eq!(names(&of("scene.toml", "all", &[])), format!("{without_uv} object.id material.id"));
+    assert_eq!(names(&all), format!("{without_uv} uv.U uv.V view.X view.Y view.Z object.id material.id"));
+    assert_eq!(
+        names(&of("scene.toml", "all", &[])),
+        format!("{without_uv} view.X view.Y view.Z object.id material.id")
+    );
     let ids = of("boxes.toml", "object.id,material.id", &["--samples", "4"]);
     for (channel, count) in [(Channel::ObjectId, 2), (Channel::MaterialId, 2)] {
         let plane = ids.u32(channel).unwrap();

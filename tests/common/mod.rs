@@ -40,7 +40,7 @@ pub fn scene(mesh: Mesh) -> Scene {
         sky: None,
         background: [0.1, 0.2, 0.3],
         tone: Default::default(),
-        depth_range: None,
+        depth_range: Some([0.5, 20.0]),
         size: Some((64, 64)),
         camera: CameraSpec { kind, t_range: FORWARD },
         camera_keys: Default::default(),

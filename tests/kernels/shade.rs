@@ -26,7 +26,7 @@ const WEIGHT_TYPICAL: f64 = 1e-6;
 const Z_TYPICAL_ULP: f64 = 4.0;
 /// All that `shade` writes.
 fn all() -> Vec<Channel> {
-    Channel::every().filter(|c| *c != Channel::Certified && !c.is_label()).collect()
+    Channel::every().filter(|c| *c != Channel::Certified && c.is_rendered()).collect()
 }
 
 /// Share of hits whose face or normal towards the viewer is not certain, so that colour is not compared.
