@@ -165,10 +165,12 @@ fn end_on_smooth(input: &KernelInputs, behind: &Behind, (id, t): (u32, f64), (x,
         z: z * (Z_UNITS + 2.0) * UNIT,
         colour: [colour_error; 3],
         position: DVec3::splat(position_error(input, point, p.length() + t.abs() * d.length())),
+        view: DVec3::splat(UNIT * (DIRECTION_UNITS + NORMALIZE_UNITS)),
         ..PixelValues::default()
     };
     let (position, triangle) = (point + input.anchor(), id);
-    let seen = PixelValues { triangle, piece, mirror, t, z, colour, position, albedo, ..PixelValues::MISS };
+    let view = -d.normalize();
+    let seen = PixelValues { view, triangle, piece, mirror, t, z, colour, position, albedo, ..PixelValues::MISS };
     Pixel::Hit(Shaded { values: PixelValues { coverage: 1.0, ..seen }, error })
 }
 
