@@ -8,7 +8,7 @@
 //!
 //! * `view`: a pinhole view, wherever in the image it lands.
 //! * `connect`: how a graph becomes layers: straight, in straight parts, curved; `morph`.
-//! * `outline`: triangles for image regions of any shape.
+//! * `outline`: triangles for image regions of any shape; `overlay`: for those that overlap.
 //! * `volume`, `fold`: segments that intersect, and rays that cross.
 //! * `legs`, `roots`: legs from a root view into others, and cubes of views.
 //! * `path`, `blend`: detours around the occluders of a target, and several of them on one net.
@@ -22,6 +22,7 @@ mod connect;
 mod fold;
 mod legs;
 mod outline;
+mod overlay;
 mod path;
 mod roots;
 pub mod top_down;
