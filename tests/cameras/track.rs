@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use anamorph::internals::camera::{Camera, Curve};
+use anamorph::internals::camera::{Camera, Curve, Rays};
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::scene::Scene;
 use common::continuity::{POINT_ROUNDING, assert_joined, assert_seamless, assert_smooth};
@@ -167,11 +167,11 @@ fn where_nothing_hides_a_target_the_camera_is_the_plain_view() {
     for (i, j) in (0..60).flat_map(|j| (0..80).map(move |i| (i, j))) {
         assert_eq!(camera.ray(i, j), plain.ray(i, j));
     }
-    // a hidden target comes out from behind the wall: the view is plain again
+    // a hidden target comes out from behind the wall: when it is 3.75 px beside it, the view is plain again
     let layers = |x: f64| {
-        scene(WALL, &format!("targets = [{{ at = [{x:?}, 1, 0], radius = 0.2 }}]")).camera().unwrap().layers.len()
+        scene(WALL, &format!("targets = [{{ at = [{x:?}, 2, 0], radius = 0.2 }}]")).camera().unwrap().layers.len()
     };
-    assert_eq!([3.0, 7.6, 8.5].map(layers), [4, 1, 1]);
+    assert_eq!([3.0, 7.6, 8.5].map(layers), [4, 4, 1]);
 }
 
 #[test]
@@ -264,4 +264,150 @@ fn unreachable_targets_leave_the_plain_view_and_the_other_targets() {
             assert_eq!(camera.curve(layer, i, j), other.curve(layer, i, j));
         }
     }
+}
+
+/// Rays' places in a frame: in the plain view, px, for some pixels and depths.
+fn places(camera: &Camera) -> Vec<DVec2> {
+    let forward = (DVec3::new(0.0, 2.0, 0.0) - EYE).normalize();
+    let depth = |p: DVec3| (p - EYE).dot(forward);
+    let mut places = Vec::new();
+    for (i, j) in (1..60).step_by(3).flat_map(|j| (1..80).step_by(3).map(move |i| (i, j))) {
+        let chain: Vec<Curve> = (0..camera.layers.len()).map(|layer| camera.curve(layer, i, j).unwrap().1).collect();
+        let line: Vec<DVec3> = match camera.layers.len() {
+            1 => vec![EYE, EYE + 100.0 * chain[0].tangent(0.0) / chain[0].tangent(0.0).dot(forward)],
+            _ => chain.iter().flat_map(|c| (0..=8).map(|k| c.at(k as f64 / 8.0))).collect(),
+        };
+        for z in (2..=40).step_by(2).map(f64::from) {
+            let at = |pair: &[DVec3]| {
+                let (a, b) = (depth(pair[0]), depth(pair[1]));
+                (a <= z && z <= b && a < b).then(|| pair[0].lerp(pair[1], (z - a) / (b - a)))
+            };
+            places.push(place(line.windows(2).find_map(at).unwrap_or_else(|| panic!("no depth {z} at {i},{j}"))));
+        }
+    }
+    places
+}
+
+/// How far rays and targets move in the picture from frame to frame, at most, px; and the notes of all frames.
+fn motion(meshes: &str, keys: &str, targets: impl Fn(f64) -> Vec<(DVec3, f64)>) -> ([f64; 2], Vec<String>) {
+    let (mut last, mut most, mut notes) = (None::<(Vec<DVec2>, Vec<DVec2>)>, [0.0f64; 2], Vec::new());
+    for step in 0..=48 {
+        let targets = targets(step as f64 / 48.0);
+        let list: Vec<String> =
+            targets.iter().map(|(at, r)| format!("{{ at = {:?}, radius = {r:?} }}", at.to_array())).collect();
+        let camera = scene(meshes, &format!("targets = [{}]\n{keys}", list.join(", "))).camera().unwrap();
+        notes.extend(camera.unfulfilled.iter().map(|n| format!("{step}: {n}")));
+        let now = (places(&camera), targets.iter().map(|(at, _)| place(*at)).collect::<Vec<_>>());
+        if let Some((rays, at)) = &last {
+            let moved = |a: &[DVec2], b: &[DVec2]| a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+            let m = [moved(rays, &now.0), moved(at, &now.1)];
+            most = [most[0].max(m[0]), most[1].max(m[1])];
+        }
+        last = Some(now);
+    }
+    (most, notes)
+}
+
+/// A long wall at z = 5, and a floor.
+const LONG_WALL: &str = r#"
+[[mesh]]
+builtin = "plane"
+scale = 40
+[[mesh]]
+builtin = "box"
+scale = [60, 4, 1]
+translate = [0, 2, 5]
+"#;
+
+/// A house at z = 5, as wide as high, and a floor.
+const HOUSE: &str = r#"
+[[mesh]]
+builtin = "plane"
+scale = 40
+[[mesh]]
+builtin = "box"
+scale = [5, 4, 1]
+translate = [0, 2, 5]
+"#;
+
+/// How far rays move at most, in parts of the largest motion of a target, where one target passes before another: rays
+/// change from one shift to the other over 0.7 of a core of 3.4 px, and the targets pass at twice their speed. Measured:
+/// 7.0.
+const PASSED: f64 = 8.0;
+/// The same where something begins or ceases to hide a target: its shift, 22 px in the second case, over 1/16 of the
+/// image's height, 3.75 px, is 5.9. Measured: 6.3; where shifts do not begin to grow before they are needed, 19.
+const APPEARING: f64 = 7.0;
+
+#[test]
+fn rays_move_little_while_targets_approach_pass_and_part() {
+    let pass = |z: [f64; 4]| {
+        move |s: f64| {
+            vec![
+                (DVec3::new(10.0 * s - 5.0, 0.8, z[0] + s * (z[1] - z[0])), 0.4),
+                (DVec3::new(5.0 - 10.0 * s, 0.9, z[2] + s * (z[3] - z[2])), 0.4),
+            ]
+        }
+    };
+    let one = |x: [f64; 2]| move |s: f64| vec![(DVec3::new(x[0] + s * (x[1] - x[0]), 0.8, -3.0), 0.4)];
+    type Path = Box<dyn Fn(f64) -> Vec<(DVec3, f64)>>;
+    let cases: Vec<(&str, &str, &str, Path, f64)> = vec![
+        ("pass", LONG_WALL, "bend = \"up\"", Box::new(pass([-4.0, -4.0, 0.0, 0.0])), PASSED),
+        ("pass near", LONG_WALL, "bend = \"up\"", Box::new(pass([-1.0, -1.0, 0.0, 0.0])), 2.5),
+        ("change order", LONG_WALL, "", Box::new(pass([-4.0, 0.0, 0.0, -4.0])), 2.5),
+        ("come out", HOUSE, "bend = \"up\"", Box::new(one([0.0, 8.0])), APPEARING),
+        ("from left to right", HOUSE, "", Box::new(one([-8.0, 8.0])), APPEARING),
+        ("leave the picture", LONG_WALL, "bend = \"up\"", Box::new(one([0.0, 16.0])), 1.0),
+    ];
+    for (name, meshes, keys, path, most) in cases {
+        let ([rays, targets], unfulfilled) = motion(meshes, keys, path);
+        println!("{name}: rays {rays:.3} px, targets {targets:.3} px, ratio {:.2}", rays / targets);
+        assert!(unfulfilled.is_empty(), "{name}: {unfulfilled:?}");
+        assert!(rays <= most * targets, "{name}: rays move by {rays} px, targets by {targets} px");
+    }
+}
+
+/// Pieces of the layer with the most.
+fn most_pieces(camera: &Camera) -> usize {
+    let of = |rays: &Rays| if let Rays::Pieces(p) = rays { p.pieces.len() } else { 0 };
+    camera.layers.iter().map(of).max().unwrap()
+}
+
+#[test]
+fn segments_bound_the_pieces_of_a_picture_without_seams() {
+    let (near, far) = ("{ at = [-4, 0.5, 0], radius = 0.3 }", "{ at = [2.5, 0.8, -2], radius = 0.3 }");
+    let beside = "{ at = [-3.2, 0.6, -1], radius = 0.3 }";
+    for (targets, segments, seen) in [
+        (near.to_owned(), 9, vec![DVec3::new(-4.0, 0.5, 0.0)]),
+        (near.to_owned(), 20, vec![DVec3::new(-4.0, 0.5, 0.0)]),
+        (format!("{near}, {far}"), 20, vec![]),
+        (format!("{near}, {beside}"), 9, vec![]),
+        (format!("{near}, {beside}, {far}"), 40, vec![]),
+    ] {
+        for bend in ["bend = \"up\"", "join = \"bezier\""] {
+            let scene = scene(WALL, &format!("targets = [{targets}]\nsegments = {segments}\n{bend}"));
+            let camera = scene.camera().unwrap();
+            assert!(camera.layers.len() >= 4, "{targets}: {:?}", camera.unfulfilled);
+            assert!(most_pieces(&camera) <= 2 * segments, "{targets}: {} pieces", most_pieces(&camera));
+            assert_joined(&camera, 3);
+            assert!(assert_seamless(&camera, 4) > 10);
+            assert!((0..60).all(|j| (0..80).all(|i| camera.curve(0, i, j).is_some())));
+            seen.iter().for_each(|at| assert_seen(&scene, &camera, *at, 0.3));
+        }
+    }
+    // a core, four segments around it, four around those
+    let few = scene(WALL, &format!("targets = [{near}]\nsegments = 9")).camera().unwrap();
+    assert_eq!(most_pieces(&few), 18);
+    let says = refusal(WALL, SIZE, &format!("kind = \"track\"\n{VIEW}\ntargets = [{near}]\nsegments = 8"));
+    assert!(says.contains("camera.segments") && says.contains("from 9 to"), "{says}");
+}
+
+#[test]
+fn more_hidden_targets_than_layers_leave_the_last_in_the_plain_view() {
+    let target = |k: usize| format!("{{ at = [{}, 0.5, {}], radius = 0.1 }}", k as f64 - 5.0, 0.3 * k as f64 - 3.0);
+    let list: Vec<String> = (0..7).map(target).collect();
+    let camera = scene(LONG_WALL, &format!("targets = [{}]", list.join(", "))).camera().unwrap();
+    assert!(camera.layers.len() <= 16);
+    assert_eq!(camera.unfulfilled.len(), 2, "{:?}", camera.unfulfilled);
+    let says = |k: usize| format!("target {k} is not tracked: with it, rays would have");
+    assert!(camera.unfulfilled[0].starts_with(&says(6)) && camera.unfulfilled[1].starts_with(&says(5)));
 }

@@ -19,6 +19,8 @@ pub struct Seen {
     pub index: usize,
     pub target: Target,
     pub place_px: DVec2,
+    /// In the picture; others are beside it, and only their bands may be in it.
+    pub is_inside: bool,
     pub sight_lines: SightLines,
     /// Half-size of its core, in which all rays have its full shift, along x and y, px.
     pub core_px: f64,
@@ -31,14 +33,20 @@ const BAND_MIN_PX: f64 = 8.0;
 /// The band's width, in parts of the largest shift in the picture: over 1.125, the steepest `share / depth` of a detour
 /// against its end, rays do not cross.
 const BAND: f64 = 1.5;
-/// Lines of the net in each direction where targets share a part of the image.
-const SHARED_LINES: usize = 24;
+/// Lines of the net over each band, as shares of its width: where the bands of several targets may meet.
+const BAND_LINES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
+/// Around the core of the nearer of two targets, in parts of the core: where the rays pass from its detour to that of
+/// the other, if the place is in the other's core.
+pub const GUARD: f64 = 0.7;
 /// Lines of the net that are closer than this (px) are one; a target's core is as much smaller.
 const LINE_GAP_PX: f64 = 1.0 / 64.0;
-/// The camera's rays and the plain view's, over one net.
-pub fn graphs(view: &View, seen: &[Seen], size: (u32, u32), far: f64) -> [Graph; 2] {
-    let net = net(view, seen, size);
-    let shares: Vec<Vec<f64>> = net.places_px.iter().map(|q| shares(view, seen, *q)).collect();
+
+/// The camera's rays and the plain view's, over one net; with `segments`, of at most so many pairs of triangles.
+pub fn graphs(view: &View, seen: &[Seen], size: (u32, u32), far: f64, segments: Option<usize>) -> [Graph; 2] {
+    let (net, shares) = match segments {
+        None => net(view, seen, size),
+        Some(n) => super::coarse::net(view, seen, size, n),
+    };
     let detours: Vec<(usize, Detour)> = seen.iter().enumerate().filter_map(|(k, s)| s.detour.map(|w| (k, w))).collect();
     let mut depths: Vec<f64> = detours.iter().flat_map(|(_, w)| [w.out, w.back, w.end]).chain([0.0, far]).collect();
     depths.sort_by(f64::total_cmp);
@@ -65,53 +73,62 @@ pub fn graphs(view: &View, seen: &[Seen], size: (u32, u32), far: f64) -> [Graph;
 
 impl Seen {
     /// Distance from its place at which its shift ends, px.
-    fn reach_px(&self, view: &View) -> f64 {
+    pub fn reach_px(&self, view: &View) -> f64 {
         let shift_px = self.detour.map_or(0.0, |w| w.slope() / view.steps()[0].length());
         self.core_px + (BAND * shift_px).max(BAND_MIN_PX)
     }
 
     /// Distance from its place as the larger of x and y.
-    fn distance_px(&self, place_px: DVec2) -> f64 {
+    pub fn distance_px(&self, place_px: DVec2) -> f64 {
         (place_px - self.place_px).abs().max_element()
     }
 }
 
-/// The share of each target's shift at an image place: 1 in the target's core, falling to 0 over its band; where bands
-/// overlap, weighted by the distance to each core.
-fn shares(view: &View, seen: &[Seen], place_px: DVec2) -> Vec<f64> {
-    let in_core = |s: &&(usize, f64)| s.1 <= seen[s.0].core_px + LINE_GAP_PX;
-    let distances: Vec<(usize, f64)> = seen.iter().map(|s| s.distance_px(place_px)).enumerate().collect();
-    let nearer = |a: &&(usize, f64), b: &&(usize, f64)| {
-        a.1.total_cmp(&b.1).then(seen[a.0].sight_lines.front.total_cmp(&seen[b.0].sight_lines.front))
+/// The share of each target's shift at an image place: 1 in the target's core, falling to 0 over its band. Where bands
+/// overlap, each share is weighted by its distance to the cores of the others; where cores overlap, that of the nearer
+/// target counts. Continuous in the place and in the targets' places and depths.
+pub fn shares(view: &View, seen: &[Seen], place_px: DVec2) -> Vec<f64> {
+    let of = |s: &Seen| {
+        let (d, core, reach) = (s.distance_px(place_px), s.core_px, s.reach_px(view));
+        let past = if d <= core + LINE_GAP_PX { 0.0 } else { d - core };
+        let fall = |width: f64| (1.0 - past / width).clamp(0.0, 1.0);
+        [fall(reach - core), fall(GUARD * core)]
     };
-    if let Some((own, _)) = distances.iter().filter(in_core).min_by(nearer) {
-        return (0..seen.len()).map(|k| if k == *own { 1.0 } else { 0.0 }).collect();
-    }
-    let falls = |&(k, d): &(usize, f64)| {
-        let (core, reach) = (seen[k].core_px, seen[k].reach_px(view));
-        ((reach - d) / (reach - core)).clamp(0.0, 1.0)
+    let falls: Vec<[f64; 2]> = seen.iter().map(of).collect();
+    // what the other leaves of a place: in its own core all, but for the core of a nearer target and what is next to that
+    let left = |k: usize, j: usize| {
+        let own = falls[k][1] * (1.0 - falls[j][1] * before(view, &seen[j], &seen[k]));
+        1.0 - falls[j][0] * (1.0 - own)
     };
-    let parts: Vec<f64> = distances.iter().map(falls).collect();
-    let most = parts.iter().copied().fold(0.0, f64::max);
-    let weights: Vec<f64> = parts.iter().map(|u| u / (1.0 - u)).collect();
+    let weight = |k: usize| falls[k][0] * (0..seen.len()).filter(|j| *j != k).map(|j| left(k, j)).product::<f64>();
+    let weights: Vec<f64> = (0..seen.len()).map(weight).collect();
+    let most = falls.iter().map(|f| f[0]).fold(0.0, f64::max);
     let sum: f64 = weights.iter().sum();
     if sum > 0.0 { weights.iter().map(|w| most * w / sum).collect() } else { weights }
 }
 
-/// Two triangles for every cell between the lines along the targets' cores and bands, and the image's borders.
-fn net(view: &View, seen: &[Seen], size: (u32, u32)) -> Net {
+/// How much nearer to the eye one target is than another: 0 to 1, and 1/2 at the same depth. It changes over as much
+/// depth as both cores are wide.
+pub fn before(view: &View, a: &Seen, b: &Seen) -> f64 {
+    let (front, other) = (a.sight_lines.front, b.sight_lines.front);
+    let width = 2.0 * (a.core_px + b.core_px) * view.steps()[0].length() * front.min(other);
+    (0.5 + (other - front) / width).clamp(0.0, 1.0)
+}
+
+/// Four triangles for every cell between the lines along the targets' cores and bands, and the image's borders; and the
+/// shares at its vertices. No line begins or ends while targets move, so that the net moves as smoothly as they.
+fn net(view: &View, seen: &[Seen], size: (u32, u32)) -> (Net, Vec<Vec<f64>>) {
     let lines = |axis: usize, size: u32| {
         let (first, last) = (-1.0, size as f64 + 1.0);
-        let ends =
-            |s: &Seen| [-s.reach_px(view), -s.core_px, s.core_px, s.reach_px(view)].map(|d| s.place_px[axis] + d);
-        let mut lines: Vec<f64> = seen.iter().flat_map(ends).collect();
-        if share_a_part(view, seen) {
-            let lo = lines.iter().copied().fold(f64::INFINITY, f64::min).max(first);
-            let hi = lines.iter().copied().fold(f64::NEG_INFINITY, f64::max).min(last);
-            lines.extend((0..=SHARED_LINES).map(|k| lo + (hi - lo) * k as f64 / SHARED_LINES as f64));
-            // a cell of each target's own about its place, however near another is
-            lines.extend(seen.iter().flat_map(|s| [s.place_px[axis] - 0.5, s.place_px[axis] + 0.5]));
-        }
+        let of = |s: &Seen| {
+            let (core, reach) = (s.core_px, s.reach_px(view));
+            let between = BAND_LINES.map(|part| core + part * (reach - core));
+            // one target's share is linear between these alone
+            let more = if seen.len() > 1 { vec![between[0], between[1], (1.0 + GUARD) * core] } else { Vec::new() };
+            let at = s.place_px[axis];
+            [core, reach].into_iter().chain(more).flat_map(move |d| [at - d, at + d])
+        };
+        let mut lines: Vec<f64> = seen.iter().flat_map(of).collect();
         lines.retain(|x| *x > first + LINE_GAP_PX && *x < last - LINE_GAP_PX);
         lines.extend([first, last]);
         lines.sort_by(f64::total_cmp);
@@ -119,18 +136,22 @@ fn net(view: &View, seen: &[Seen], size: (u32, u32)) -> Net {
         lines
     };
     let (xs, ys) = (lines(0, size.0), lines(1, size.1));
-    let columns = xs.len() as u32;
-    let places_px = ys.iter().flat_map(|y| xs.iter().map(|x| DVec2::new(*x, *y))).collect();
-    let cell = |k: u32| [[k, k + 1, k + columns], [k + columns, k + 1, k + columns + 1]];
-    let rows = 0..ys.len() as u32 - 1;
-    Net { places_px, triangles: rows.flat_map(|j| (0..columns - 1).flat_map(move |i| cell(j * columns + i))).collect() }
-}
-
-/// The rays of two targets share a part of the image, and one of them is moved.
-fn share_a_part(view: &View, seen: &[Seen]) -> bool {
-    let meet = |a: &Seen, b: &Seen| a.distance_px(b.place_px) < a.reach_px(view) + b.reach_px(view);
-    (0..seen.len())
-        .any(|i| (0..i).any(|j| (seen[i].detour.is_some() || seen[j].detour.is_some()) && meet(&seen[i], &seen[j])))
+    let (columns, rows) = (xs.len() as u32, ys.len() as u32);
+    let crossings = ys.iter().flat_map(|y| xs.iter().map(|x| DVec2::new(*x, *y)));
+    let middles = ys.windows(2).flat_map(|y| {
+        let middle = move |x: &[f64]| DVec2::new(x[0] + x[1], y[0] + y[1]) / 2.0;
+        xs.windows(2).map(middle)
+    });
+    let places_px: Vec<DVec2> = crossings.chain(middles).collect();
+    let cell = |i: u32, j: u32| {
+        let k = j * columns + i;
+        let middle = columns * rows + j * (columns - 1) + i;
+        let corners = [k, k + 1, k + columns + 1, k + columns];
+        (0..4).map(move |c| [corners[c], corners[(c + 1) % 4], middle])
+    };
+    let triangles = (0..rows - 1).flat_map(|j| (0..columns - 1).flat_map(move |i| cell(i, j))).collect();
+    let shares = places_px.iter().map(|q| shares(view, seen, *q)).collect();
+    (Net { places_px, triangles }, shares)
 }
 
 impl Graph {

@@ -8,20 +8,23 @@
 //!
 //! * `view`: a pinhole view, wherever in the image it lands.
 //! * `connect`: how a graph becomes layers: straight, in straight parts, curved; `morph`.
-//! * `outline`: triangles for image regions of any shape.
+//! * `outline`: triangles for image regions of any shape; `overlay`: for those that overlap.
 //! * `volume`, `fold`: segments that intersect, and rays that cross.
 //! * `legs`, `roots`: legs from a root view into others, and cubes of views.
-//! * `path`, `blend`: detours around the occluders of a target, and several of them on one net.
+//! * `path`, `blend`: detours around the occluders of a target, and several of them on one net; `coarse`: on one of few
+//!   triangles.
 //! * [`bottom_up`], [`top_down`], [`track`]: the constructors.
 //!
 //! The piece of a pixel is found by its tile's own list, whose length does not grow with the graph.
 
 mod blend;
 pub mod bottom_up;
+mod coarse;
 mod connect;
 mod fold;
 mod legs;
 mod outline;
+mod overlay;
 mod path;
 mod roots;
 pub mod top_down;

@@ -6,6 +6,7 @@ use super::bottom_up::{least, place};
 use super::connect::JoinOptions;
 use super::legs::{self, Depths};
 use super::outline::{self, Outline};
+use super::overlay::{self, Mix, Profile};
 use super::path::Occluders;
 use super::roots::{self, Layout, Root};
 use super::view::{Pinhole, View, beyond};
@@ -147,9 +148,14 @@ impl Recipe for TopDown {
         let plain = legs::plain(&mesh.net, root, far, depths);
         let leaf_depth = depths.map_or(0.0, |d| d[1]);
         let leaf = |plain_depth: f64, own_depth: f64| {
-            let point = |(k, q): (usize, &DVec2)| match mesh.patch_of[k] {
-                Some(patch) => patches[patch].view.point(*q, own_depth),
-                None => root(k).point(*q, plain_depth),
+            let plain = |k: usize, q: DVec2| root(k).point(q, plain_depth);
+            let own = |patch: usize, q: DVec2| patches[patch].view.point(q, own_depth);
+            let point = |(k, q): (usize, &DVec2)| match &mesh.corners[k][..] {
+                [(patch, corner, 1.0)] if corner == q => own(*patch, *q),
+                corners => {
+                    let added = |(patch, q, w): &(usize, DVec2, f64)| *w * (own(*patch, *q) - plain(k, *q));
+                    corners.iter().map(added).fold(plain(k, *q), |sum, offset| sum + offset)
+                }
             };
             mesh.net.places_px.iter().enumerate().map(point).collect::<Vec<_>>()
         };
@@ -191,11 +197,6 @@ impl TopDown {
                 .ok_or_else(|| {
                     error("its outline is too sharp or narrow for the band around it; make band smaller".into())
                 })?;
-            if let Some(other) = patches.iter().position(|p| outline::overlap(&p.outer, &outer)) {
-                return Err(error(format!(
-                    "overlaps region {other}, bands included; move them apart or make band smaller"
-                )));
-            }
             let (face_lo, face_hi) = outline::bounds(&root.outline);
             if self.layout != Layout::Plain && !outer.iter().all(|q| q.cmpge(face_lo).all() && q.cmple(face_hi).all()) {
                 return Err(error("leaves its face of the cube, its band included; make it or band smaller".into()));
@@ -231,14 +232,18 @@ impl TopDown {
 
     /// The cut plane is halfway to the nearest near face of a region.
     fn depths(&self, mesh: &NetOfRoots, patches: &[Patch], roots: &[Root], far: f64) -> Depths {
-        let corners = || mesh.patch_of.iter().enumerate().filter_map(|(k, p)| p.map(|p| (k, p)));
-        let near = |(k, p): (usize, usize)| patches[p].view.point(mesh.net.places_px[k], self.near);
-        let depth = |(k, p): (usize, usize)| roots[mesh.root_of[k]].view.depth(near((k, p)));
+        let corners = || {
+            let of = |(k, all): (usize, &'_ Vec<(usize, DVec2, f64)>)| {
+                all.iter().map(move |(patch, q, _)| (mesh.root_of[k], *patch, *q)).collect::<Vec<_>>()
+            };
+            mesh.corners.iter().enumerate().flat_map(of)
+        };
+        let near = |patch: usize, q: DVec2| patches[patch].view.point(q, self.near);
+        let depth = |(root, patch, q): (usize, usize, DVec2)| roots[root].view.depth(near(patch, q));
         let nearest = corners().map(depth).filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
         let cut = self.cut.unwrap_or(if nearest.is_finite() { nearest / 2.0 } else { far / 1000.0 });
-        let leg_length = |(k, p): (usize, usize)| {
-            (near((k, p)) - roots[mesh.root_of[k]].view.point(mesh.net.places_px[k], cut)).length()
-        };
+        let leg_length =
+            |(root, patch, q): (usize, usize, DVec2)| (near(patch, q) - roots[root].view.point(q, cut)).length();
         let (sum, count) = corners().map(leg_length).fold((0.0, 0), |(s, n), w| (s + w, n + 1));
         let near = cut + if sum > 0.0 { sum / count as f64 } else { cut };
         [cut, near, far.max(2.0 * near)]
@@ -249,45 +254,101 @@ impl TopDown {
 #[derive(Default)]
 struct NetOfRoots {
     net: Net,
-    /// The root of every vertex, and the region whose own view it is seen by.
+    /// The root of every vertex, and what regions add to it there: corners of regions (px), and their weights.
     root_of: Vec<usize>,
-    patch_of: Vec<Option<usize>>,
+    corners: Vec<Vec<(usize, DVec2, f64)>>,
 }
 
 impl NetOfRoots {
     /// Adds a root: what is around its regions, the bands around them, and the regions.
-    fn add(&mut self, root: usize, outline: &[DVec2], patches: &[Patch]) {
+    fn add(&mut self, root: usize, outline: &Outline, patches: &[Patch]) {
         let own: Vec<usize> = (0..patches.len()).filter(|&k| patches[k].root == root).collect();
-        let holes: Vec<Outline> = own.iter().map(|&k| patches[k].outer.clone()).collect();
-        let mut outer_first = self.push(root, None, outline) + outline.len() as u32;
-        let first = outer_first - outline.len() as u32;
+        let groups = groups(&own, outline, patches);
+        let holes: Vec<Outline> = groups.iter().map(|g| g.hole.clone()).collect();
+        let first = self.push(root, None, outline);
+        let mut outer_first = first + outline.len() as u32;
         for hole in &holes {
             self.push(root, None, hole);
         }
         self.triangles(first, outline::triangulate(outline, &holes));
-        for &k in &own {
-            let n = patches[k].inner.len() as u32;
-            let inner_first = self.push(root, Some(k), &patches[k].inner);
-            self.triangles(inner_first, outline::triangulate(&patches[k].inner, &[]));
-            for s in 0..n {
-                let next = (s + 1) % n;
-                let [a, b] = [inner_first + s, inner_first + next];
-                let [c, d] = [outer_first + s, outer_first + next];
-                self.net.triangles.extend([[a, b, c], [b, d, c]]);
+        for group in &groups {
+            match group.regions[..] {
+                [k] => {
+                    let inner = &patches[k].inner;
+                    let inner_first = self.push(root, Some(k), inner);
+                    self.triangles(inner_first, outline::triangulate(inner, &[]));
+                    self.triangles(0, overlay::band(inner.len() as u32, inner_first, outer_first));
+                }
+                _ => self.add_overlapping(root, group, outer_first, patches),
             }
-            outer_first += n;
+            outer_first += group.hole.len() as u32;
         }
     }
 
-    fn push(&mut self, root: usize, patch: Option<usize>, places: &[DVec2]) -> u32 {
+    /// Adds regions that overlap: the common subdivision of their triangles. `first` is the first corner of their rectangle.
+    fn add_overlapping(&mut self, root: usize, group: &Group, first: u32, patches: &[Patch]) {
+        let profile = |k: &usize| Profile::new(&patches[*k].inner, &patches[*k].outer, &group.hole);
+        let profiles: Vec<Profile> = group.regions.iter().map(profile).collect();
+        let common = overlay::overlay(&group.hole, &profiles);
+        let mut vertex = |(q, mixes): (&DVec2, &Vec<Mix>)| {
+            if let Some(corner) = group.hole.iter().position(|corner| corner == q) {
+                return first + corner as u32;
+            }
+            let left = overlay::left_in_order(&mixes.iter().map(overlay::share).collect::<Vec<_>>());
+            let of = |((k, mix), left): ((&usize, &Mix), f64)| {
+                mix.iter().map(|(corner, weight)| (*k, *corner, left * weight)).collect::<Vec<_>>()
+            };
+            let corners = group.regions.iter().zip(mixes).zip(left).flat_map(of);
+            let index = self.push(root, None, &[*q]);
+            self.corners[index as usize] = corners.filter(|(_, _, weight)| *weight != 0.0).collect();
+            index
+        };
+        let index: Vec<u32> = common.places_px.iter().zip(&common.mixes).map(&mut vertex).collect();
+        self.net.triangles.extend(common.triangles.iter().map(|t| t.map(|k| index[k as usize])));
+    }
+
+    /// Adds vertices, corners of a region or of the root.
+    fn push(&mut self, root: usize, region: Option<usize>, places: &[DVec2]) -> u32 {
         let first = self.net.places_px.len() as u32;
         self.net.places_px.extend(places);
         self.root_of.resize(self.net.places_px.len(), root);
-        self.patch_of.resize(self.net.places_px.len(), patch);
+        self.corners.extend(places.iter().map(|q| region.map(|k| (k, *q, 1.0)).into_iter().collect()));
         first
     }
 
     fn triangles(&mut self, first: u32, triangles: Vec<[u32; 3]>) {
         self.net.triangles.extend(triangles.into_iter().map(|t| t.map(|k| first + k)));
     }
+}
+
+/// Regions that overlap, bands included, in the order of the file; or one region.
+struct Group {
+    regions: Vec<usize>,
+    /// The band's outer outline of one region; a rectangle around several.
+    hole: Outline,
+}
+
+/// Space between overlapping regions and the rectangle around them, px; less where the face of a cube ends.
+const FRAME_PX: f64 = 0.5;
+
+/// The regions of a root, so grouped that the groups are disjoint.
+fn groups(own: &[usize], face: &[DVec2], patches: &[Patch]) -> Vec<Group> {
+    let (face_lo, face_hi) = outline::bounds(face);
+    let joined = |a: Group, b: Group| {
+        let mut regions = [a.regions, b.regions].concat();
+        regions.sort_unstable();
+        let all: Vec<DVec2> = regions.iter().flat_map(|&k| &patches[k].outer).copied().collect();
+        let (lo, hi) = outline::bounds(&all);
+        let frame = |space: DVec2| (space / 2.0).min(DVec2::splat(FRAME_PX));
+        Group { regions, hole: outline::rectangle(lo - frame(lo - face_lo), hi + frame(face_hi - hi)) }
+    };
+    let mut groups: Vec<Group> = Vec::new();
+    for &k in own {
+        let mut group = Group { regions: vec![k], hole: patches[k].outer.clone() };
+        while let Some(at) = groups.iter().position(|g| outline::overlap(&g.hole, &group.hole)) {
+            group = joined(groups.remove(at), group);
+        }
+        groups.push(group);
+    }
+    groups
 }

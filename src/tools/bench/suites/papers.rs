@@ -177,6 +177,13 @@ fn popescu() -> Vec<Case> {
         Case::of("Popescu 1", "terrain-top-down", by()).set(&terrain_size).paper(of("1, table 1", 28.0, terrain)),
         Case::of("Popescu 2", "terrain-bottom-up", by()).set(&terrain_size).paper(of("2, table 1", 24.0, terrain)),
         Case::of("Popescu 3", "tracked", by()).set(&towns).paper(of("3, table 1", 19.0, city)),
+        Case::of("Popescu 3: 17 segments a layer", "tracked", by()).set(&["camera.segments=17"]).paper(paper(
+            "Popescu et al.",
+            "3",
+            None,
+            K5000,
+            "a generated city of 9,000 triangles and balls: few enough for the paper's technique",
+        )),
         Case::of("Popescu 10", "tracked", by()).set(&towns).set(&one).paper(of("10, table 1", 39.0, city)),
         Case::of("Popescu 9", "opposite", by()).set(&town).paper(of("9, table 1", 13.0, "a generated city of as many")),
         Case::of("Popescu 9, the graph camera", "graph-camera", arms(&["raster-pieces", "raytrace"])).set(&town).paper(
