@@ -15,6 +15,7 @@ pub use crate::camera::exposure::LineOrder;
 pub struct Exposure {
     /// Time from one line to the next; the first line is read at time 0.
     pub line_time: f64,
+    /// From the first line to the last.
     pub line_order: LineOrder,
     /// Instead: width, height and, row by row, the time of each pixel. A table of one row, or one column, holds for all.
     pub times: Option<(u32, u32, Vec<f64>)>,

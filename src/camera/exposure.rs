@@ -1,6 +1,6 @@
 //! When each pixel of an image is exposed: all at once, line by line, or by a table; and the time that the shutter is open.
 
-use crate::image::read_npy_grid;
+use crate::image::{Grid, read_npy_grid};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use std::sync::Arc;
@@ -210,7 +210,7 @@ fn read_order(field: &Field) -> Result<LineOrder> {
 /// Seconds, from a file of N or height x width numbers (.npy).
 fn read_times(field: &Field, frame_rate: f64) -> Result<TimeTable> {
     let path = field.path()?;
-    let (size, times) = read_npy_grid(&path)?;
+    let Grid { size, numbers: times } = read_npy_grid(&path)?;
     if let Some(k) = times.iter().position(|t| !t.is_finite()) {
         return Err(Error::input(format!("{}: number {k} is {}; use finite numbers", path.display(), times[k])));
     }

@@ -74,11 +74,18 @@ pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
     rows_of(open(path)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-/// Reads an f32 or f64 array in C order of shape N, or height x width: the width and height if it has them, and the numbers.
+/// Numbers in a list, or in rows.
+pub struct Grid {
+    /// Width and height; `None` of a list.
+    pub size: Option<(u32, u32)>,
+    pub numbers: Vec<f64>,
+}
+
+/// Reads an f32 or f64 array in C order of shape N, or height x width.
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or it ends early.
-pub fn read_npy_grid(path: &Path) -> Result<(Option<(u32, u32)>, Vec<f64>)> {
+pub fn read_npy_grid(path: &Path) -> Result<Grid> {
     let count = |shape: &[u64]| match *shape {
         [n] if (1..=MAX_ROWS).contains(&n) => Ok(n),
         [height, width] => check_size(width, height).map(|()| width * height).map_err(|e| e.to_string()),
@@ -86,7 +93,8 @@ pub fn read_npy_grid(path: &Path) -> Result<(Option<(u32, u32)>, Vec<f64>)> {
     };
     let read = read_array(open(path)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
     // both sides are far under 2^32 by the check above
-    read.map(|(shape, numbers)| (shape.get(1).map(|width| (*width as u32, shape[0] as u32)), numbers))
+    let size = |shape: &[u64]| shape.get(1).map(|width| (*width as u32, shape[0] as u32));
+    read.map(|(shape, numbers)| Grid { size: size(&shape), numbers })
 }
 
 /// Reads matrices, row by row, from an f32 or f64 array in C order of shape N x 3 x 4, or N x 4 x 4 with the last row 0, 0, 0, 1.

@@ -14,6 +14,9 @@ struct Key<'a> {
     numbers: Vec<f64>,
 }
 
+/// What lies between two keys at a frame.
+type Rule = fn(&Key, &Key, f64) -> Value;
+
 /// Replaces every list of keys below `node`, which `key` leads to, by its value at `frame`: the first key's before it,
 /// the last one's after it, and linear between two keys.
 pub(crate) fn pick(node: &mut Node, key: &str, source: &Source, frame: f64) -> Result<()> {
@@ -102,7 +105,7 @@ fn is_keys(items: &[Node]) -> bool {
     !items.is_empty() && items.iter().all(is_key)
 }
 
-fn value_at(list: &Field, frame: f64, (rule, takes_texts): (fn(&Key, &Key, f64) -> Value, bool)) -> Result<Value> {
+fn value_at(list: &Field, frame: f64, (rule, takes_texts): (Rule, bool)) -> Result<Value> {
     let keys = list.items("keys")?.map(|item| read_key(&item, takes_texts)).collect::<Result<Vec<Key>>>()?;
     keys.windows(2).try_for_each(|pair| check_order(&pair[0], &pair[1]))?;
     let next = keys.partition_point(|k| k.frame <= frame);
@@ -220,7 +223,6 @@ mod tests {
 
     /// The value of `key = TEXT` on line 2 at a frame.
     fn at(text: &str, frame: f64) -> Result<Value> {
-        let path = Path::new("s.toml");
         at_key("key", text, frame)
     }
 

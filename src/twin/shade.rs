@@ -10,13 +10,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// One pixel of a band under one chunk.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub enum Pixel {
     /// What is visible lies in another chunk, or it is a miss and this is not the first chunk; or the pixel's ray ended in
     /// a bounce before, or goes on at the next.
     Untouched,
     Miss(PixelValues),
-    Hit(Shaded),
+    Hit(Box<Shaded>),
 }
 
 /// A hit.
@@ -134,7 +134,7 @@ fn shade_pixel(input: &KernelInputs, key: Option<u64>, pixel: u32, real: Real) -
         uv,
         ..PixelValues::MISS
     };
-    Pixel::Hit(Shaded { values: PixelValues { coverage: 1.0, ..seen }, error })
+    Pixel::Hit(Box::new(Shaded { values: PixelValues { coverage: 1.0, ..seen }, error }))
 }
 
 /// A ray that hits nothing.
@@ -171,7 +171,7 @@ fn end_on_smooth(input: &KernelInputs, behind: &Behind, (id, t): (u32, f64), (x,
     let (position, triangle) = (point + input.anchor(), id);
     let view = -d.normalize();
     let seen = PixelValues { view, triangle, piece, mirror, t, z, colour, position, albedo, ..PixelValues::MISS };
-    Pixel::Hit(Shaded { values: PixelValues { coverage: 1.0, ..seen }, error })
+    Pixel::Hit(Box::new(Shaded { values: PixelValues { coverage: 1.0, ..seen }, error }))
 }
 
 impl Behind {
@@ -189,7 +189,8 @@ impl Pixel {
     pub fn word(&self, channel: Channel) -> Option<u32> {
         match self {
             Pixel::Untouched => None,
-            Pixel::Miss(values) | Pixel::Hit(Shaded { values, .. }) => Some(values.word(channel)),
+            Pixel::Miss(values) => Some(values.word(channel)),
+            Pixel::Hit(shaded) => Some(shaded.values.word(channel)),
         }
     }
 }

@@ -50,7 +50,7 @@ enum Source {
     /// A shape with a number of facets.
     Shape(Shape, usize),
     /// A mesh, simplified to about this number of facets, or as it is.
-    Mesh(MeshSpec, Option<usize>),
+    Mesh(Box<MeshSpec>, Option<usize>),
 }
 
 /// The key `facets`.
@@ -122,7 +122,7 @@ fn read_optical(table: &Table, surface: &Field, bounce: Bounce) -> Result<Arc<dy
         }
         None => {
             let count = own.optional("count", |f| f.integer(4, COUNT_MAX))?.map(|n| n as usize);
-            Source::Mesh(read_mesh(surface, &["count", "cameras"])?, count)
+            Source::Mesh(Box::new(read_mesh(surface, &["count", "cameras"])?), count)
         }
     };
     let cameras = own.optional("cameras", |f| f.integer(4, COUNT_MAX))?.map(|n| n as usize);
