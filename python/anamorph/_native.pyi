@@ -80,6 +80,10 @@ class Scene:
         """
         Adds the mesh of a `[[mesh]]` table.
         """
+    def animate(self, /, name: str, times: SupportsGetItem[int, SupportsFloat | SupportsIndex], vertices: Incomplete) -> None:
+        """
+        Lets an object move while an image is taken.
+        """
     @property
     def bounds(self, /) -> list[list[float]] | None: ...
     @property
@@ -96,6 +100,10 @@ class Scene:
     def objects(self, /) -> list[tuple[str, int]]: ...
     @staticmethod
     def parse(text: str, folder: str | PathLike[str]) -> Scene: ...
+    def set_exposure(self, /, line_time: SupportsFloat | SupportsIndex, line_order: str, times: Incomplete | None, shutter: SupportsFloat | SupportsIndex) -> None:
+        """
+        Sets when the pixels of images are exposed.
+        """
     def set_vertices(self, /, name: str, vertices: Incomplete) -> None:
         """
         Gives an object other vertices.

@@ -1037,8 +1037,8 @@ def top_down(
       distance    length                 from the eye to the target (default 1)
 
     A region shows, pixel for pixel, the pinhole of its viewpoint, moved by whole pixels; outside the bands the picture is the
-    root's plain view; in a band near and far points are interpolated (CGLC segments). Regions and their bands must not
-    overlap, nor leave their face of a cube. If a band is too narrow for the distance between its region's eye and the root's, rays
+    root's plain view; in a band near and far points are interpolated (CGLC segments). Where regions or their bands overlap, each has its share of what
+    those before it in the list leave. They must not leave their face of a cube. If a band is too narrow for the distance between its region's eye and the root's, rays
     cross in it, and a note says so. (Popescu et al., 3.3, Fig. 1 and 6, 4.3)
     """
     return Camera("top_down", {"eye": eye, "target": target, "up": up, "vfov": vfov, "regions": regions, "band": band, "layout": layout, "near": near, "far": far, "foreground": foreground, "cut": cut, "longitudinal": longitudinal, "join": join, "morph": morph, "matrix": matrix, "quaternion": quaternion, "convention": convention, "distance": distance})
@@ -1053,6 +1053,7 @@ def track(
     targets: Value | None = None,
     bend: Value | None = None,
     far: Value | None = None,
+    segments: Value | None = None,
     longitudinal: Value | None = None,
     join: Value | None = None,
     morph: Value | None = None,
@@ -1067,8 +1068,10 @@ def track(
       targets       [{ at = [x, y, z], radius = r }, ...]
                                  balls, middle and outline, to be seen where they would be without occluders (default radius 0)
       bend          "up"         where rays go: "up", "down", "left", "right" in the picture; or "auto", the flattest of eight
-                                 directions, one for all targets if possible (default "auto")
+                                 directions or a mean of some, one for all targets if possible (default "auto")
       far           length       where the rays end, along the view's axis (default: beyond the scene)
+      segments      N            at most N segments of two triangles in each layer, as in the paper: 9 for a target, 17 for two
+                                 apart; where bands of targets meet the shifts are coarser (default: as many as are of use)
       longitudinal  N            the detours out and back have N parts that bend gradually (default 1)
       join          "bezier"     the detours out and back are curves (default "straight")
       morph         0..1         1 as built, 0 the plain view (default 1)
@@ -1082,11 +1085,13 @@ def track(
 
     Rays about a hidden target's place are shifted parallel to the image, smoothly from the eye to before what hides it, and
     back from behind that to the target's front; there and beyond they are those of the plain view. The shift falls to 0
-    around the target; where targets meet, shifts are blended. Nothing hidden: the plain view. A target that no
-    shift reaches, or that is behind the eye, is shown as in the plain view; the summary line, the report and `anamorph camera` say so.
+    around the target; where targets meet, shifts are blended, and the nearer target's counts where they overlap. A shift
+    begins to grow when something is about to hide its target, 1/16 of the image's height away. Nothing hidden: the plain view. A
+    target that no shift reaches, that is behind the eye, or for which there are no more layers, is shown as in the plain view; the
+    summary line, the report and `anamorph camera` say so.
     (Popescu et al., 3.3, Fig. 8)
     """
-    return Camera("track", {"eye": eye, "target": target, "up": up, "vfov": vfov, "targets": targets, "bend": bend, "far": far, "longitudinal": longitudinal, "join": join, "morph": morph, "matrix": matrix, "quaternion": quaternion, "convention": convention, "distance": distance})
+    return Camera("track", {"eye": eye, "target": target, "up": up, "vfov": vfov, "targets": targets, "bend": bend, "far": far, "segments": segments, "longitudinal": longitudinal, "join": join, "morph": morph, "matrix": matrix, "quaternion": quaternion, "convention": convention, "distance": distance})
 
 
 def opencv(
