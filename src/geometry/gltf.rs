@@ -41,9 +41,11 @@ pub enum Files {
 /// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`; where a material
 /// is masked there is a surface from its cutoff on, and where it is blended from an opacity of one half on; without an image everywhere.
 /// `COLOR_0` is the vertices' colour, by which the diffuse colour is multiplied. It is as rough, metallic and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the
-/// inverse transpose. Vertices keep the file's order also where a node mirrors them. With `animation` the scene is as at a time of one of
-/// its animations, with its morph targets and skins; these are not applied otherwise. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that do not exist are left out, and listed in
-/// [`Mesh::missing`].
+/// inverse transpose. Vertices keep the file's order also where a node mirrors them.
+///
+/// With `animation` the scene is as at a time of one of its animations, with its morph targets and skins. Without it morph targets and
+/// skins are not applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that do not exist are left out, and
+/// listed in [`Mesh::missing`].
 ///
 /// # Errors
 /// [`Error::Input`] naming the file and the accessor, buffer, node or mesh: no glTF 2.0; a required extension

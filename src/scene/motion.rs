@@ -14,9 +14,9 @@ pub const NEEDED: [Channel; 4] = [Channel::T, Channel::TriangleId, Channel::Bary
 /// Names in an EXR file.
 pub const NAMES: [&str; 2] = ["motion.X", "motion.Y"];
 
-/// Motion of each pixel of `frame`, rendered from `now`, to the image of `next`: right and down, px. The same point of the same
-/// triangle is projected, where it is one frame after the pixel's own time; of several images the nearest counts, hidden or not. 0 where nothing is hit; NaN where `next` has no image of
-/// it, or the search was given up ([`crate::camera::project::Images::incomplete`]).
+/// Motion of each pixel of `frame`, rendered from `now`, to the image of `next`: right and down, px. The same point of the same triangle is
+/// projected, where it is one frame after the pixel's own time. Of several images the nearest counts, hidden or not. 0 where nothing is
+/// hit. NaN where `next` has no image of it, or the search was given up ([`crate::camera::project::Images::incomplete`]).
 ///
 /// # Errors
 /// [`Error::Input`] if the camera has a mirror or lens, the triangles are not the same, or the frame lacks one of [`NEEDED`].

@@ -219,6 +219,7 @@ fn wrong_times_are_refused_in_one_line() {
         ("", "", "line_time = 1\nline_order = 'in'", "\"in\" is no order of lines; known: \"down\", \"up\""),
         ("", "", "line_time = 1\ntimes = 'a.npy'", "camera.times: line_time says it already"),
         ("", "", "times = 'a.npy'", "a.npy"),
+        ("motion_steps = 255", whirl, "line_time = 1e12", "over the limit of 255; shorten shutter"),
         ("shutter = 1", whirl, "", "steps from keyframe to keyframe, over the limit of 255; shorten shutter"),
     ] {
         let text = refused(image, mesh, camera);

@@ -34,23 +34,26 @@ pub(super) fn steps(keyed: &Node, source: &Source, file: &SceneFile, frame: f64)
     times.sort_by(f64::total_cmp);
     times.dedup();
     let ends = times.iter().map(|t| at(*t)).collect::<Result<Vec<_>>>()?;
-    let mut all = Vec::new();
-    for pair in ends.windows(2) {
-        let (from, to) = (pair[0].time, pair[1].time);
-        let of_frame = |n: u32| (f64::from(n) * (to - from)).ceil() as u32;
-        let parts = file.image.motion_steps.map_or_else(|| parts(&pair[0], &pair[1]), of_frame);
-        all.extend((0..parts).map(|k| from + (to - from) * f64::from(k) / f64::from(parts)));
-    }
-    all.push(last);
-    if all.len() > TIMES_MAX {
-        let (n, most) = (all.len() - 1, TIMES_MAX - 1);
+    let ways: Vec<(f64, f64, u32)> = ends
+        .windows(2)
+        .map(|pair| {
+            let (from, to) = (pair[0].time, pair[1].time);
+            let of_frame = |n: u32| (f64::from(n) * (to - from)).ceil() as u32;
+            (from, to, file.image.motion_steps.map_or_else(|| parts(&pair[0], &pair[1]), of_frame))
+        })
+        .collect();
+    // counted before any is listed: there can be billions
+    let n: u64 = ways.iter().map(|(.., parts)| u64::from(*parts)).sum();
+    let most = TIMES_MAX as u64 - 1;
+    if n > most {
         return Err(Error::input(format!(
             "{}: the frame takes {n} steps from keyframe to keyframe, over the limit of {most}; shorten shutter or line_time, or set \
              image.motion_steps",
             source.path.display()
         )));
     }
-    all.into_iter().map(at).collect()
+    let part = |(from, to, parts)| (0..parts).map(move |k| from + (to - from) * f64::from(k) / f64::from(parts));
+    ways.into_iter().flat_map(part).chain([last]).map(at).collect()
 }
 
 fn entry<'a>(root: &'a Node, key: &str) -> Option<&'a Node> {
