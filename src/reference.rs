@@ -22,6 +22,7 @@ mod cover;
 mod curve;
 mod explain;
 mod finding;
+pub mod gradient;
 pub mod image;
 mod intersect;
 mod length;

@@ -1,5 +1,8 @@
 //! What users of the library see, used as they use it: by public names alone. Without an adapter all of it goes by the reference.
 
+#[path = "library/fit.rs"]
+mod fit;
+
 use anamorph::{
     Batch, BatchEvent, BatchOptions, Camera, Caster, Channel, Error, Job, Mesh, NO_ID, Placed, Plane, RenderOptions,
     Rendered, Renderer, Result, Scene, Shard, Views,
@@ -452,4 +455,53 @@ fn a_ray_from_very_far_meets_a_tiny_triangle_once() {
     for hits in caster.all(&rays, [0.0, f64::INFINITY]).unwrap() {
         assert_eq!(hits.iter().map(|hit| hit.triangle).collect::<Vec<_>>(), [0]);
     }
+}
+
+#[test]
+fn gradients_are_arrays_by_their_names() {
+    let (positions, triangles) = tetrahedron();
+    let mut scene = Scene::parse(CAMERA, ".").unwrap();
+    scene.add(Mesh::new(positions, triangles).unwrap()).unwrap();
+    let camera = scene.camera().unwrap();
+    let of = ["vertices", "camera.vfov", "camera.eye.2"];
+    let quantities = ["depth", "position", "barycentrics", "t", "coverage"];
+    let mut by_both = Vec::new();
+    for mut renderer in [Renderer::new().unwrap(), Renderer::reference()] {
+        let found = renderer.gradients(&scene, &camera, &quantities, &of).unwrap();
+        assert_eq!(found.f32("depth.vertices").unwrap().0, [36, 48, 3, 3]);
+        assert_eq!(found.f32("position.vertices").unwrap().0, [36, 48, 3, 3, 3]);
+        assert_eq!(found.f32("barycentrics.camera").unwrap().0, [36, 48, 3, 2]);
+        assert_eq!(found.u32("coverage.pixels").unwrap().0, [36, 48, 2]);
+        assert_eq!(found.parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), of[1..]);
+        assert!(found.json().unwrap().contains("\"camera.eye.2\""));
+        // weights sum to 1, so their changes to 0; and a plane that moves with all corners moves its hits by N / (N . D)
+        let (ids, (_, weights)) = (found.u32("triangle").unwrap().1, found.f32("barycentrics.vertices").unwrap());
+        assert!(ids.iter().filter(|id| **id != NO_ID).count() > 200);
+        for (id, weights) in ids.iter().zip(weights.as_chunks::<27>().0) {
+            let sums = (0..9).map(|n| weights[n] + weights[9 + n] + weights[18 + n]);
+            // f32 of weights that change by some units a unit
+            assert!(sums.into_iter().all(|sum| sum.abs() < 1e-5), "{id}: {weights:?}");
+            assert!(*id != NO_ID || weights.iter().all(|n| *n == 0.0));
+        }
+        by_both.push(found);
+    }
+    let [engine, reference] = [0, 1].map(|k| by_both[k].f32("depth.camera").unwrap().1);
+    // f32 of numbers of some units
+    assert!(engine.iter().zip(reference).all(|(a, b)| (a - b).abs() < 1e-5));
+    let mut renderer = Renderer::new().unwrap();
+    let mut refused = |quantities: &[&str], of: &[&str]| {
+        let error = renderer.gradients(&scene, &camera, quantities, of).unwrap_err();
+        assert!(matches!(error, Error::Input(_)) && !error.to_string().contains('\n'), "{error}");
+        error.to_string()
+    };
+    assert!(refused(&["colour"], &[]).contains("known: depth, t, position"));
+    assert!(refused(&[], &[]).contains("no gradient is asked for"));
+    assert!(refused(&["depth"], &["vfov"]).contains("camera.vfov"));
+    assert!(refused(&["depth"], &["camera.fov"]).contains("it has eye.0, eye.1, eye.2, target.0"));
+    let rays = vec![[0.0, 0.0, 1.0]; 4];
+    let of_rays = Camera::of_rays((2, 2), &rays, &vec![[0.0, 0.0, -1.0]; 4], [0.0, 9.0]).unwrap();
+    assert!(renderer.gradients(&scene, &of_rays, &["t"], &["vertices"]).is_ok());
+    assert!(
+        renderer.gradients(&scene, &of_rays, &["t"], &["camera.x"]).unwrap_err().to_string().contains("has no keys")
+    );
 }

@@ -15,6 +15,7 @@ const MATERIAL: &str = include_str!("../wgsl/materials/material.wgsl");
 const STYLE: &str = include_str!("../wgsl/styles/layout.wgsl");
 const SEGMENT: &str = include_str!("../wgsl/shared/segment.wgsl");
 const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
+const GRADIENTS: &str = include_str!("../wgsl/gradients/layout.wgsl");
 const OPTICS: &str = include_str!("../wgsl/optics/layout.wgsl");
 const CAUSTICS: &str = include_str!("../wgsl/caustics/layout.wgsl");
 const RIVALS: &str = include_str!("../wgsl/rivals/layout.wgsl");
@@ -211,6 +212,7 @@ fn host() -> Layouts {
             frequency_hi,
             frequency_lo,
         }),
+        layout!(GradientParams { width, rows, first, pixels, directions, pixel_first, pad0, pad1 }),
         layout!(DepositParams { count, texels, pad0, pad1 }),
         layout!(CausticTriangle { a, b, c, receiver, pad0, flux, pad1 }),
         layout!(Receiver { columns, rows, first, scale }),
@@ -372,6 +374,7 @@ fn every_struct_is_the_same_bytes_on_both_sides() {
         wgsl(&format!("{PARAMS}{SEGMENT}")).into_iter().filter(|(name, _)| name == "BvhNode" || name == "LeafTriangle"),
     );
     kernels.extend(wgsl(BEAMS));
+    kernels.extend(wgsl(GRADIENTS));
     kernels.extend(wgsl(OPTICS));
     kernels.extend(wgsl(CAUSTICS));
     assert_eq!(differences(&host(), &kernels), [""; 0]);

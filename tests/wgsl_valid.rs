@@ -27,7 +27,7 @@ fn variants() -> impl Iterator<Item = Variant> {
 }
 
 /// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
-const WIDE: [&str; 16] = [
+const WIDE: [&str; 18] = [
     "exact",
     "small",
     "raster",
@@ -38,6 +38,8 @@ const WIDE: [&str; 16] = [
     "recheck_samples",
     "resolve",
     "shade",
+    "gradient",
+    "gradient_edge",
     "meet",
     "bounce",
     "paste",
@@ -78,7 +80,8 @@ fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
 fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
     let controls = [control::read_only(), control::write_only(), control::subgroup_width()];
     controls.iter().for_each(|k| check(k, Variant::PLAIN));
-    check(&exact::kernel(), Variant { f64: true, ..Variant::PLAIN });
+    let alone = [exact::kernel(), stage::gradient::kernel(), stage::gradient::edge_kernel()];
+    alone.iter().for_each(|k| check(k, Variant { f64: true, ..Variant::PLAIN }));
     for variant in variants() {
         stage::all_kernels(variant, &Channel::every().collect::<Vec<_>>()).iter().for_each(|k| check(k, variant));
         for wide in [false, true] {
@@ -168,8 +171,9 @@ fn every_kernel_is_valid_and_portable() {
     let traced = 4 * (5 + 2 * 4 + 3 * 3 + 6 * 4 + 4 * 5 + 3) + 2 * 2 + 2;
     // and where things move: a camera of pieces, a field and curves, with rivals each, and a mirror of facets with the rays that it bounces
     let timed = 4 * (2 * 4 + 3 + 3 * 4 + 2 * 5);
-    let exact = 1;
-    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + exact);
+    // what an adapter is tested with, and two kernels of gradients
+    let alone = 1 + 2;
+    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + alone);
 }
 
 /// It has the kernel's name and the common workgroup.

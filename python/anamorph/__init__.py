@@ -16,8 +16,9 @@ from . import camera
 from ._camera import colmap_images
 from ._cast import Hits, RayCaster, cast
 from ._frame import NO_ID, Comparison, Frame, Views, compare
+from ._gradients import Gradients, Parameter
 from ._mesh import Mesh
-from ._render import Projection, Renderer, check, project, render
+from ._render import Projection, Renderer, check, gradients, project, render
 from ._scene import Scene
 from ._view import Viewer, view
 from .camera import Camera
@@ -27,8 +28,10 @@ __all__ = [
     "Camera",
     "Comparison",
     "Frame",
+    "Gradients",
     "Hits",
     "Mesh",
+    "Parameter",
     "Projection",
     "RayCaster",
     "Renderer",
@@ -40,6 +43,7 @@ __all__ = [
     "check",
     "colmap_images",
     "compare",
+    "gradients",
     "project",
     "render",
     "view",

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._frame import Comparison, Frame, Views
+from ._gradients import Gradients, _gradients
 from ._scene import Scene
 from ._values import Numbers, array, quiet_window_system
 from .camera import Camera
@@ -137,6 +138,34 @@ class Renderer:
         planes, rgba, report = self._native.render_many(scene._native, own, names, color, samples, analytic)
         return Views(dict(planes), rgba, report)
 
+    def gradients(
+        self,
+        quantities: Sequence[str],
+        of: Sequence[str] = ("vertices",),
+        size: tuple[int, int] | None = None,
+        *,
+        scene: Scene | None = None,
+        camera: Camera | None = None,
+    ) -> Gradients:
+        """How what each pixel shows changes with the corners of its triangle, and with numbers of the camera.
+
+        Args:
+            quantities: ``"depth"`` (Z), ``"t"``, ``"position"``, ``"barycentrics"``, ``"coverage"``.
+            of: ``"vertices"``, and numbers of the camera's keys, such as ``"camera.fov"`` or ``"camera.eye.0"``, or of its calibration
+                file, such as ``"camera.fx"`` or ``"camera.k1"``.
+            size, scene, camera: as of :meth:`render`.
+
+        Raises:
+            ValueError: an unknown name, a number that the camera has not or that its rays do not change smoothly with, or a scene and a
+                camera without gradients.
+            RuntimeError: memory does not suffice, or the device is lost.
+        """
+        scene = scene or self._scene()
+        aimed = camera or self.camera or scene.camera
+        if aimed is None:
+            raise ValueError("there is no camera; give one")
+        return _gradients(*self._native.gradients(scene._native, aimed._bind(scene, size), list(quantities), list(of)))
+
     def __enter__(self) -> Renderer:
         return self
 
@@ -175,6 +204,26 @@ def render(
 ) -> Frame:
     """Renders an image on the machine's fastest adapter, which stays open for the next call; arguments as of :meth:`Renderer.render`."""
     return _renderer().render(channels, size, samples, analytic, scene=scene, camera=camera)
+
+
+def gradients(
+    scene: Scene,
+    camera: Camera | None,
+    quantities: Sequence[str],
+    of: Sequence[str] = ("vertices",),
+    size: tuple[int, int] | None = None,
+) -> Gradients:
+    """How an image changes with the corners of its triangles, and with numbers of its camera; arguments as of :meth:`Renderer.gradients`.
+
+    >>> import anamorph as am
+    >>> scene = am.Scene()
+    >>> scene.add_builtin("icosphere")
+    >>> camera = am.camera.fisheye(eye=[0, 0, 3], target=[0, 0, 0], fov=60)
+    >>> found = am.gradients(scene, camera, ["depth"], ["vertices", "camera.fov"], size=(48, 32))
+    >>> found["depth.vertices"].shape, found["depth.camera"].shape
+    ((32, 48, 3, 3), (32, 48, 1))
+    """
+    return _renderer().gradients(quantities, of, size, scene=scene, camera=camera)
 
 
 def check(scene: Scene, camera: Camera | None, frame: Frame) -> Comparison:

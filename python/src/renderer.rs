@@ -4,7 +4,7 @@ use crate::calls::run;
 use crate::camera::Camera;
 use crate::frame::{Planes, channels, planes};
 use crate::scene::Scene;
-use anamorph::{Error, RenderOptions};
+use anamorph::{Error, Numbers, RenderOptions};
 use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex};
@@ -58,6 +58,34 @@ impl Renderer {
         let rgba = rendered.rgba.map(|bytes| PyArray1::from_vec(py, bytes).reshape(shape)).transpose()?;
         let size = [rendered.frame.height as usize, rendered.frame.width as usize];
         Ok((planes(py, rendered.frame.planes, size)?, rgba, report))
+    }
+
+    /// Arrays of gradients by their names; and of each number of the camera its name, value, step, and errors of origins and directions.
+    #[allow(clippy::type_complexity)]
+    #[pyo3(signature = (scene, camera, quantities, of))]
+    fn gradients<'py>(
+        &self,
+        py: Python<'py>,
+        scene: &Scene,
+        camera: &Camera,
+        quantities: Vec<String>,
+        of: Vec<String>,
+    ) -> PyResult<(Vec<(String, Bound<'py, PyAny>)>, Vec<(String, f64, f64, f64, f64)>)> {
+        let (renderer, scene, camera) = (self.renderer.clone(), scene.now(), camera.camera.clone());
+        let found = run(py, move || {
+            let names = |list: &'_ [String]| list.iter().map(String::as_str).collect::<Vec<_>>();
+            lock(&renderer)?.gradients(&scene, &camera, &names(&quantities), &names(&of))
+        })?;
+        let array = |array: anamorph::GradientArray| {
+            let numbers = match array.numbers {
+                Numbers::F32(numbers) => PyArray1::from_vec(py, numbers).reshape(array.shape)?.into_any(),
+                Numbers::U32(numbers) => PyArray1::from_vec(py, numbers).reshape(array.shape)?.into_any(),
+            };
+            Ok((array.name, numbers))
+        };
+        let arrays = found.arrays.into_iter().map(array).collect::<PyResult<_>>()?;
+        let parameters = found.parameters.into_iter().map(|p| (p.name, p.value, p.step, p.error[0], p.error[1]));
+        Ok((arrays, parameters.collect()))
     }
 
     /// The same of an image through each camera: planes (N, H, W), colour (N, H, W, 4).

@@ -77,6 +77,13 @@ def test_panorama(tmp_path: pathlib.Path) -> None:
     assert sorted(file.name for file in tmp_path.iterdir()) == ["0000.png", "0001.png"]
 
 
+def test_fit_fisheye() -> None:
+    lines = run("fit_fisheye.py", "--sizes", 24, 48, 96, "--steps", 8).splitlines()
+    off = [float(line.split()[-2]) for line in lines[:4]]
+    # 64 rays a pixel are off by some 1/50 of a pixel, of which there are 640 / 96 in one
+    assert off[0] > 10 and off[-1] < 0.2 and off[-1] < off[1]
+
+
 def test_pieces(tmp_path: pathlib.Path) -> None:
     needs("matplotlib")
     said = run("pieces.py", tmp_path / "pieces.png", "--size", 90, 30)

@@ -9,7 +9,7 @@ use crate::camera::spec::CameraSpec;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;
 use crate::input::{Error, Result};
-use crate::scene::file;
+use crate::scene::file::{self, CameraKeys};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::path::Path;
@@ -19,6 +19,8 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Camera {
     pub(super) camera: Arc<crate::camera::Camera>,
+    /// Its table, if it has one.
+    pub(super) keys: Arc<CameraKeys>,
 }
 
 impl Camera {
@@ -29,7 +31,8 @@ impl Camera {
     /// [`Error::Input`] for a wrong key, values that contradict each other, or no size; [`Error::Missing`] or [`Error::Read`] for a file that cannot be read.
     pub fn parse(table: &str, folder: impl AsRef<Path>, scene: &Scene, size: Option<(u32, u32)>) -> Result<Camera> {
         let spec = file::camera_of(table, folder.as_ref())?;
-        Camera::of_spec(&spec, size.or(scene.scene.size), scene)
+        let camera = Camera::of_spec(&spec, size.or(scene.scene.size), scene)?;
+        Ok(Camera { keys: Arc::new(CameraKeys::of_table(table, folder.as_ref())?), ..camera })
     }
 
     /// A camera of given rays `P + t D`, one for each of `width x height` pixels, row by row from the top; `t_range` has the ends of t. A pixel
@@ -62,7 +65,8 @@ impl Camera {
     }
 
     fn of_spec(spec: &CameraSpec, size: Option<(u32, u32)>, scene: &Scene) -> Result<Camera> {
-        Ok(Camera { camera: Arc::new(crate::camera::Camera::in_scene(spec, size, &scene.scene.mesh)?) })
+        let camera = Arc::new(crate::camera::Camera::in_scene(spec, size, &scene.scene.mesh)?);
+        Ok(Camera { camera, keys: Arc::default() })
     }
 
     /// The `kind` key of a scene file.

@@ -3,6 +3,7 @@
 mod batch;
 mod camera;
 mod caster;
+mod gradients;
 mod job;
 mod mesh;
 mod objects;
@@ -16,6 +17,7 @@ mod views;
 pub use self::batch::Batch;
 pub use self::camera::{Camera, camera_kinds, colmap_images, project};
 pub use self::caster::{Caster, RayHit};
+pub use self::gradients::{GradientArray, GradientParameter, Gradients, Numbers};
 pub use self::job::Job;
 pub use self::mesh::Mesh;
 pub use self::renderer::{RenderOptions, Rendered, Renderer, check, reference};

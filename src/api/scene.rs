@@ -131,7 +131,7 @@ impl Scene {
     /// [`Error::Input`] if the scene has no camera or no size, or the camera's values contradict each other.
     pub fn camera(&self) -> Result<Camera> {
         self.check_camera()?;
-        Ok(Camera { camera: Arc::new(self.scene.camera()?) })
+        Ok(Camera { camera: Arc::new(self.scene.camera()?), keys: self.scene.camera_keys.clone() })
     }
 
     /// The same for an image of `width x height` pixels.
@@ -142,7 +142,7 @@ impl Scene {
         self.check_camera()?;
         let size = Some((width, height));
         let camera = self.scene.camera_of_size(size)?;
-        Ok(Camera { camera: Arc::new(camera) })
+        Ok(Camera { camera: Arc::new(camera), keys: self.scene.camera_keys.clone() })
     }
 
     fn check_camera(&self) -> Result<()> {

@@ -293,6 +293,34 @@ impl Field {
         map.map.part(DVec2::new(f64::from(i), f64::from(j)) + map.sample, self.size())
     }
 
+    /// The ray of a part's formula `by` pixels from a pixel's sample. Of stored rays between two pixels, up to half a pixel away along one axis;
+    /// beyond the image they go on as between the last two.
+    pub(super) fn ray_of_part(&self, part: usize, (i, j): (u32, u32), by: DVec2) -> Option<Ray> {
+        let ray = match &self.map {
+            Some(map) => {
+                let place = DVec2::new(f64::from(i), f64::from(j)) + map.sample + by;
+                usable(map.map.ray_of_part(part, place, self.size())?)
+            }
+            None => self.towards((i, j), by),
+        };
+        ray.map(|(origin, direction)| Ray { origin, direction })
+    }
+
+    /// `by` is along one axis. No ray towards a pixel of the image that has none.
+    fn towards(&self, (i, j): (u32, u32), by: DVec2) -> Option<(DVec3, DVec3)> {
+        let (p, d) = self.ray(i, j)?;
+        let sign = |x: f64| if x == 0.0 { 0 } else { x.signum() as i64 };
+        let (at, step) = ((i64::from(i), i64::from(j)), (sign(by.x), sign(by.y)));
+        let is_inside = |x: i64, side: u32| (0..i64::from(side)).contains(&x);
+        let next = (at.0 + step.0, at.1 + step.1);
+        let beyond = !(is_inside(next.0, self.width) && is_inside(next.1, self.height));
+        let other = if beyond { (at.0 - step.0, at.1 - step.1) } else { next };
+        self.get(other.0, other.1)?;
+        let (dp, dd) = self.slope(at.0, at.1, step, (p, d));
+        let share = by.abs().max_element();
+        Some((p + share * dp, d + share * dd))
+    }
+
     /// Whether the pixel has a ray, and a place within [`SAFE_RADIUS_PX`] lies in no part of the image.
     pub(super) fn ends_near(&self, i: u32, j: u32) -> bool {
         let Some(map) = &self.map else { return false };

@@ -12,6 +12,7 @@ pub const TILE: u32 = 8;
 mod boxes;
 pub mod bundle;
 pub mod chain;
+pub mod change;
 pub mod curve;
 pub mod describe;
 pub mod exposure;

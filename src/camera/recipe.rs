@@ -45,6 +45,19 @@ pub trait Recipe: Any + Debug + Equal + Send + Sync {
     fn lines(&self) -> Option<Lines> {
         None
     }
+
+    /// The numbers that it has from a file, such as `fx`, by their names.
+    fn numbers(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
+    /// The same with another value of one of these numbers; `None`: it has none of this name.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a value that the number cannot have.
+    fn with_number(&self, _name: &str, _value: f64) -> Result<Option<Arc<dyn Recipe>>> {
+        Ok(None)
+    }
 }
 
 /// Equality of recipes behind `dyn`: those of the same type are compared by `==`.

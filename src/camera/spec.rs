@@ -59,6 +59,11 @@ pub(crate) fn read_camera_and_readout(
     Ok((spec, readout))
 }
 
+/// The camera alone of a scene, whatever is said about when its pixels are read.
+pub(crate) fn read_camera_of_scene(field: &Field) -> Result<CameraSpec> {
+    read_kind(&field.table()?.with_keys_read_elsewhere(&exposure::KEYS))
+}
+
 fn read_kind(table: &Table) -> Result<CameraSpec> {
     let names = || KINDS.iter().map(|k| k.name).collect::<Vec<_>>();
     let Some(key) = table.get("kind") else {

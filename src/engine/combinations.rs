@@ -61,6 +61,9 @@ features! {
     Aimed, "`Frames::aim`";
     Relit, "`Frames::light`";
     InSequence, "one of a sequence of frames";
+    Gradients, "gradients";
+    CoverageGradients, "gradients of coverage";
+    CameraInMotion, "a camera that moves while the frame is taken";
 }
 
 /// Features of which a frame cannot have all.
@@ -101,8 +104,34 @@ pub const REFUSALS: &[Refusal] = {
     const ONE: &str = "render one frame per sample";
     const ANEW: &str = "call Engine::prepare again";
     const MOVES: &str = "make shutter and line_time 0";
+    const WITHOUT_GRADIENTS: &str = "leave the gradients out";
+    const SINGLE: &str = "use one sample per pixel";
     const ALONE: &str = "render this frame with Engine::render";
     &[
+        refusal(
+            &[Gradients, Samples],
+            "gradients are those of the rays of pixel centres, not of {samples} samples",
+            SINGLE,
+        ),
+        refusal(
+            &[Gradients, Curves],
+            "{camera} has curved or layered rays, which have no gradients",
+            WITHOUT_GRADIENTS,
+        ),
+        refusal(&[Gradients, Optics], "{camera} reflects or refracts rays, which have no gradients", WITHOUT_GRADIENTS),
+        refusal(&[Gradients, Timed], "gradients are of one time", MOVES),
+        refusal(&[Gradients, CameraInMotion], "gradients are of a camera that stands still", MOVES),
+        refusal(&[Gradients, Rival], "{rival} has no gradients", "use --engine compute"),
+        refusal(
+            &[CoverageGradients, Incoherent],
+            "gradients of coverage compare neighbouring pixels, whose rays are unrelated in {camera}",
+            "leave coverage out of the gradients",
+        ),
+        refusal(
+            &[CoverageGradients, AlphaMasks],
+            "gradients of coverage are of edges of triangles, not of alpha masks",
+            "leave coverage out of the gradients",
+        ),
         refusal(&[Timed, Rival], "{rival} sees the whole scene at one time", MOVES),
         refusal(&[Timed, Raster], "what moves while the frame is taken is traced", "leave out --method raster"),
         refusal(&[Timed, Certified], "pixels cannot be certified while things move", WITHOUT_CERTIFIED),
@@ -225,6 +254,9 @@ impl Feature {
             Feature::Incoherent => is_incoherent(camera),
             Feature::Bands => planned.is_some_and(|(plan, _)| plan.bands.len() > 1),
             Feature::Chunks => planned.is_some_and(|(_, chunks)| chunks > 1),
+            Feature::Gradients => wanted.gradients,
+            Feature::CoverageGradients => wanted.coverage_gradients,
+            Feature::CameraInMotion => camera.moving.is_some(),
             Feature::Aimed | Feature::Relit | Feature::InSequence => *change == Some(self),
         }
     }

@@ -512,6 +512,20 @@ pub struct Beam {
     pub pad1: u32,
 }
 
+/// A dispatch of the kernels of gradients, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct GradientParams {
+    pub width: u32,
+    pub rows: u32,
+    pub first: u32,
+    pub pixels: u32,
+    pub directions: u32,
+    pub pixel_first: u32,
+    pub pad0: u32,
+    pub pad1: u32,
+}
+
 /// A dispatch of deposit.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

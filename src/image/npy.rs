@@ -28,6 +28,24 @@ pub fn write_npy_f64(path: &Path, shape: &[u64], data: &[f64]) -> Result<()> {
     })
 }
 
+/// Writes numbers of another type alike, in C order.
+///
+/// # Errors
+/// Those of [`write_npy_f64`].
+pub fn write_npy<T: npyz::AutoSerialize>(path: &Path, shape: &[usize], data: &[T]) -> Result<()> {
+    if shape.iter().product::<usize>() != data.len() {
+        return Err(Error::work(format!("{}: {} numbers do not fill {shape:?}", path.display(), data.len())));
+    }
+    let shape: Vec<u64> = shape.iter().map(|side| *side as u64).collect();
+    write_whole(path, |file| {
+        let mut writer = BufWriter::new(file);
+        let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut writer).begin_nd()?;
+        array.extend(data)?;
+        array.finish()?;
+        writer.flush()
+    })
+}
+
 /// As [`write_npy_f64`], to a writer.
 ///
 /// # Errors

@@ -43,6 +43,11 @@ impl Error {
         }
     }
 
+    /// An [`Error::Write`]: `path` cannot be written, because of `why`.
+    pub(crate) fn unwritable(path: &Path, why: impl std::fmt::Display) -> Self {
+        Error::Write(format!("{}: {why}", path.display()))
+    }
+
     /// An [`Error::Work`].
     pub fn work(message: impl Into<String>) -> Self {
         Error::Work(message.into())

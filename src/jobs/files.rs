@@ -24,6 +24,8 @@ pub struct Files {
     pub color: Option<PathBuf>,
     pub exr: Option<PathBuf>,
     pub points: Option<PathBuf>,
+    /// Those of gradients: the arrays, then what is in them.
+    pub gradients: Vec<(PathBuf, Kind)>,
     pub report: Option<PathBuf>,
 }
 
@@ -46,6 +48,10 @@ impl Files {
             color: own(&job.color, &scene.output.color)?,
             exr: own(&job.exr, &scene.output.exr)?,
             points: job.points.clone(),
+            gradients: job.gradients.as_ref().map_or(Vec::new(), |own| {
+                let arrays = own.files().into_iter().map(|path| (path, outputs::RAYS));
+                arrays.chain([(own.list(), outputs::GRADIENTS)]).collect()
+            }),
             report: job.report.clone(),
         };
         if files.all().count() == 0 && !job.check {
@@ -55,6 +61,9 @@ impl Files {
         }
         named_as(files.color.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
         named_as(files.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")?;
+        if let Some(gradients) = &job.gradients {
+            gradients.make_folder()?;
+        }
         outputs::check(inputs, files.all())?;
         Ok(files)
     }
@@ -66,13 +75,15 @@ impl Files {
             (&self.points, outputs::POINTS),
             (&self.report, outputs::REPORT),
         ];
-        all.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind)))
+        let gradients = self.gradients.iter().map(|(path, kind)| (path.as_path(), *kind));
+        all.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind))).chain(gradients)
     }
 
     /// The images' and points' names and a space, for the summary.
     pub fn names(&self) -> String {
-        let names: Vec<_> =
-            [&self.color, &self.exr, &self.points].into_iter().flatten().map(|p| p.display().to_string()).collect();
+        let list = self.gradients.last().map(|(path, _)| path.clone());
+        let named = [&self.color, &self.exr, &self.points, &list];
+        let names: Vec<_> = named.into_iter().flatten().map(|p| p.display().to_string()).collect();
         if names.is_empty() { String::new() } else { format!("{} ", names.join(", ")) }
     }
 

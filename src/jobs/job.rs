@@ -1,6 +1,6 @@
 //! The options of one render.
 
-use super::options::Named;
+use super::options::{Gradients, Named};
 use crate::camera::Camera;
 use crate::engine::Method;
 use crate::engine::rival::Choice;
@@ -44,6 +44,8 @@ pub struct RenderJob {
     pub exr: Option<PathBuf>,
     /// The hit points, as PLY or NPY.
     pub points: Option<PathBuf>,
+    /// Gradients, as arrays of NumPy.
+    pub gradients: Option<Gradients>,
     /// Times and counts, as JSON.
     pub report: Option<PathBuf>,
     /// `None`: compute, or reference on a machine without an adapter.
@@ -79,6 +81,7 @@ impl RenderJob {
             color: None,
             exr: None,
             points: None,
+            gradients: None,
             report: None,
             engine: None,
             samples: 1,

@@ -4,6 +4,7 @@
 pub mod backend;
 pub mod batch;
 mod files;
+pub mod gradients;
 pub mod job;
 pub mod judged;
 mod memory;

@@ -6,6 +6,8 @@ use crate::engine::Method;
 use crate::image::cryptomatte::MatteKind;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;
+use crate::scene::gradients::Asked;
+use std::path::PathBuf;
 
 /// The channels that a name selects.
 #[derive(Debug, Clone)]
@@ -16,6 +18,13 @@ pub enum Named {
     Matte(MatteKind),
     /// Motion to the next frame.
     Motion,
+}
+
+/// Gradients to compute, and where their files go.
+#[derive(Debug, Clone)]
+pub struct Gradients {
+    pub asked: Asked,
+    pub folder: PathBuf,
 }
 
 /// `800x600`: width and height.

@@ -29,6 +29,8 @@ pub const POINTS: Kind = Kind {
     begins: |head| head.starts_with(b"ply\n") || head.starts_with(NUMPY),
 };
 pub const RAYS: Kind = Kind { name: "a NumPy array", endings: &["npy"], begins: |head| head.starts_with(NUMPY) };
+pub const GRADIENTS: Kind =
+    Kind { name: "a list of gradients", endings: &[], begins: |head| head.starts_with(b"{\n  \"camera\": [") };
 pub const REPORT: Kind =
     Kind { name: "a report", endings: &["json"], begins: |head| head.starts_with(b"{\n  \"version\": \"") };
 pub const PIECES: Kind = Kind {

@@ -2,12 +2,13 @@
 
 use super::backend::Backend;
 use super::files::{self, Files};
+use super::gradients::gradients_of;
 use super::job::{Change, EngineName, RenderJob, load_from};
-use super::options::Named;
+use super::options::{Gradients, Named};
 use super::strips::{self, Strips};
 use super::{judged, memory, points, samples};
 use crate::camera::{Camera, Rays};
-use crate::engine::combinations::at_once;
+use crate::engine::combinations::{Asked, at_once};
 use crate::engine::plan::{LeftOut, Rows, Wanted};
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::report::{Device, FrameMs, Judged, Report};
@@ -20,6 +21,7 @@ use crate::input::files::{Inputs, noted};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::file::OutputSpec;
+use crate::scene::gradients;
 use crate::scene::labels::Labels;
 use crate::scene::library::Library;
 use crate::scene::motion;
@@ -52,6 +54,7 @@ pub struct Seen {
     /// An extra, untimed frame for counts and checks.
     extra: Option<Rendered>,
     mattes: Vec<Matte>,
+    gradients: Option<gradients::Gradients>,
     /// The image file is already written.
     is_written: bool,
 }
@@ -99,6 +102,9 @@ impl Work {
         if job.strict {
             refuse_missing(&scene)?;
         }
+        if let Some(Gradients { asked, .. }) = &job.gradients {
+            check_gradients(&job, asked, (&scene, &camera))?;
+        }
         let files = Files::new(&job, &scene, inputs)?;
         let asked = asked(&job, &files, &scene, &camera);
         let matte_kinds: Vec<MatteKind> = matte_kinds(&job).collect();
@@ -135,7 +141,8 @@ impl Work {
         let mesh = &scene.mesh;
         let mut bytes = memory::need(size, channels, more);
         let is_plain = (files.exr.is_some() || files.color.is_some()) && files.points.is_none();
-        let is_alone = matte_kinds.is_empty() && next.is_none() && !job.check && job.repeat.is_none();
+        let is_alone =
+            matte_kinds.is_empty() && next.is_none() && job.gradients.is_none() && !job.check && job.repeat.is_none();
         let of_rows = Wanted { rows: Some(Rows { first: 0, count: camera.height }), ..wanted.clone() };
         let is_in_strips = bytes > strips::WHOLE_MAX
             && (is_compute && is_plain && is_alone)
@@ -190,7 +197,7 @@ impl Work {
             let wanted = &Wanted { samples, ..wanted.clone() };
             let (color, exr) = (self.files.color.as_deref(), self.files.exr.as_deref());
             let rendered = Strips { scene, camera, wanted, run, row_bytes, color, exr }.render(engine)?;
-            return Ok(Seen { rendered, extra: None, mattes: Vec::new(), is_written: true });
+            return Ok(Seen { rendered, extra: None, mattes: Vec::new(), gradients: None, is_written: true });
         }
         if self.strips.is_some() {
             self.check_whole()?;
@@ -200,7 +207,17 @@ impl Work {
         let run = RunOptions { repeat, moving, no_cull, method: job.method, ..Default::default() };
         let rendered = samples::render(backend, scene, camera, wanted, job.samples, &run, &mut mattes)?;
         let extra = judged::render(job, backend, scene, camera)?;
-        Ok(Seen { rendered, extra, mattes, is_written: false })
+        let gradients = self.gradients(backend, &rendered)?;
+        Ok(Seen { rendered, extra, mattes, gradients, is_written: false })
+    }
+
+    /// The gradients of a frame, if they are asked for.
+    fn gradients(&self, backend: &Backend, rendered: &Rendered) -> Result<Option<gradients::Gradients>> {
+        let Some(own) = &self.job.gradients else { return Ok(None) };
+        let ids =
+            rendered.frame.u32(Channel::TriangleId).ok_or_else(|| Error::work("gradients: the frame has no ids"))?;
+        let of = (&self.scene, &*self.camera, &*self.scene.camera_keys);
+        gradients_of(backend, of, ids, &own.asked).map(Some)
     }
 
     /// Plans its frame as one of a sequence; `None` if it takes several frames, or one by itself.
@@ -208,7 +225,7 @@ impl Work {
         let Work { job, scene, camera, wanted, .. } = self;
         let is_compute = matches!(job.engine, None | Some(EngineName::Compute));
         let is_timed = job.repeat.is_some() || job.report.is_some() || job.check;
-        if !is_compute || is_timed || self.strips.is_some() {
+        if !is_compute || is_timed || self.strips.is_some() || job.gradients.is_some() {
             return Ok(None);
         }
         let has_mattes = !self.matte_kinds.is_empty();
@@ -224,13 +241,13 @@ impl Work {
     pub fn seen(&self, mut rendered: Rendered) -> Seen {
         let mut mattes = self.mattes();
         samples::count(&mut rendered, &mut mattes);
-        Seen { rendered, extra: None, mattes, is_written: false }
+        Seen { rendered, extra: None, mattes, gradients: None, is_written: false }
     }
 
     /// Writes all files; `say` receives progress messages.
     pub fn write(&self, seen: Seen, device: &Device, started: Instant, say: impl Fn(&str)) -> Result<Written> {
         let Work { job, scene, camera, files, .. } = self;
-        let Seen { mut rendered, extra, mattes, is_written } = seen;
+        let Seen { mut rendered, extra, mattes, gradients, is_written } = seen;
         let error = match &extra {
             Some(extra) if job.check => {
                 say("checking against the reference");
@@ -247,6 +264,9 @@ impl Work {
         say("writing");
         if !is_written {
             files.write(scene, camera, &rendered, &self.asked, (mattes, more))?;
+        }
+        if let (Some(named), Some(gradients)) = (&job.gradients, &gradients) {
+            named.write(gradients)?;
         }
         if let Some(path) = &files.report {
             if extra.is_some() {
@@ -337,7 +357,7 @@ fn images_read(job: &RenderJob, own: &OutputSpec) -> ImagesRead {
     };
     let in_channels = match &job.channels {
         Some(list) => list.iter().any(has_colour),
-        None => has_exr || job.points.is_none(),
+        None => has_exr || (job.points.is_none() && job.gradients.is_none()),
     };
     match job.color.is_some() || own.color.is_some() || job.check || in_channels {
         true => ImagesRead::All,
@@ -364,9 +384,20 @@ pub fn refuse_missing(scene: &Scene) -> Result<()> {
     }
 }
 
+/// Refuses gradients of this scene and camera, before anything is written.
+fn check_gradients(job: &RenderJob, asked: &gradients::Asked, (scene, camera): (&Scene, &Camera)) -> Result<()> {
+    let samples = job.samples;
+    let wanted =
+        Wanted { gradients: true, coverage_gradients: asked.has_coverage(), samples, ..Wanted::of(Vec::new()) };
+    Asked { rival: job.rival(), ..Asked::new(scene, camera, &wanted) }.check()?;
+    asked.numbers().try_for_each(|key| scene.camera_keys.number(key).map(|_| ()))?;
+    asked.check_memory((camera.width, camera.height))
+}
+
 /// What the outputs need: the picture unless only channels or mattes are asked for; points come from triangles.
 fn wanted(asked: &[Channel], files: &Files, has_no_matte: bool) -> Wanted {
-    let ids = files.points.is_some().then_some(Channel::TriangleId);
+    let has_ids = files.points.is_some() || !files.gradients.is_empty();
+    let ids = has_ids.then_some(Channel::TriangleId);
     let mut channels: Vec<Channel> = asked.iter().copied().chain(ids).collect();
     channels.sort_unstable();
     channels.dedup();

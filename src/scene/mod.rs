@@ -2,6 +2,7 @@
 
 pub mod caustics;
 pub mod file;
+pub mod gradients;
 pub mod hash;
 pub mod labels;
 pub mod library;

@@ -431,6 +431,58 @@ fn without_an_adapter_the_cpu_renders() {
 }
 
 #[test]
+fn gradients_are_written_as_arrays() {
+    let place = Place::new();
+    for engine in ["compute", "reference"] {
+        let folder = format!("gradients/{engine}");
+        place.works(&[
+            "render",
+            "scene.toml",
+            "--size",
+            "16x12",
+            "--engine",
+            engine,
+            "--gradients",
+            "depth,position,coverage",
+            "--gradients-of",
+            "vertices,camera.vfov,camera.eye.0",
+            "--gradients-to",
+            &folder,
+        ]);
+        let shape = |name: &str| {
+            let bytes = std::fs::read(place.path().join(&folder).join(format!("gradient.{name}.npy"))).unwrap();
+            String::from_utf8_lossy(&bytes[..128.min(bytes.len())]).into_owned()
+        };
+        for (name, kind, expected) in [
+            ("triangle", "u4", "(12, 16"),
+            ("depth.vertices", "f4", "(12, 16, 3, 3"),
+            ("depth.camera", "f4", "(12, 16, 2"),
+            ("position.vertices", "f4", "(12, 16, 3, 3, 3"),
+            ("position.camera", "f4", "(12, 16, 3, 2"),
+            ("coverage", "f4", "(12, 16"),
+            ("coverage.triangle", "u4", "(12, 16"),
+            ("coverage.pixels", "u4", "(12, 16, 2"),
+            ("coverage.vertices", "f4", "(12, 16, 3, 3"),
+            ("coverage.camera", "f4", "(12, 16, 2"),
+        ] {
+            let header = shape(name);
+            assert!(header.contains(expected) && header.contains(kind), "{name}: {header}");
+        }
+        let list = json_file(&place, &format!("{folder}/gradient.json"));
+        assert_eq!(list["gradients"].as_array().unwrap().len(), 10);
+        assert_eq!((&list["camera"][0]["name"], &list["camera"][0]["value"]), (&"camera.vfov".into(), &json("40.0")));
+        // directions of a length of about 1, at values whose rounding is 2^-52
+        assert!(list["camera"][1]["direction_error"].as_f64().unwrap() < 1e-9, "{list}");
+    }
+    // again into the same folder
+    let again = ["render", "scene.toml", "--gradients", "depth", "--gradients-to", "gradients/compute"];
+    place.works(&again);
+    // another file of this name stays
+    place.write("gradients/compute/gradient.json", "{}");
+    place.refuses(&again, 2, "is not a list of gradients");
+}
+
+#[test]
 fn projectors_are_written_as_control_points() {
     let place = Place::new();
     let scene = "[image]\nwidth = 4\nheight = 2\n[camera]\nkind = \"projector\"\n";

@@ -108,7 +108,8 @@ impl Case {
         let many = features.iter().any(|f| matches!(f, Feature::Samples | Feature::ManySamples));
         let few = features.iter().any(|f| matches!(f, NoSamples | OneSample));
         let counts = [many, features.contains(&NoSamples), features.contains(&OneSample)];
-        let kinds = [Feature::Curves, Feature::Incoherent, Feature::Atlas, Feature::MovingCamera];
+        let kinds =
+            [Feature::Curves, Feature::Incoherent, Feature::Atlas, Feature::MovingCamera, Feature::CameraInMotion];
         let cameras = features.iter().filter(|f| kinds.contains(f)).count()
             + usize::from(features.iter().any(|f| matches!(f, Feature::Optics | Feature::Bounces)));
         // what an image larger than the bindings needs of a scene is caustics' own affair
@@ -180,11 +181,17 @@ impl Case {
                 };
                 self.scene.steps = TimeSteps::new(vec![0.0, 1.0], vec![at(0.0), at(1.0)]).map(Arc::new);
             }
-            Feature::MovingCamera => {
+            Feature::MovingCamera | Feature::CameraInMotion => {
                 let ends = [camera_of("", SIZE, PINHOLE).unwrap(), camera_of("", SIZE, PINHOLE).unwrap()];
-                self.scene.exposure.shutter = 1.0;
+                self.has.insert(Feature::CameraInMotion);
+                self.scene.exposure.shutter = if feature == Feature::MovingCamera { 1.0 } else { 0.0 };
                 let moving = Moving::new(self.scene.exposure.clone(), vec![-0.5, 0.5], ends.into()).unwrap();
                 self.camera = moving.camera(None).unwrap();
+            }
+            Feature::Gradients => wanted.gradients = true,
+            Feature::CoverageGradients => {
+                (wanted.gradients, wanted.coverage_gradients) = (true, true);
+                self.has.insert(Feature::Gradients);
             }
             Feature::Raster => run.method = Method::Raster,
             Feature::Aimed | Feature::Relit | Feature::InSequence => unreachable!("of frames that follow others"),

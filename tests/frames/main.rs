@@ -17,6 +17,7 @@ mod conic;
 mod determinism;
 mod exposure;
 mod frame_reference;
+mod gradients;
 mod layered_reference;
 mod memory;
 mod methods;

@@ -4,6 +4,7 @@ mod brown;
 pub(crate) mod file;
 mod inverse;
 pub(crate) mod lens;
+mod numbers;
 mod projection;
 mod roots;
 mod tilt;
@@ -14,14 +15,14 @@ use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::camera::view::View;
 use crate::camera::{Ray, RayMap};
-use crate::input::Result;
 use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
 use file::{Calibration, Which};
 use glam::{DMat2, DQuat, DVec2, DVec3};
 use lens::{Lens, Model};
 use std::sync::Arc;
 
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 struct FromFile {
     pose: Pose,
     intrinsics: Intrinsics,
@@ -146,6 +147,19 @@ impl Recipe for FromFile {
             order: LineOrder::Down,
             count: self.intrinsics.size.1,
         })
+    }
+
+    fn numbers(&self) -> Vec<(&'static str, f64)> {
+        let mut own = self.clone();
+        numbers::NAMES.into_iter().filter_map(|name| Some((name, *own.number(name)?))).collect()
+    }
+
+    fn with_number(&self, name: &str, value: f64) -> Result<Option<Arc<dyn Recipe>>> {
+        let mut changed = self.clone();
+        let Some(number) = changed.number(name) else { return Ok(None) };
+        *number = value;
+        changed.lens = Lens::new(&changed.model).map_err(Error::input)?;
+        Ok(Some(Arc::new(changed)))
     }
 }
 

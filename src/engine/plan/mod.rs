@@ -117,6 +117,9 @@ pub struct Wanted {
     pub frames: u32,
     /// Only these rows of the image, the first a multiple of [`crate::camera::TILE`].
     pub rows: Option<Rows>,
+    /// What follows the frame: gradients, and among them those of coverage. The frame is the same.
+    pub gradients: bool,
+    pub coverage_gradients: bool,
 }
 
 /// Rows of an image.
@@ -138,6 +141,8 @@ impl Wanted {
             sample_ids: false,
             frames: 1,
             rows: None,
+            gradients: false,
+            coverage_gradients: false,
         }
     }
 

@@ -7,7 +7,8 @@
 //! Where the camera has a mirror or a lens, [`reach`] comes first, [`meet`] beside raster, and after shade `forget -> bounce -> fit` and all
 //! of it again, or [`paste`] from an atlas that was rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow
 //! recheck and [`resolve`] follows shade; [`outline`] draws lines over what they came to. Caustics are added up by [`deposit`] before the
-//! first frame and shown by [`gather`] after shade. [`sift`] is not part of a frame: it finds the parts of an image that may see a point.
+//! first frame and shown by [`gather`] after shade. [`sift`] is not part of a frame: it finds the parts of an image that may see a point; nor is
+//! [`gradient`], which follows a frame that was read back.
 
 pub mod args;
 pub mod bin;
@@ -20,6 +21,7 @@ pub mod edges;
 pub mod fit;
 pub mod forget;
 pub mod gather;
+pub mod gradient;
 pub mod meet;
 pub mod mip;
 pub mod outline;
@@ -107,7 +109,7 @@ kernels! {
     Write, |_, _| true, |_, planes| write::kernel(planes);
 }
 
-/// The kernels of a variant whose frames have these planes, and those that are no part of a frame.
+/// The kernels of a variant whose frames have these planes, and those that are no part of a frame but the ones of [`gradient`].
 pub fn all_kernels(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     let of_frames = KernelId::ALL.into_iter().filter_map(|id| id.kernel(variant, planes));
     of_frames.chain([mip::kernel(), sift::kernel(), deposit::kernel()]).collect()

@@ -2,6 +2,7 @@
 
 use super::{SceneFile, read_tree};
 use crate::camera::pose::Pose;
+use crate::camera::spec::{CameraKind, CameraSpec, read_camera_of_scene};
 use crate::input::overrides;
 use crate::input::parse::{Format, parse};
 use crate::input::reader::{Field, Source};
@@ -39,6 +40,64 @@ impl CameraKeys {
         CameraKeys { camera, meshes, names_files, dir: dir.into() }
     }
 
+    /// Of a `[camera]` table alone, TOML or JSON, whose relative paths start from `folder`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for text that is neither.
+    pub fn of_table(table: &str, folder: &Path) -> Result<CameraKeys> {
+        super::read_table(table, "camera", folder, |field| {
+            Ok(CameraKeys { camera: Some(field.node().clone()), dir: folder.into(), ..CameraKeys::default() })
+        })
+    }
+
+    /// The camera's number of this key, as `vfov` or `eye.0`, or that of its file, as `fx`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there is no such number.
+    pub fn number(&self, key: &str) -> Result<f64> {
+        let mut all = Vec::new();
+        if let Some(camera) = &self.camera {
+            numbers(camera, "", &mut all);
+        }
+        let of_file = self.spec(None)?.kind.recipe.numbers();
+        all.extend(of_file.into_iter().map(|(name, value)| (name.into(), value)));
+        if let Some((_, value)) = all.iter().find(|(name, _)| name == key) {
+            return Ok(*value);
+        }
+        let known: Vec<&str> = all.iter().take(NUMBERS_SHOWN).map(|(name, _)| name.as_str()).collect();
+        let more = if all.len() > NUMBERS_SHOWN { " and more" } else { "" };
+        let known = if known.is_empty() { "no numbers".into() } else { format!("{}{more}", known.join(", ")) };
+        Err(Error::input(format!("camera.{key}: the camera's table has no such number; it has {known}")))
+    }
+
+    /// The camera with another number of this key.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if it cannot have this value.
+    pub fn with_number(&self, key: &str, value: f64) -> Result<CameraSpec> {
+        let Some(mut camera) = self.camera.clone() else { return self.spec(None) };
+        if let Some(number) = number_mut(&mut camera, key) {
+            *number = Value::Float(value);
+            return self.spec(Some(&camera));
+        }
+        let spec = self.spec(None)?;
+        match spec.kind.recipe.with_number(key, value)? {
+            Some(recipe) => Ok(CameraSpec { kind: CameraKind { recipe, ..spec.kind }, ..spec }),
+            None => Err(Error::input(format!("camera.{key}: there is no such number"))),
+        }
+    }
+
+    /// Of these keys, or of its own.
+    fn spec(&self, keys: Option<&Node>) -> Result<CameraSpec> {
+        let Some(camera) = keys.or(self.camera.as_ref()) else {
+            return Err(Error::input(
+                "the camera has no keys whose numbers could change; give it by its kind and keys",
+            ));
+        };
+        let path = Path::new("camera");
+        read_camera_of_scene(&Field::new(&Source::new(path, &self.dir), "camera", camera))
+    }
+
     /// The folder that relative paths in them start from.
     pub fn folder(&self) -> &Path {
         &self.dir
@@ -70,6 +129,32 @@ impl CameraKeys {
             None => Pose::read(&table).ok(),
         }
     }
+}
+
+/// So many keys are named where one is not known.
+const NUMBERS_SHOWN: usize = 24;
+
+/// All numbers below a value, by dotted paths.
+fn numbers(node: &Node, path: &str, all: &mut Vec<(String, f64)>) {
+    let below = |key: &str| if path.is_empty() { key.into() } else { format!("{path}.{key}") };
+    match &node.value {
+        Value::Int(i) => all.push((path.into(), *i as f64)),
+        Value::Float(x) if x.is_finite() => all.push((path.into(), *x)),
+        Value::List(items) => items.iter().enumerate().for_each(|(k, n)| numbers(n, &below(&k.to_string()), all)),
+        Value::Table(entries) => entries.iter().for_each(|e| numbers(&e.node, &below(&e.key), all)),
+        _ => {}
+    }
+}
+
+/// The number at a dotted path.
+fn number_mut<'a>(node: &'a mut Node, path: &str) -> Option<&'a mut Value> {
+    let at = |node: &'a mut Node, key: &str| match &mut node.value {
+        Value::Table(entries) => entries.iter_mut().find(|e| e.key == key).map(|e| &mut e.node),
+        Value::List(items) => key.parse::<usize>().ok().and_then(|k| items.get_mut(k)),
+        _ => None,
+    };
+    let found = path.split('.').try_fold(node, at)?;
+    matches!(found.value, Value::Int(_) | Value::Float(_)).then_some(&mut found.value)
 }
 
 /// Removes an entry from a table.

@@ -5,6 +5,7 @@ use crate::input::limits;
 use crate::jobs::batch::Shard;
 use crate::jobs::options::{self, Named, REPEAT_MAX, SAMPLES_MAX};
 use crate::jobs::{self, EngineName, RenderJob};
+use crate::scene::gradients::{Asked, Of, Quantity};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -115,6 +116,15 @@ pub struct RenderArgs {
     /// Hit points in f64: a PLY with the hits and their triangles, or an N x 3 .npy, a row per pixel, NaN where nothing is hit
     #[arg(long, value_name = "OUT.ply|OUT.npy")]
     pub points: Option<PathBuf>,
+    /// Gradients to compute and write, of the triangle and the ray of each pixel: depth, t, position, barycentrics, coverage
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = Quantity::named, requires = "gradients_to")]
+    pub gradients: Option<Vec<Quantity>>,
+    /// What the gradients are by: vertices (of the triangle), or numbers of the camera, as in vertices,camera.vfov,camera.eye.0
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = Of::named, requires = "gradients", default_value = "vertices")]
+    pub gradients_of: Vec<Of>,
+    /// Write the gradients to this folder: gradient.NAME.npy, and gradient.json, which lists them
+    #[arg(long, value_name = "FOLDER", requires = "gradients")]
+    pub gradients_to: Option<PathBuf>,
     #[command(flatten)]
     pub change: Change,
     /// What renders: compute (GPU), reference (CPU, f64), or a rival to measure against, as in raytrace (GPU)
@@ -172,7 +182,7 @@ pub struct RenderArgs {
     pub dump_kernels: Option<PathBuf>,
     /// Only print one pixel's ray, hit, near candidates and whether it is safe
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = pixel, conflicts_with_all = [
-        "output", "exr", "points", "engine", "samples", "analytic", "channels", "report", "check", "repeat", "no_cull", "method",
+        "output", "exr", "points", "gradients", "engine", "samples", "analytic", "channels", "report", "check", "repeat", "no_cull", "method",
         "adapter", "no_int64", "no_f64", "dump_kernels",
     ])]
     pub pixel: Option<(u32, u32)>,
@@ -187,6 +197,13 @@ impl From<&Change> for jobs::Change {
 }
 
 impl RenderArgs {
+    fn gradients_job(&self) -> Option<options::Gradients> {
+        let (quantities, folder) = self.gradients.clone().zip(self.gradients_to.clone())?;
+        // the parser lets no empty list pass
+        let asked = Asked::new(quantities, self.gradients_of.clone()).ok()?;
+        Some(options::Gradients { asked, folder })
+    }
+
     /// The render job of these flags.
     pub fn job(&self) -> RenderJob {
         RenderJob {
@@ -194,6 +211,7 @@ impl RenderArgs {
             color: self.output.clone(),
             exr: self.exr.clone(),
             points: self.points.clone(),
+            gradients: self.gradients_job(),
             report: self.report.clone(),
             engine: self.engine,
             samples: self.samples,
