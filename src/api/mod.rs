@@ -6,6 +6,7 @@ mod caster;
 mod job;
 mod mesh;
 mod objects;
+mod pictures;
 mod renderer;
 mod scene;
 mod time;
