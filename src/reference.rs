@@ -11,6 +11,7 @@
 //! * `finding`: the same for whole paths: chains by the verdicts of their layers, curves by samples.
 //! * `bounces`: rays through mirrors and lenses, by recursive ray tracing; also judged by samples.
 //! * `caustics`: where a light's photons fall, and the light that this adds to a hit.
+//! * `pictures`: pictures thrown onto surfaces, by the projection of each hit.
 //! * `image`, `light`, `explain`: whole frames, comparison of other frames, one pixel as text.
 
 mod answer;
@@ -30,6 +31,7 @@ mod lens;
 mod light;
 mod margin;
 mod path;
+mod pictures;
 mod verdict;
 
 #[cfg(test)]
@@ -51,6 +53,7 @@ use beam::Beam;
 use bvh::{Bvh, Item};
 use glam::DVec3;
 use intersect::{Aim, Corners, T_ROUNDING};
+use pictures::Pictures;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -75,6 +78,8 @@ pub struct Reference<'a> {
     bvh: Arc<Bvh>,
     /// The mesh's size, by which rays are perturbed: [`crate::camera::perturb`].
     scene_size: f64,
+    /// Those that are thrown onto it.
+    pictures: Arc<Pictures<'a>>,
 }
 
 impl<'a> Reference<'a> {
@@ -86,7 +91,7 @@ impl<'a> Reference<'a> {
 
     /// The same for the mesh of a scene, at its first moment if it moves.
     pub fn of_scene(scene: &'a Scene) -> Reference<'a> {
-        Reference::of_moving(scene.moving_mesh())
+        Reference { pictures: Arc::new(Pictures::of(scene)), ..Reference::of_moving(scene.moving_mesh()) }
     }
 
     fn of_moving(all: MovingMesh<'a>) -> Reference<'a> {
@@ -100,7 +105,7 @@ impl<'a> Reference<'a> {
         let items = (0..all.mesh.triangles.len() as u32).into_par_iter().filter_map(item).collect();
         let moving = all.steps.map(|steps| (steps, Moment::default()));
         let bvh = Arc::new(Bvh::build(items));
-        Reference { mesh: all.mesh, moving, bvh, scene_size: scene_size(all.bounds()) }
+        Reference { mesh: all.mesh, moving, bvh, scene_size: scene_size(all.bounds()), pictures: Arc::default() }
     }
 
     /// The mesh as it is at a moment.

@@ -234,6 +234,10 @@ fn host() -> Layouts {
             occlusion_reach,
             nodes_first,
             leaves_first,
+            pictures_first,
+            picture_count,
+            pad0,
+            pad1,
             irradiance
         }),
         layout!(Material {

@@ -171,9 +171,12 @@ fn every_kernel_is_valid_and_portable() {
     let traced = 4 * (5 + 2 * 4 + 3 * 3 + 6 * 4 + 4 * 5 + 3) + 2 * 2 + 2;
     // and where things move: a camera of pieces, a field and curves, with rivals each, and a mirror of facets with the rays that it bounces
     let timed = 4 * (2 * 4 + 3 + 3 * 4 + 2 * 5);
+    // and with pictures on surfaces: pieces and a field with rivals, by tile too, and small for pieces; curves; pieces as things move; the rays
+    // that a mirror of facets bounces; and samples
+    let pictures = 4 * ((8 + 1 + 1) + (8 + 1) + 7 + 8 + (5 + 1) + (10 + 3));
     // what an adapter is tested with, and two kernels of gradients
     let alone = 1 + 2;
-    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + alone);
+    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + pictures + alone);
 }
 
 /// It has the kernel's name and the common workgroup.

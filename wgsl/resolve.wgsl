@@ -4,9 +4,9 @@
 // are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it. Triangles in another
 // chunk of the scene are left to that chunk's dispatch, which adds its share.
 // Provides: centre_of, key_of, nearest_to, seen_alike
-// Needs: COUNT_EDGES, Lit, NONE, RayDifferential, SAMPLES, SLABBED, STYLED, ShadedHit, TEXTURED, all_samples, beyond, drawn, item_index,
-//   key_id, key_layer, key_t, measure, pattern_at, point_at, reach_of, reached, sample_differential, sample_offset, sample_ray, seen_next,
-//   segment_length, sent_back, share_of, surface_albedo, surface_normal, triangle_at, whole
+// Needs: COUNT_EDGES, Lit, NONE, PICTURES, RayDifferential, SAMPLES, SLABBED, STYLED, ShadedHit, TEXTURED, all_samples, beyond, drawn,
+//   item_index, key_id, key_layer, key_t, measure, painted, pattern_at, point_at, reach_of, reached, sample_differential, sample_offset,
+//   sample_ray, seen_next, segment_length, sent_back, share_of, surface_albedo, surface_normal, triangle_at, whole
 // Binds: counters, params, planes, samples, shading, slot_of_id
 
 fn key_of(record: u32, sample: u32) -> vec2<u32> {
@@ -119,15 +119,16 @@ fn seen_by(pixel: u32, record: u32, sample: u32, some: u32) -> vec3<f32> {
     let n = surface_normal(slot, triangle, ray);
     let p = point_at(ray, key_t(key));
     let albedo = surface_albedo(slot, triangle, ray, differential);
+    let place = Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d), share);
     if !STYLED {
-        return sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d), share), albedo);
+        return lit_by_all(place, differential, albedo);
     }
     var z = 0.0;
     for (var k = 0u; SLABBED && k < key_layer(key); k++) {
         z += segment_length(k, x, y);
     }
     let whole = ShadedHit(slot, p, z, ray.d, differential, shading.filter_width);
-    let lit = sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d), share), albedo * pattern_at(whole));
+    let lit = lit_by_all(place, differential, albedo * pattern_at(whole));
     var sum = vec3<f32>(0.0);
     for (var others = some; others != 0u; others &= others - 1u) {
         let own = firstTrailingBit(others);
@@ -137,6 +138,15 @@ fn seen_by(pixel: u32, record: u32, sample: u32, some: u32) -> vec3<f32> {
         sum += drawn(hit, n, lit);
     }
     return sum / f32(countOneBits(some));
+}
+
+// A hit in all light, with the pictures that are thrown onto it.
+fn lit_by_all(place: Lit, differential: RayDifferential, albedo: vec3<f32>) -> vec3<f32> {
+    if !PICTURES {
+        return sent_back(place, albedo);
+    }
+    let picture = painted(place, differential, albedo);
+    return sent_back(place, picture.lit) + picture.seen;
 }
 
 // A sum that the first chunk begins, or what all of them find alike.

@@ -2,9 +2,9 @@
 // Reads the visibility buffer, the triangle that won and the pixel's ray; writes the planes that were asked for.
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 // Provides: Place
-// Needs: Bundle, Lit, NONE, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, by_thread, colour_of, drawn, ends_on_smooth,
-//   first_piece, first_surface, goes_on, has_path, in_file_order, key_id, key_layer, key_t, light_before, light_left, path_length,
-//   pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential, reach_of, reached, real3,
+// Needs: Bundle, Lit, NONE, PICTURES, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, by_thread, colour_of, drawn,
+//   ends_on_smooth, first_piece, first_surface, goes_on, has_path, in_file_order, key_id, key_layer, key_t, light_before, light_left,
+//   painted, path_length, pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential, reach_of, reached, real3,
 //   says_what_is_seen, segment_length, sent_back, surface_albedo, surface_normal, surface_uv, take_moment, triangle_at, vertex_real
 // Binds: params, planes, shading, slot_of_id
 
@@ -180,16 +180,29 @@ fn hit_of_triangle(at: Place, id: u32, layer: u32, t: f32) -> Seen {
         differential = ray_differential(layer, x, y, t);
     }
     let hit = ShadedHit(slot, point_at(ray, t), seen.z, ray.d, differential, shading.filter_width);
-    let diffuse = surface_albedo(slot, triangle, ray, differential) * pattern_at(hit);
+    var diffuse = surface_albedo(slot, triangle, ray, differential) * pattern_at(hit);
     seen.n = surface_normal(slot, triangle, ray);
+    let place = Lit(slot, point_at(ray, t), reach_of(ray, t), seen.n, normalize(ray.d), 1.0);
+    var as_it_is = vec3<f32>(0.0);
+    if PICTURES {
+        let picture = painted(place, differential, diffuse);
+        diffuse = picture.lit;
+        as_it_is = picture.seen;
+    }
     seen.p = point_at(ray, t) + shading.anchor;
     seen.view = -normalize(ray.d);
     seen.albedo = colour_of(id, diffuse);
+    if PICTURES {
+        seen.albedo = colour_of(id, diffuse + as_it_is);
+    }
     if PLANE_UV_U != NONE || PLANE_UV_V != NONE {
         seen.uv = surface_uv(slot, triangle, ray);
     }
     if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
-        let lit = sent_back(Lit(slot, point_at(ray, t), reach_of(ray, t), seen.n, normalize(ray.d), 1.0), diffuse);
+        var lit = sent_back(place, diffuse);
+        if PICTURES {
+            lit += as_it_is;
+        }
         seen.light = colour_of(id, drawn(hit, seen.n, lit));
     }
     return seen;

@@ -76,6 +76,10 @@ class Scene:
         """
         Adds a mesh of arrays with the keys of a `[[mesh]]` table, and an image of 8-bit sRGB colours (H, W, 3), or (H, W, 4).
         """
+    def add_projector_light(self, /, table: str, folder: str | PathLike[str]) -> None:
+        """
+        Throws the picture of a `[[projector_light]]` table onto surfaces.
+        """
     def add_table(self, /, table: str, folder: str | PathLike[str]) -> None:
         """
         Adds the mesh of a `[[mesh]]` table.
@@ -100,9 +104,15 @@ class Scene:
     def objects(self, /) -> list[tuple[str, int]]: ...
     @staticmethod
     def parse(text: str, folder: str | PathLike[str]) -> Scene: ...
+    @property
+    def projector_light_count(self, /) -> int: ...
     def set_exposure(self, /, line_time: SupportsFloat | SupportsIndex, line_order: str, times: Incomplete | None, shutter: SupportsFloat | SupportsIndex) -> None:
         """
         Sets when the pixels of images are exposed.
+        """
+    def set_picture(self, /, light: SupportsIndex, picture: Incomplete) -> None:
+        """
+        Gives a projector light another picture of 8-bit sRGB colours (H, W, 3), or (H, W, 4).
         """
     def set_vertices(self, /, name: str, vertices: Incomplete) -> None:
         """

@@ -87,6 +87,41 @@ class Scene:
         """Adds a generated mesh: ``teapot``, ``icosphere``, ``box``, ``plane``, ``city`` and others, with the keys of ``[[mesh]]``."""
         self._native.add_table(table({"builtin": name, **keys}), os.getcwd())
 
+    def throw(self, image: Path, camera: Camera | Mapping[str, Value], **keys: Value) -> int:
+        """Throws a camera's picture onto the surfaces of the scene, back along the rays of the camera that took it.
+
+        Args:
+            image: the picture's file: PNG, JPEG or Radiance.
+            camera: the camera that took it, of :mod:`anamorph.camera` or a table of ``kind`` and its keys; of any kind with straight rays.
+                Its image is as large as the picture.
+            keys: the other keys of a scene file's ``[[projector_light]]``: ``mode``, ``opacity``, ``strength``, ``feather``,
+                ``angle_power``, ``distance_power``, ``distance`` and ``occlusion``.
+
+        Returns:
+            The picture's number, for :meth:`show`.
+
+        Raises:
+            ValueError: a key or a value is wrong, or the camera's rays are not straight.
+            OSError: the file cannot be read; ``FileNotFoundError`` if it does not exist.
+        """
+        number = self._native.projector_light_count
+        taken_by = camera if isinstance(camera, Mapping) else {"kind": camera.kind, **camera.keys}
+        own = table({"image": os.path.abspath(image), "camera": taken_by, **keys})
+        self._native.add_projector_light(own, os.getcwd())
+        return number
+
+    def show(self, number: int, picture: Numbers) -> None:
+        """Replaces a picture that is thrown onto surfaces, as by the next frame of a video.
+
+        Args:
+            number: which one: what :meth:`throw` returned, or from 0 those of a scene file, in its order.
+            picture: (H, W, 3) or (H, W, 4), uint8, sRGB; one of another size is stretched over the camera's image.
+
+        Raises:
+            ValueError: there is no such picture, or the array is wrong. The scene is unchanged.
+        """
+        self._native.set_picture(number, _image(picture, "picture"))
+
     def move(self, mesh: str, matrix: Numbers) -> None:
         """Places an object: each of its vertices p, as last added or updated, comes to lie at M p; the identity takes the object back.
 
@@ -191,8 +226,8 @@ class Scene:
         return f"<anamorph.Scene: {len(self.objects)} objects, {self.triangle_count} triangles>"
 
 
-def _image(texture: Numbers) -> npt.NDArray[np.uint8]:
+def _image(texture: Numbers, key: str = "texture") -> npt.NDArray[np.uint8]:
     image = as_array(texture)
     if image.ndim != 3 or image.shape[2] not in (3, 4) or image.dtype != np.uint8:
-        raise ValueError(f"texture: an array of shape (H, W, 3) or (H, W, 4) and type uint8, not {image.shape}, {image.dtype}")
+        raise ValueError(f"{key}: an array of shape (H, W, 3) or (H, W, 4) and type uint8, not {image.shape}, {image.dtype}")
     return image

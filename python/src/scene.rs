@@ -186,6 +186,23 @@ impl Scene {
         self.change(py, move |scene| scene.set_exposure(&exposure))
     }
 
+    /// Throws the picture of a `[[projector_light]]` table onto surfaces.
+    fn add_projector_light(&self, py: Python<'_>, table: String, folder: PathBuf) -> PyResult<()> {
+        self.change(py, move |scene| scene.add_projector_light(&table, folder))
+    }
+
+    /// Gives a projector light another picture of 8-bit sRGB colours (H, W, 3), or (H, W, 4).
+    fn set_picture(&self, py: Python<'_>, light: usize, picture: PyReadonlyArray3<'_, u8>) -> PyResult<()> {
+        let shape = picture.as_array().raw_dim();
+        let bytes: Vec<u8> = picture.as_array().iter().copied().collect();
+        self.change(py, move |scene| scene.set_picture(light, shape[1], shape[0], &bytes))
+    }
+
+    #[getter]
+    fn projector_light_count(&self) -> usize {
+        self.now().projector_light_count()
+    }
+
     #[getter]
     fn has_camera(&self) -> bool {
         self.now().has_camera()

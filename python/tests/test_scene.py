@@ -227,3 +227,26 @@ def test_wrong_motion_is_refused() -> None:
         scene.expose(shutter=-1)
     with pytest.raises(ValueError, match="leave line_time out"):
         scene.expose(line_time=1, times=np.zeros((2, 2)))
+
+
+def test_pictures_are_thrown_onto_surfaces(tmp_path, pinhole) -> None:
+    from_front = {"kind": "orthographic", "eye": [0, 0, 4], "target": [0, 0, 0], "height": 0.8}
+    white = np.full((3, 4, 3), 255, np.uint8)
+    scene = am.Scene()
+    scene.add_builtin("box", color=[0.2, 0.2, 0.2])
+    bare = am.render(scene, pinhole, size=SIZE, channels=["R", "G", "B"])
+    bare.save(tmp_path / "take.png")
+    assert scene.throw(tmp_path / "take.png", from_front, mode="show") == 0
+    scene.show(0, white)
+    shown = am.render(scene, pinhole, size=SIZE, channels=["R", "G"])
+    assert bare["R"][15, 20] == pytest.approx(0.2, abs=1e-3) and shown["R"][15, 20] == pytest.approx(1, abs=1e-3)
+    # the next frame of a video: red
+    scene.show(0, white * np.array([1, 0, 0], np.uint8))
+    red = am.render(scene, pinhole, size=SIZE, channels=["R", "G"])
+    assert red["R"][15, 20] == pytest.approx(1, abs=1e-3) and red["G"][15, 20] == pytest.approx(0, abs=1e-3)
+    with pytest.raises(ValueError, match="there is no projector light 1"):
+        scene.show(1, white)
+    with pytest.raises(ValueError, match="picture: an array of shape"):
+        scene.show(0, white[0])
+    with pytest.raises(ValueError, match="projector_light.*opacity: 2 is out of range"):
+        scene.throw(tmp_path / "take.png", am.camera.pinhole(eye=[0, 0, 4], target=[0, 0, 0], vfov=20), opacity=2)

@@ -7,6 +7,7 @@ mod gradients;
 mod job;
 mod mesh;
 mod objects;
+mod pictures;
 mod renderer;
 mod scene;
 mod time;

@@ -126,7 +126,7 @@ fn same_appearance(a: &Scene, b: &Scene) -> bool {
         _ => false,
     };
     let appearance = |s: &Scene| (s.style, s.ambient_occlusion, s.background, s.tone);
-    is_same_sky && a.lights == b.lights && appearance(a) == appearance(b)
+    is_same_sky && a.lights == b.lights && a.projector_lights == b.projector_lights && appearance(a) == appearance(b)
 }
 
 #[cfg(test)]

@@ -48,6 +48,7 @@ features! {
     Caustics, "caustics";
     AlphaMasks, "alpha masks";
     Shadows, "shadows or ambient occlusion";
+    Pictures, "pictures thrown onto surfaces";
     Curves, "curved rays, or layers of rays";
     Optics, "a mirror or lens";
     Bounces, "a mirror or lens without an atlas";
@@ -182,6 +183,11 @@ pub const REFUSALS: &[Refusal] = {
         refusal(&[Rival, AlphaMasks], "{rival} ignores alpha masks", "use --engine compute"),
         refusal(&[Shadows, AlphaMasks], SHADOWS_AND_ALPHA_MASKS[0], SHADOWS_AND_ALPHA_MASKS[1]),
         refusal(
+            &[Pictures, Caustics],
+            "caustics are added to the colours of materials, not to pictures thrown onto them",
+            "remove caustics or projector_light",
+        ),
+        refusal(
             &[Rival, Bounces],
             "{rival} does not follow reflected or refracted rays",
             "give the camera an atlas, or use --engine compute",
@@ -246,7 +252,10 @@ impl Feature {
             Feature::Raster => *raster,
             Feature::Caustics => scene.caustics.is_some(),
             Feature::AlphaMasks => scene.mesh.has_alpha_masks(),
-            Feature::Shadows => scene.has_shadows() && wanted.has_colour(),
+            Feature::Shadows => {
+                scene.has_shadows() && wanted.has_colour() || scene.hides_pictures() && wanted.needs_appearance()
+            }
+            Feature::Pictures => !scene.projector_lights.is_empty(),
             Feature::Curves => matches!(kind(camera), RaysKind::Curves { .. }),
             Feature::Optics => camera.optics.is_some(),
             Feature::Bounces => camera.optics.as_ref().is_some_and(|o| o.atlas.is_none()),

@@ -322,7 +322,7 @@ impl Frames {
     /// Uploads the triangles of a scene that has moved, in the same clusters as long as these stay tight.
     fn upload_vertices(&mut self, moved: &Scene) -> Result<()> {
         let Some(clustered) = &mut self.moving else { return Ok(()) };
-        if self.plan.variant.lights == LightsKind::Shadowed {
+        if self.plan.variant.lights == LightsKind::Shadowed || self.plan.variant.pictures {
             self.resident.refit_shadow_casters(moved);
             self.resident.upload_appearance(&self.gpu, &self.pages, moved, &self.plan)?;
         }

@@ -10,6 +10,7 @@ use crate::camera::Camera;
 use crate::engine::clusters::{Chunk, Clustered, colored_surfaces, mapped_surfaces};
 use crate::engine::plan::hierarchy::{Hierarchy, PackedBvh, TracedBvh};
 use crate::engine::plan::pages::Pages;
+use crate::engine::plan::pictures::ScenePictures;
 use crate::engine::plan::{Band, Plan};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
@@ -50,6 +51,8 @@ pub struct Resident {
     pub without_area: usize,
     /// Shadow casters: all triangles but the camera's own, which are the last ones.
     shadow_casters: Option<Hierarchy>,
+    /// Where points lie in the pictures that are thrown onto surfaces.
+    pictures: Option<ScenePictures>,
     facets: usize,
     /// Alpha masks: the images, and how each material uses them.
     alpha_masks: (Pages, Vec<Option<AlphaMask>>),
@@ -110,6 +113,7 @@ impl Resident {
             bvh: BvhState::None,
             costs: if gpu.has.software { &Costs::SOFTWARE } else { &Costs::GPU },
             shadow_casters: None,
+            pictures: None,
             facets: camera.optics.as_ref().and_then(|o| o.facets()).map_or(0, |f| f.triangles.len()),
             alpha_masks: Default::default(),
         };
@@ -221,8 +225,12 @@ impl Resident {
             _ => None,
         };
         let shadows = Shadows { kind: plan.variant.lights, bvh: bvh.as_ref() };
+        self.pictures = match plan.variant.pictures {
+            true => Some(ScenePictures::of(scene, self.pictures.as_ref())?),
+            false => None,
+        };
         let Appearance { mut shading, lights, materials, normals, style } =
-            Appearance::new(scene, plan.anchor, &pages, shadows);
+            Appearance::new(scene, plan.anchor, &pages, shadows, self.pictures.as_ref());
         shading.filter_width = plan.filter_width;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         if plan.variant.styled || plan.variant.outlined {

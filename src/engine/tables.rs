@@ -8,8 +8,10 @@ use crate::camera::optics::{self, Branch, Law, Optics, Surface};
 use crate::engine::plan::hierarchy::PackedBvh;
 use crate::engine::plan::nodes::Level;
 use crate::engine::plan::pages::Pages;
+use crate::engine::plan::pictures::ScenePictures;
 use crate::engine::plan::{Band, Plan};
 use crate::geometry::mesh::Material;
+use crate::geometry::texture::Texture;
 use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::kernels::LightsKind;
 use crate::gpu::layout::{self, LAW_FLAT, LAW_NORMALS, f64_pair_bits, split2, split3};
@@ -40,12 +42,22 @@ pub struct Appearance {
 
 impl Appearance {
     /// Positions are relative to `anchor` on the device, and images lie in `pages`.
-    pub fn new(scene: &Scene, anchor: DVec3, pages: &Pages, shadows: Shadows) -> Appearance {
+    pub fn new(
+        scene: &Scene,
+        anchor: DVec3,
+        pages: &Pages,
+        shadows: Shadows,
+        pictures: Option<&ScenePictures>,
+    ) -> Appearance {
         let mesh = &scene.mesh;
         let mut lights: Vec<[f32; 4]> = match shadows.kind {
             LightsKind::Plain => scene.lights.iter().map(|l| light(l, anchor)).collect(),
             _ => scene.lights.iter().flat_map(|l| [light(l, anchor), light_colour(l)]).collect(),
         };
+        let own = scene.projector_lights.iter().enumerate().filter(|(_, p)| pictures.is_some() && p.is_light());
+        let own: Vec<usize> = own.map(|(k, _)| k).collect();
+        let light_count = scene.lights.len() + own.len();
+        lights.extend(own.iter().flat_map(|k| [[f32::from_bits(*k as u32), 0.0, 0.0, -1.0], [0.0; 4]]));
         let mut firsts = [0; 2];
         if let Some(bvh) = shadows.bvh {
             for (first, items) in firsts.iter_mut().zip([&bvh.nodes, &bvh.leaves]) {
@@ -53,12 +65,17 @@ impl Appearance {
                 lights.extend(items);
             }
         }
+        let pictures_first = lights.len() as u32;
+        if let Some(pictures) = pictures {
+            let material = mesh.materials.len() + usize::from(scene.sky.is_some());
+            lights.extend(pictures.rows(scene, anchor, pictures_first, material as u32));
+        }
         Appearance {
             shading: layout::Shading {
                 background: scene.background,
                 ambient: if scene.sky.is_some() { 0.0 } else { AMBIENT },
                 anchor: anchor.as_vec3().to_array(),
-                light_count: scene.lights.len() as u32,
+                light_count: light_count as u32,
                 gain: scene.tone.gain(),
                 curve: scene.tone.curve.number(),
                 filter_width: 1.0,
@@ -71,6 +88,10 @@ impl Appearance {
                 occlusion_reach: scene.ambient_occlusion.map_or(1.0, |o| o.reach as f32),
                 nodes_first: firsts[0],
                 leaves_first: firsts[1],
+                pictures_first,
+                picture_count: pictures.map_or(0, |_| scene.projector_lights.len() as u32),
+                pad0: 0,
+                pad1: 0,
                 irradiance: scene.sky.as_ref().map_or([[0.0; 4]; 9], |s| s.irradiance.map(|[r, g, b]| [r, g, b, 0.0])),
             },
             lights,
@@ -139,11 +160,18 @@ fn light_colour(light: &Light) -> [f32; 4] {
     [r, g, b, if light.casts_shadows { 1.0 } else { 0.0 }]
 }
 
-/// All materials, the one whose image is the sky last.
+/// All materials, then the one whose image is the sky, and those whose images are the pictures that are thrown onto surfaces.
 pub fn materials(scene: &Scene) -> Cow<'_, [Material]> {
-    let Some(sky) = &scene.sky else { return Cow::Borrowed(&scene.mesh.materials) };
-    let sky = Material { name: "environment".into(), texture: Some(sky.image.clone()), ..Material::default() };
-    Cow::Owned([&scene.mesh.materials[..], &[sky]].concat())
+    if scene.sky.is_none() && scene.projector_lights.is_empty() {
+        return Cow::Borrowed(&scene.mesh.materials);
+    }
+    let shows = |name: &str, image: &Texture| {
+        let (name, texture) = (name.into(), Some(image.clone()));
+        Material { name, texture, ..Material::default() }
+    };
+    let sky = scene.sky.iter().map(|sky| shows("environment", &sky.image));
+    let pictures = scene.projector_lights.iter().map(|p| shows("projector_light", &p.picture));
+    Cow::Owned(scene.mesh.materials.iter().cloned().chain(sky).chain(pictures).collect())
 }
 
 /// The parameters of a job: `clusters` of the chunk whose triangles are `ids`, over `band`, for the camera's own rays.

@@ -285,6 +285,10 @@ pub struct Shading {
     pub occlusion_reach: f32,
     pub nodes_first: u32,
     pub leaves_first: u32,
+    pub pictures_first: u32,
+    pub picture_count: u32,
+    pub pad0: u32,
+    pub pad1: u32,
     pub irradiance: [[f32; 4]; 9],
 }
 

@@ -3,7 +3,7 @@
 use super::caustics::{caustics, shown_by};
 pub use super::explain::explain;
 use super::lens::own;
-use super::light::{Obstacles, albedo, light, normal};
+use super::light::{Obstacles, light, normal, painted_albedo};
 use super::{Finding, Outcome, Path, Reference};
 use crate::camera::Camera;
 use crate::image::frame::{Channel, Frame, NO_ID, PixelValues, Plane, normalised_depth};
@@ -125,6 +125,8 @@ fn pixel(
     let is_triangle = (id as usize) < scene.mesh.triangles.len();
     let ends_on = camera.optics.as_ref().filter(|o| id >= o.first_id(&scene.mesh));
     let uv = ends_on.map_or_else(|| scene.mesh.uv_at(id, seen.hit.bary), |_| None).unwrap_or_default();
+    let obstacles = obstacles(scene, camera, reference);
+    let place = (segment.point(seen.hit.t), segment.view(seen.hit.t));
     PixelValues {
         colour,
         coverage,
@@ -139,18 +141,23 @@ fn pixel(
         mirror,
         normal: if is_triangle { normal(reference, &seen.hit, segment.view(seen.hit.t)) } else { DVec3::ZERO },
         position: segment.point(seen.hit.t),
-        albedo: ends_on.map_or_else(|| albedo(&scene.mesh, reference.positions(id), &seen.hit), |optics| optics.base),
+        albedo: ends_on.map_or_else(|| painted_albedo(&obstacles, &seen.hit, place), |optics| optics.base),
         uv: uv.to_array(),
         // labels follow from the triangle; the reference has margins instead of certified pixels
         ..PixelValues::MISS
     }
 }
 
+/// All triangles but those of the camera's own mirror or lens.
+fn obstacles<'a>(scene: &Scene, camera: &Camera, reference: &'a Reference<'a>) -> Obstacles<'a> {
+    let all = scene.mesh.triangles.len() as u32;
+    Obstacles { all: reference, count: camera.optics.as_ref().map_or(all, |o| o.first_id(&scene.mesh)) }
+}
+
 /// The contribution of an outcome to its pixel.
 fn colour(scene: &Scene, camera: &Camera, reference: &Reference, outcome: &Outcome) -> [f64; 3] {
     let optics = camera.optics.as_ref();
-    let count = optics.map_or(scene.mesh.triangles.len() as u32, |o| o.first_id(&scene.mesh));
-    let obstacles = Obstacles { all: reference, count };
+    let obstacles = obstacles(scene, camera, reference);
     let own = match outcome.seen {
         None => beyond(scene, &outcome.path),
         Some(seen) => match optics.filter(|o| seen.hit.triangle >= o.first_id(&scene.mesh)) {

@@ -1,5 +1,6 @@
 //! Shading of a hit, by the definition.
 
+use super::pictures::{Shown, painted};
 use super::{Hit, Reference};
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
 use crate::scene::Scene;
@@ -48,14 +49,29 @@ pub fn albedo(mesh: &Mesh, [v0, v1, v2]: [DVec3; 3], hit: &Hit) -> [f32; 3] {
     [(dr * r * pr) as f32, (dg * g * pg) as f32, (db * b * pb) as f32]
 }
 
+/// The diffuse colour of a hit at `p` with all pictures that are thrown onto it.
+pub fn painted_albedo(obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3, DVec3)) -> [f32; 3] {
+    let reference = obstacles.all;
+    let own = albedo(reference.mesh, reference.positions(hit.triangle), hit);
+    let shown = reference.pictures.at(&obstacles.above(hit, p, view), p, normal(reference, hit, view));
+    if shown.is_empty() {
+        return own;
+    }
+    let [lit, seen] = painted(DVec3::from(own.map(f64::from)), &shown);
+    (lit + seen).as_vec3().to_array()
+}
+
 /// The light that a hit at `p` reflects and emits towards the viewer, `view` being the unit direction of the ray: from all lights, or
 /// from a headlight and a small ambient term. `obstacles` cast shadows.
 pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3, DVec3)) -> [f32; 3] {
     let mesh = &scene.mesh;
     let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
     let reference = obstacles.all;
-    let colour = DVec3::from(albedo(mesh, reference.positions(hit.triangle), hit).map(f64::from));
     let n = normal(reference, hit, view);
+    let start = obstacles.above(hit, p, view);
+    let pictures = reference.pictures.at(&start, p, n);
+    let own = DVec3::from(albedo(mesh, reference.positions(hit.triangle), hit).map(f64::from));
+    let [colour, as_it_is] = painted(own, &pictures);
     let rgb = |c: [f32; 3]| DVec3::from(c.map(f64::from));
     let metallic = f64::from(material.metallic);
     let gloss = Gloss {
@@ -63,22 +79,22 @@ pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3,
         f0: rgb(material.specular).lerp(colour, metallic),
         alpha: material.alpha().into(),
     };
-    let start = obstacles.above(hit, p, view);
     let of_light = |light: &Light| {
         let Arriving { to_light, far, strength } = light.arriving(p);
         let is_dark = n.dot(to_light) <= 0.0 || light.casts_shadows && !start.sees(to_light, far);
         if is_dark { DVec3::ZERO } else { strength * gloss.reflected(n, -view, to_light) }
     };
+    let of_picture = |shown: &Shown| Some(shown.strength()? * gloss.reflected(n, -view, shown.to_start));
     let open = scene.ambient_occlusion.map_or(1.0, |occlusion| start.openness(n, occlusion));
-    let direct = match scene.lights.is_empty() && scene.sky.is_none() {
+    let direct = match scene.has_headlight() {
         true => open * gloss.reflected(n, -view, -view),
-        false => scene.lights.iter().map(of_light).sum(),
+        false => scene.lights.iter().map(of_light).chain(pictures.iter().filter_map(of_picture)).sum(),
     };
     let (around, rest) = match &scene.sky {
         Some(sky) => (gloss.reflected_sky(sky, n, -view), 1.0),
         None => (AMBIENT * (gloss.base + gloss.f0), 1.0 - AMBIENT),
     };
-    (rgb(material.emissive) + open * around + rest * direct).as_vec3().to_array()
+    (rgb(material.emissive) + as_it_is + open * around + rest * direct).as_vec3().to_array()
 }
 
 /// The shadow casters: the triangles with the lowest ids.
@@ -88,7 +104,7 @@ pub struct Obstacles<'a> {
 }
 
 /// A place just above a hit, on the viewer's side.
-struct Above<'a> {
+pub struct Above<'a> {
     of: &'a Obstacles<'a>,
     p: DVec3,
     /// The triangle's own unit normal, on that side.
@@ -114,7 +130,8 @@ impl Above<'_> {
         self.of.all.blocked(self.p, direction, far, self.of.count)
     }
 
-    fn sees(&self, direction: DVec3, far: f64) -> bool {
+    /// Whether nothing is in the way along a unit direction, up to `far`.
+    pub fn sees(&self, direction: DVec3, far: f64) -> bool {
         self.flat.dot(direction) > 0.0 && self.meets(direction, far).is_none()
     }
 

@@ -21,6 +21,7 @@ use crate::scene::caustics::spec::{CausticsSpec, read_caustics};
 
 use super::light::{AmbientOcclusion, Light, Source as LightSource};
 use super::poses;
+use super::projector_light::{ProjectorSpec, read_projector, read_projectors};
 use super::style::Style;
 use crate::image::tone::{Curve, Tone};
 use crate::input::Result;
@@ -36,6 +37,7 @@ pub struct SceneFile {
     pub meshes: Vec<MeshSpec>,
     /// If empty, a headlight shines along each pixel's ray.
     pub lights: Vec<Light>,
+    pub projector_lights: Vec<ProjectorSpec>,
     pub ambient_occlusion: Option<AmbientOcclusion>,
     pub style: Style,
     pub sky: Option<SkySpec>,
@@ -207,6 +209,14 @@ pub fn camera_of(table: &str, folder: &Path) -> Result<CameraSpec> {
     read_table(table, "camera", folder, read_camera)
 }
 
+/// The picture of a `[[projector_light]]` table.
+///
+/// # Errors
+/// As [`load`].
+pub fn projector_light_of(table: &str, folder: &Path) -> Result<ProjectorSpec> {
+    read_table(table, "projector_light", folder, read_projector)
+}
+
 /// The mesh of a `[[mesh]]` table.
 ///
 /// # Errors
@@ -239,6 +249,7 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
         "image",
         "mesh",
         "light",
+        "projector_light",
         "environment",
         "ambient_occlusion",
         "style",
@@ -257,6 +268,7 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
         lights: table.or("light", Vec::new(), |f| {
             f.items("lights, each a table [[light]]")?.map(|l| read_light(&l)).collect()
         })?,
+        projector_lights: table.or("projector_light", Vec::new(), read_projectors)?,
         ambient_occlusion: table.optional("ambient_occlusion", read_occlusion)?,
         style: table.or("style", Style::default(), style::read_style)?,
         sky: table.optional("environment", read_sky)?,

@@ -5,6 +5,7 @@ use crate::geometry::texture::{Texels, Texture};
 use crate::scene::Scene;
 use crate::scene::caustics::Caustics;
 use crate::scene::light::{AmbientOcclusion, Source};
+use crate::scene::projector_light::{ProjectorLight, Throw};
 use crate::scene::style::Style;
 use glam::DVec3;
 
@@ -79,6 +80,7 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
             h.word(u64::from(light.casts_shadows));
         }
     }
+    scene.projector_lights.iter().for_each(|light| projector_light(&mut h, light));
     if let Some(AmbientOcclusion { rays, reach }) = scene.ambient_occlusion {
         h.word(u64::from(rays));
         h.number(reach);
@@ -105,6 +107,16 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
         scene.moments(camera).into_iter().flatten().for_each(|moment| h.word(u64::from(moment.word())));
     }
     h.0
+}
+
+fn projector_light(h: &mut Fnv, light: &ProjectorLight) {
+    let Throw { mode, strength, feather, angle_power, distance_power, distance, occlusion } = light.throw;
+    h.word(mode as u64);
+    [strength, feather, angle_power, distance_power, distance.unwrap_or(0.0)].into_iter().for_each(|v| h.number(v));
+    h.word(u64::from(occlusion));
+    image(h, &light.picture);
+    light.camera.t_range.iter().for_each(|t| h.number(*t));
+    rays(h, &light.camera);
 }
 
 fn style(h: &mut Fnv, style: &Style) {

@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::file::{FileStep, SceneFile, SkySpec};
+use super::projector_light::{ProjectorLight, ProjectorSpec};
 use super::sky::Sky;
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
@@ -11,7 +12,7 @@ use crate::geometry::load::{Object, load_unplaced, placed, with_unique_names};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::place;
 use crate::geometry::spec::MeshSpec;
-use crate::geometry::texture::{Images, ImagesRead};
+use crate::geometry::texture::{Images, ImagesRead, Texture};
 use crate::geometry::time_steps::{TimeStep, TimeSteps};
 use crate::input::files::{Inputs, note_all, noted};
 use crate::input::{Error, Result};
@@ -153,10 +154,18 @@ impl Library {
         let caustics = file.caustics.as_ref().map(lit).transpose()?;
         let sky = |spec: &SkySpec| self.skies.get(spec, !self.is_for_once, |_| true, || Sky::new(spec, &mut images));
         let sky = file.sky.as_ref().map(sky).transpose()?;
+        let thrown = |(k, spec): (usize, &ProjectorSpec)| {
+            let light = self.projector_light(spec, &mesh, &mut images);
+            light.map(Arc::new).map_err(|e| e.at(format_args!("projector_light.{k}")))
+        };
+        // where no colour is asked for
+        let given = if read == ImagesRead::All { &file.projector_lights[..] } else { &[] };
+        let projector_lights = given.iter().enumerate().map(thrown).collect::<Result<_>>()?;
         Ok(Scene {
             mesh: mesh.clone(),
             objects,
             lights: file.lights,
+            projector_lights,
             ambient_occlusion: file.ambient_occlusion,
             style: file.style,
             sky,
@@ -182,16 +191,35 @@ impl Library {
         if !scene.camera_steps.is_empty() {
             return scene.camera_of_size(size.or(scene.size)).map(Arc::new);
         }
-        let key = (scene.camera.clone(), size.or(scene.size));
+        self.compiled((scene.camera.clone(), size.or(scene.size)), &scene.mesh)
+    }
+
+    /// A picture and the camera that it is thrown by, in the scene of `mesh`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if its rays are not straight or its values contradict each other; those of files that cannot be read.
+    pub(crate) fn projector_light(
+        &self,
+        spec: &ProjectorSpec,
+        mesh: &Arc<Mesh>,
+        images: &mut Images,
+    ) -> Result<ProjectorLight> {
+        let texels = images.load(&spec.image)?;
+        let camera = self.compiled((spec.camera.clone(), Some((texels.width, texels.height))), mesh)?;
+        ProjectorLight::new(camera, Texture::new(texels), spec.throw)
+    }
+
+    /// A camera in the scene of `mesh`.
+    fn compiled(&self, key: CameraKey, mesh: &Arc<Mesh>) -> Result<Arc<Camera>> {
         let suits = |(_, around): &(Arc<Camera>, Around)| match around.scene_use {
             SceneUse::Nothing => true,
-            SceneUse::Bounds => around.mesh.bounds() == scene.mesh.bounds(),
-            SceneUse::Mesh => Arc::ptr_eq(&around.mesh, &scene.mesh),
+            SceneUse::Bounds => around.mesh.bounds() == mesh.bounds(),
+            SceneUse::Mesh => Arc::ptr_eq(&around.mesh, mesh),
         };
         let make = || {
-            let camera = Camera::in_scene(&key.0, key.1, &scene.mesh)?;
+            let camera = Camera::in_scene(&key.0, key.1, mesh)?;
             let scene_use = camera.scene_use;
-            Ok((Arc::new(camera), Around { scene_use, mesh: scene.mesh.clone() }))
+            Ok((Arc::new(camera), Around { scene_use, mesh: mesh.clone() }))
         };
         Ok(self.cameras.get(&key, !self.is_for_once, suits, make)?.0.clone())
     }

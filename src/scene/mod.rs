@@ -10,6 +10,7 @@ pub mod light;
 pub mod matrices;
 pub mod motion;
 mod poses;
+pub mod projector_light;
 pub mod sky;
 pub mod style;
 
@@ -32,6 +33,7 @@ use file::{CameraKeys, SceneFile};
 use glam::DVec3;
 use library::Library;
 use light::{AmbientOcclusion, Light};
+use projector_light::ProjectorLight;
 use rayon::prelude::*;
 use sky::Sky;
 use std::borrow::Cow;
@@ -48,6 +50,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// If empty, a headlight shines along each pixel's ray.
     pub lights: Vec<Light>,
+    /// Pictures that are thrown onto surfaces. Those that are lights are among the scene's.
+    pub projector_lights: Vec<Arc<ProjectorLight>>,
     /// Lines and strokes.
     pub style: Style,
     /// Ambient occlusion, for ambient light and the headlight.
@@ -89,6 +93,7 @@ impl Scene {
             mesh: Arc::default(),
             objects: Vec::new(),
             lights: Vec::new(),
+            projector_lights: Vec::new(),
             style: Style::default(),
             ambient_occlusion: None,
             sky: None,
@@ -153,7 +158,17 @@ impl Scene {
 
     /// Whether any light or ambient occlusion needs shadow rays.
     pub fn has_shadows(&self) -> bool {
-        self.ambient_occlusion.is_some() || self.lights.iter().any(|l| l.casts_shadows)
+        self.ambient_occlusion.is_some() || self.lights.iter().any(|l| l.casts_shadows) || self.hides_pictures()
+    }
+
+    /// Whether surfaces hide those behind them from pictures that are thrown onto them.
+    pub fn hides_pictures(&self) -> bool {
+        self.projector_lights.iter().any(|p| p.throw.occlusion)
+    }
+
+    /// Whether nothing but a headlight lights it.
+    pub fn has_headlight(&self) -> bool {
+        self.lights.is_empty() && self.sky.is_none() && !self.projector_lights.iter().any(|p| p.is_light())
     }
 
     /// # Errors

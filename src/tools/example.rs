@@ -2,8 +2,9 @@
 //! of the papers that shows a rendering: the gallery.
 
 mod make;
+mod takes;
 
-use crate::image::{put_npy_f64, write_npy_f64, write_text};
+use crate::image::{png_bytes, put_npy_f64, write_npy_f64, write_png, write_text};
 use crate::input::Result;
 use std::path::{Path, PathBuf};
 
@@ -28,6 +29,11 @@ pub enum Part {
         shape: [u64; 3],
         numbers: Vec<f64>,
     },
+    /// A PNG of 8-bit sRGB colours.
+    Picture {
+        size: (u32, u32),
+        srgb8: Vec<u8>,
+    },
 }
 
 impl Part {
@@ -41,6 +47,8 @@ impl Part {
                 let _ = put_npy_f64(&mut bytes, shape, numbers);
                 bytes
             }
+            // three bytes a pixel
+            Part::Picture { size: (width, height), srgb8 } => png_bytes(*width, *height, srgb8).unwrap_or_default(),
         }
     }
 }
@@ -65,6 +73,7 @@ impl Example {
             match part {
                 Part::Text(text) => write_text(&folder.join(name), &text)?,
                 Part::Numbers { shape, numbers } => write_npy_f64(&folder.join(name), &shape, &numbers)?,
+                Part::Picture { size: (width, height), srgb8 } => write_png(&folder.join(name), width, height, &srgb8)?,
             }
         }
         Ok(folder.join(self.scene_name()))
@@ -89,7 +98,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 48] = [
+pub const EXAMPLES: [Example; 49] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -105,6 +114,7 @@ pub const EXAMPLES: [Example; 48] = [
     example!("pen-and-ink", None, "a city all around, drawn with a pen"),
     example!("wireframe", None, "the same as a wireframe that grows thinner with depth"),
     example!("rolling-shutter", None, "propellers and a bus, read row by row while they move"),
+    example!("video-on-city", None, "a street corner of boxes that wears the pictures of three cameras", takes::takes),
     example!("composite", None, "a street, a fisheye and a map of a city in one picture: three cameras"),
     example!("city-cross-slit", Some("Yu 1"), "a city of 15,000 triangles through two slits"),
     example!("cow-panorama", Some("Yu 6"), "a cow from all around"),

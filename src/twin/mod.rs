@@ -137,7 +137,7 @@ impl Tables {
             optics: Optics::new(scene, camera, &plan),
             clustered: cluster(&*scene.mesh, extent.anchor, plan.variant.surfaces(), binding_limit),
             plan,
-            appearance: Appearance::new(scene, extent.anchor, &Pages::default(), Shadows::NONE),
+            appearance: Appearance::new(scene, extent.anchor, &Pages::default(), Shadows::NONE, None),
         }
     }
 

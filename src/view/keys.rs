@@ -20,9 +20,10 @@ pub struct Key {
 }
 
 /// The sections of a scene file besides the camera that have controls.
-pub const SECTIONS: [(&str, &str); 5] = [
+pub const SECTIONS: [(&str, &str); 6] = [
     ("image", include_str!("../scene/help/image.txt")),
     ("light", include_str!("../scene/help/light.txt")),
+    ("projector_light", include_str!("../scene/help/projector_light.txt")),
     ("ambient_occlusion", include_str!("../scene/help/ambient_occlusion.txt")),
     ("environment", include_str!("../scene/help/environment.txt")),
     ("style", include_str!("../scene/help/style.txt")),
@@ -170,7 +171,8 @@ mod tests {
     fn the_sections_tables_are_complete() {
         let camera = "[camera]\nkind = \"pinhole\"\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nvfov = 40\n";
         for (section, keys) in of_sections() {
-            let header = if section == "light" { "[[light]]" } else { &format!("[{section}]") };
+            let is_list = section.ends_with("light");
+            let header = if is_list { format!("[[{section}]]") } else { format!("[{section}]") };
             let mut names: Vec<String> = keys.into_iter().map(|key| key.name).collect();
             let mut known = known(&format!("{camera}{header}\nunknown = 1\n"));
             names.sort();

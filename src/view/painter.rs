@@ -102,6 +102,10 @@ impl Loader {
             mesh,
             objects,
             lights: if scene.lights.is_empty() { base.lights.clone() } else { scene.lights },
+            projector_lights: match scene.projector_lights.is_empty() {
+                true => base.projector_lights.clone(),
+                false => scene.projector_lights,
+            },
             style: if scene.style == Style::default() { base.style } else { scene.style },
             ambient_occlusion: scene.ambient_occlusion.or(base.ambient_occlusion),
             sky: scene.sky.or_else(|| base.sky.clone()),

@@ -8,6 +8,7 @@ mod pictures;
 mod caustics;
 mod gloss;
 mod motion;
+mod projector_lights;
 mod relit;
 mod samples;
 mod shadows;

@@ -35,6 +35,7 @@ pub fn scene(mesh: Mesh) -> Scene {
         }],
         mesh: mesh.into(),
         lights: Vec::new(),
+        projector_lights: Vec::new(),
         ambient_occlusion: None,
         style: Default::default(),
         sky: None,

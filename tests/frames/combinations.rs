@@ -20,6 +20,7 @@ use anamorph::internals::input::{Error, Result};
 use anamorph::internals::rivals::TECHNIQUES;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::AmbientOcclusion;
+use anamorph::internals::scene::projector_light::{ProjectorLight, Throw};
 use anamorph::internals::scene::style::{Line, Style};
 use common::file::{camera_of, load};
 use common::gpu::engine_on;
@@ -78,6 +79,14 @@ fn mask(scene: &mut Scene) {
     mesh.uvs = vec![Vec2::ZERO, Vec2::X, Vec2::Y];
     mesh.corner_uvs = vec![[0, 1, 2]; mesh.triangles.len()];
     mesh.materials.iter_mut().for_each(|m: &mut Material| m.texture = Some(texture.clone()));
+}
+
+/// A picture of one colour, from which no surface hides another.
+fn picture() -> Arc<ProjectorLight> {
+    let texels = Arc::new(Texels { width: 1, height: 1, rgba: vec![[f16::ONE; 4]] });
+    let throw = Throw { occlusion: false, ..Throw::default() };
+    let camera = camera_of("", (1, 1), PINHOLE).unwrap();
+    Arc::new(ProjectorLight::new(Arc::new(camera), Texture::new(texels), throw).unwrap())
 }
 
 impl Case {
@@ -159,6 +168,7 @@ impl Case {
             Feature::Caustics => {}
             Feature::AlphaMasks => mask(&mut self.scene),
             Feature::Shadows => self.scene.ambient_occlusion = Some(AmbientOcclusion { rays: 4, reach: 1.0 }),
+            Feature::Pictures => self.scene.projector_lights = vec![picture()],
             Feature::Curves => self.camera = layered::wavy(2, 0.5, false, SIZE),
             Feature::Optics | Feature::Bounces => {
                 self.camera = camera_of("", SIZE, MIRROR).unwrap();

@@ -96,6 +96,7 @@ fn cases() -> Vec<Case> {
         has_sky: true,
         has_positional_lights: true,
         has_shadows: true,
+        has_pictures: true,
         has_style: true,
         has_outlines: true,
         ..plain

@@ -1,10 +1,14 @@
 // Distant and point lights of any colour: two vec4s each. The first is the direction of travel, or the position and the distance
-// at which its colour applies; the second the colour, and 1 if triangles cast shadows.
+// at which its colour applies; the second the colour, and 1 if triangles cast shadows. Pictures that are lights: -1 at the end of the
+// first, and their number.
 // Provides: arriving
-// Needs: Arriving, Lit, largest, light_row, reaches
+// Needs: Arriving, Lit, PICTURES, largest, light_row, reaches, thrown
 
 fn arriving(k: u32, lit: Lit) -> Arriving {
     let from_there = light_row(2u * k);
+    if PICTURES && from_there.w < 0.0 {
+        return thrown(bitcast<u32>(from_there.x), lit);
+    }
     let colour = light_row(2u * k + 1u);
     var l = -from_there.xyz;
     var strength = colour.xyz;

@@ -18,5 +18,9 @@ struct Shading {
     occlusion_reach: f32,
     nodes_first: u32,       // indices in `lights` where the hierarchy begins that hides them, and where its triangles do
     leaves_first: u32,
+    pictures_first: u32,    // index in `lights` of the pictures that are thrown onto surfaces, and how many there are
+    picture_count: u32,
+    pad0: u32,
+    pad1: u32,
     irradiance: array<vec4<f32>, 9>,
 }

@@ -96,13 +96,13 @@ fn power_above(size: f64) -> f64 {
 }
 
 /// An f32 that is not above, next to the nearest; see [`LEAST`].
-fn down(value: f64) -> f32 {
+pub(super) fn down(value: f64) -> f32 {
     if value.abs() < LEAST {
         return if value < 0.0 { -LEAST as f32 } else { 0.0 };
     }
     (value as f32).next_down()
 }
 
-fn up(value: f64) -> f32 {
+pub(super) fn up(value: f64) -> f32 {
     -down(-value)
 }

@@ -329,6 +329,7 @@ mod tests {
             mesh: mesh.into(),
             objects: Vec::new(),
             lights: Vec::new(),
+            projector_lights: Vec::new(),
             ambient_occlusion: None,
             style: Default::default(),
             sky: None,

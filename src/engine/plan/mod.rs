@@ -4,7 +4,8 @@
 //! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square, affine
 //! ones by [`fit`]). Where a field's rays jump inside a tile, it is split ([`cells`]). The tiles of a chain's layers, and of
 //! the spans of curved rays, lie stacked as [`slabs`]. Of rays that a mirror or a lens reflects or refracts, the tree is made
-//! on the GPU by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]).
+//! on the GPU by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]), and the
+//! image of a picture that is thrown onto surfaces a third one ([`pictures`]).
 
 pub mod beams;
 pub mod cells;
@@ -13,6 +14,7 @@ pub mod fit;
 pub mod hierarchy;
 pub mod nodes;
 pub mod pages;
+pub mod pictures;
 pub mod samples;
 pub mod slabs;
 pub mod tiles;
@@ -68,6 +70,8 @@ pub struct SceneContents {
     pub has_positional_lights: bool,
     /// Shadow rays are traced.
     pub has_shadows: bool,
+    /// Pictures are thrown onto surfaces.
+    pub has_pictures: bool,
     /// Patterns, lines or strokes are drawn on surfaces.
     pub has_style: bool,
     /// Lines are drawn between pixels.
@@ -83,6 +87,7 @@ impl SceneContents {
             has_sky: scene.sky.is_some(),
             has_positional_lights: !scene.lights.iter().all(Light::is_plain),
             has_shadows: scene.has_shadows(),
+            has_pictures: !scene.projector_lights.is_empty(),
             has_style: scene.style.is_on_surfaces() || mesh.has_patterns(),
             has_outlines: scene.style.is_between_pixels(),
             steps: scene.moving_mesh().count(),
@@ -152,7 +157,7 @@ impl Wanted {
     }
 
     /// Colours of surfaces are part of it.
-    fn needs_appearance(&self) -> bool {
+    pub(crate) fn needs_appearance(&self) -> bool {
         let albedo = [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB];
         self.has_colour() || self.channels.iter().any(|c| albedo.contains(c))
     }
@@ -161,7 +166,7 @@ impl Wanted {
     fn is_textured(&self, of: SceneContents) -> bool {
         let any = |which: &[Channel]| self.channels.iter().any(|c| which.contains(c));
         of.has_alpha_masks
-            || of.has_images && self.needs_appearance()
+            || (of.has_images || of.has_pictures) && self.needs_appearance()
             || self.is_colored(of)
             || of.has_sky && self.has_colour()
             || of.has_uvs && any(&[Channel::TextureU, Channel::TextureV])

@@ -18,6 +18,7 @@ pub fn variant(
     run: &RunOptions,
 ) -> Variant {
     let has_colour = wanted.has_colour();
+    let pictures = contents.has_pictures && wanted.needs_appearance();
     let variant = Variant {
         f64: run.arithmetic != Arithmetic::Single,
         atomics64: has.atomics64,
@@ -39,11 +40,13 @@ pub fn variant(
         glossy: (contents.has_gloss || contents.has_sky) && has_colour,
         sky: contents.has_sky && has_colour,
         lights: match (contents.has_shadows, contents.has_positional_lights) {
-            _ if !has_colour => LightsKind::Plain,
+            _ if !has_colour && !pictures => LightsKind::Plain,
             (true, _) => LightsKind::Shadowed,
             (false, true) => LightsKind::Positional,
+            (false, false) if pictures => LightsKind::Positional,
             (false, false) => LightsKind::Plain,
         },
+        pictures,
         styled: contents.has_style && wanted.needs_appearance(),
         outlined: contents.has_outlines && has_colour,
         optics: camera.optics.as_deref().map(OpticsKind::of),

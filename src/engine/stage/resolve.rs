@@ -41,6 +41,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         variant.lit_surface(),
     ];
     let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_OFFSETS];
+    own.push(variant.thrown_pictures());
     own.push(variant.style());
     own.extend(variant.corner_colors());
     own.extend(variant.weights());

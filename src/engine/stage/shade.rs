@@ -33,6 +33,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         SHADING,
         variant.lit_surface(),
         variant.images(),
+        variant.thrown_pictures(),
         variant.style(),
         variant.pixel_key(),
         variant.pixel_at(),

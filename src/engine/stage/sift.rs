@@ -24,7 +24,11 @@ pub fn kernel() -> Kernel {
         reads("points", "array<vec4<f32>>"),
         writes("found", "array<u32>"),
     ];
-    Kernel::new("sift", bindings, &[PARAMS, ITEMS, snippets!("shared/beams.wgsl"), snippets!("sift.wgsl")])
+    Kernel::new(
+        "sift",
+        bindings,
+        &[PARAMS, ITEMS, snippets!("shared/beams.wgsl", "shared/half_meets.wgsl", "sift.wgsl")],
+    )
 }
 
 /// The kernel, compiled, and the beams of each layer on the device.

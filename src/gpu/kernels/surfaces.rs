@@ -81,6 +81,14 @@ impl Variant {
         [lights, materials]
     }
 
+    /// The pictures that are thrown onto them.
+    pub(crate) fn thrown_pictures(self) -> Parts {
+        match self.pictures {
+            true => snippets!("shared/half_meets.wgsl", "pictures/places.wgsl", "pictures/thrown.wgsl"),
+            false => snippets!("pictures/none.wgsl"),
+        }
+    }
+
     /// What is drawn on surfaces.
     pub(crate) fn style(self) -> Parts {
         if self.styled {

@@ -89,6 +89,8 @@ pub struct Variant {
     /// Light comes from all around by an image of it.
     pub sky: bool,
     pub lights: LightsKind,
+    /// Pictures are thrown onto surfaces.
+    pub pictures: bool,
     /// Patterns, lines or strokes are drawn on surfaces.
     pub styled: bool,
     /// Lines are drawn between pixels.
@@ -128,6 +130,7 @@ impl Variant {
         glossy: false,
         sky: false,
         lights: LightsKind::Plain,
+        pictures: false,
         styled: false,
         outlined: false,
         optics: None,
@@ -194,6 +197,15 @@ impl Variant {
             let seen = timed(RaysKind::Pieces, Some(OpticsKind::Facets));
             list.extend([seen, seen.after_bounce()]);
             list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
+            let thrown = |of: Variant| {
+                let lights = if more { LightsKind::Shadowed } else { LightsKind::Positional };
+                Variant { pictures: true, textured: true, lights, ..of }
+            };
+            let kinds = [RaysKind::Pieces, RaysKind::Field, curves[2]];
+            list.extend(kinds.map(|rays| thrown(variant(rays, false, None))));
+            let seen = variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)).after_bounce();
+            let samples = Variant { samples: 4, ..variant(RaysKind::Pieces, false, None) };
+            list.extend([timed(RaysKind::Pieces, None), seen, samples].map(thrown));
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
                 list.extend(seen);

@@ -134,6 +134,7 @@ impl Caustics {
             Scene { background: [1.0; 3], caustics: None, sky: None, style: Default::default(), ..scene.clone() };
         // no light but that from everywhere
         white.lights = vec![Light { source: Source::Distant(DVec3::ZERO), ..Light::distant(DVec3::X) }];
+        white.projector_lights = Vec::new();
         white.ambient_occlusion = None;
         for material in &mut Arc::make_mut(&mut white.mesh).materials {
             *material = Material {

@@ -45,6 +45,7 @@ function makeControls() {
   for (const [section, keys] of Object.entries(state.scene.sections)) {
     const value = state.values[section];
     if (section === "light") groups.push(lights(listOf(value), keys));
+    else if (section === "projector_light") groups.push(...pictures(listOf(value), keys));
     else groups.push(group(section, section.replace("_", " "), value ?? {}, keys));
   }
   panel.replaceChildren(...groups);
@@ -67,6 +68,11 @@ function lights(list, keys) {
   const more = element("button", { ariaLabel: "Add a light" }, "Add a light");
   more.onclick = () => edit([[`light.${list.length}`, { direction: [-1, -2, -1] }]]);
   return folded("light", "light", element("fieldset", {}, ...items, more));
+}
+
+// Of pictures that are thrown onto surfaces: they come with their files, and are added in the scene's text.
+function pictures(list, keys) {
+  return list.map((picture, k) => group(`projector_light.${k}`, `projector light ${k + 1}`, picture, keys));
 }
 
 function remover(path, label) {

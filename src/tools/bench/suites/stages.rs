@@ -15,11 +15,20 @@ const EXAMPLES: [&str; 8] = [
 ];
 
 pub fn cases() -> Vec<Case> {
-    EXAMPLES.map(case).into()
+    EXAMPLES.map(case).into_iter().chain([pictures()]).collect()
 }
 
 pub fn quick() -> Vec<Case> {
     EXAMPLES[..4].iter().map(|name| case(name)).collect()
+}
+
+/// The same surfaces with pictures of three cameras thrown onto them, and without: what each costs, and what their shadow rays do.
+fn pictures() -> Case {
+    let through =
+        ["projector_light.0.occlusion=false", "projector_light.1.occlusion=false", "projector_light.2.occlusion=false"];
+    let open = Arm::ours().set(&through).label("nothing hides them");
+    let bare = Arm::ours().set(&["projector_light=[]"]).label("without pictures");
+    Case::of("pictures of three cameras on surfaces", "video-on-city", vec![Arm::ours(), open, bare])
 }
 
 /// By raster, whose stages are counted; by tracing; and by the one of both that costs less.
