@@ -172,13 +172,14 @@ fn hit_of_triangle(at: Place, id: u32, layer: u32, t: f32) -> Seen {
     if PLANE_PIECE_ID != NONE || PLANE_MIRROR_ID != NONE {
         seen.piece = piece_number(layer, x, y);
     }
-    if PLANE_BARY_U != NONE || PLANE_BARY_V != NONE {
+    if (PLANE_BARY_U != NONE || PLANE_BARY_V != NONE) && has_corners(triangle) {
         seen.weights = weights_real(ray_bundle(layer, x, y, t), triangle).yz;
     }
     var differential: RayDifferential;
     if TEXTURED || STYLED {
         differential = ray_differential(layer, x, y, t);
     }
+    take_surface(triangle, layer, x, y, t);
     let hit = ShadedHit(slot, point_at(ray, t), seen.z, ray.d, differential, shading.filter_width);
     let diffuse = surface_albedo(slot, triangle, ray, differential) * pattern_at(hit);
     seen.n = surface_normal(slot, triangle, ray);

@@ -84,9 +84,10 @@ impl Reference<'_> {
         self.each_hit_of_curves(&curves, &ranges, |k, hit| curved[k].take(hit));
     }
 
-    /// Both triangles have the same three corners: wherever one is hit, so is the other.
+    /// Both triangles have the same three corners, or both spheres are the same: wherever one is hit, so is the other.
     fn hides_twin(&self, seen: u32, other: u32) -> bool {
-        self.mask_of(seen).is_none() && self.corners(seen).v == self.corners(other).v
+        let same_size = self.mesh.radius(seen) == self.mesh.radius(other);
+        self.mask_of(seen).is_none() && same_size && self.corners(seen).v == self.corners(other).v
     }
 
     /// The curve crosses the visible triangle's plane at so small an angle that t is uncertain by more than [`super::GAP`].

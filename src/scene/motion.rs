@@ -26,7 +26,7 @@ pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) ->
         let kind = camera.kind;
         return Err(Error::input(format!("motion is not computed through mirrors and lenses; {kind} has one")));
     }
-    if scene.mesh.triangles != next_scene.mesh.triangles {
+    if (&scene.mesh.triangles, &scene.mesh.radii) != (&next_scene.mesh.triangles, &next_scene.mesh.radii) {
         return Err(Error::input("motion is of triangles that are the same in both frames; these are not"));
     }
     let f32s = |channel: Channel| frame.f32(channel);

@@ -16,7 +16,11 @@ pub fn kernel(variant: Variant) -> Kernel {
         true => snippets!("shared/bvh8.wgsl", "shared/bvh_triangle_timed.wgsl"),
         false => snippets!("shared/bvh8.wgsl", "shared/bvh_triangle.wgsl"),
     };
-    let own = [pixels, path, hierarchy, snippets!("trace.wgsl")];
+    let primitives = match variant.spheres {
+        true => snippets!("shared/sphere.wgsl", "camera/straight_sphere.wgsl"),
+        false => snippets!("shared/only_triangles.wgsl"),
+    };
+    let own = [pixels, path, hierarchy, primitives, snippets!("trace.wgsl")];
     let mut kernel = super::raster::into_visibility("trace", variant, &[variant.pixel(), &own].concat());
     kernel.bindings.extend([table("bvh"), table("bvh_triangles")]);
     if variant.bounced {

@@ -17,6 +17,21 @@ impl Variant {
         }
     }
 
+    /// The surfaces of triangles, and of spheres where there are some.
+    pub(crate) fn flat_surface(self) -> Parts {
+        match self.spheres {
+            true => snippets!("shared/sphere.wgsl", "shared/sphere_chord.wgsl", "shared/flat_sphere.wgsl"),
+            false => snippets!("shared/flat_triangle.wgsl"),
+        }
+    }
+
+    /// What casts shadows.
+    pub(crate) fn leaves(self) -> Option<Parts> {
+        let parts =
+            if self.spheres { snippets!("shared/leaf_sphere.wgsl") } else { snippets!("shared/leaf_triangle.wgsl") };
+        (self.lights == LightsKind::Shadowed).then_some(parts)
+    }
+
     /// The colours of a triangle's corners, for kernels that look up images.
     pub(crate) fn corner_colors(self) -> Option<Parts> {
         let parts =

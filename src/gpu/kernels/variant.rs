@@ -103,6 +103,8 @@ pub struct Variant {
     pub analytic: bool,
     /// Vertices move while the frame is taken, and each pixel sees them at a moment of its own.
     pub timed: bool,
+    /// There are spheres beside triangles.
+    pub spheres: bool,
 }
 
 impl Variant {
@@ -135,6 +137,7 @@ impl Variant {
         samples: 1,
         analytic: false,
         timed: false,
+        spheres: false,
     };
 
     pub fn surfaces(self) -> SurfaceKind {
@@ -192,6 +195,12 @@ impl Variant {
             let timed = |rays, optics| Variant { method: Method::Trace, timed: true, ..variant(rays, false, optics) };
             list.extend([RaysKind::Pieces, RaysKind::Field, curves[2]].map(|rays| timed(rays, None)));
             let seen = timed(RaysKind::Pieces, Some(OpticsKind::Facets));
+            list.extend([seen, seen.after_bounce()]);
+            let spheres = |variant| Variant { method: Method::Trace, spheres: true, ..variant };
+            let of_rays = [RaysKind::Pieces, RaysKind::Field].map(|rays| spheres(variant(rays, false, None)));
+            list.extend(of_rays);
+            list.extend([spheres(variant(RaysKind::Pieces, true, None)), spheres(timed(RaysKind::Pieces, None))]);
+            let seen = spheres(variant(RaysKind::Pieces, false, Some(OpticsKind::Quadrics)));
             list.extend([seen, seen.after_bounce()]);
             list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
             for optics in OpticsKind::ALL {
