@@ -168,8 +168,10 @@ fn every_kernel_is_valid_and_portable() {
     let traced = 4 * (5 + 2 * 4 + 3 * 3 + 6 * 4 + 4 * 5 + 3) + 2 * 2 + 2;
     // and where things move: a camera of pieces, a field and curves, with rivals each, and a mirror of facets with the rays that it bounces
     let timed = 4 * (2 * 4 + 3 + 3 * 4 + 2 * 5);
+    // and where there are spheres: four cameras of straight rays and three of curves, with rivals each, and a lens with the rays that it bends
+    let spheres = 4 * (4 * (4 + 4) + 3 * (3 + 4) + 2 * 6);
     let exact = 1;
-    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + exact);
+    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + spheres + exact);
 }
 
 /// It has the kernel's name and the common workgroup.

@@ -3,9 +3,10 @@
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 // Provides: Place
 // Needs: Bundle, Lit, NONE, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, by_thread, colour_of, drawn, ends_on_smooth,
-//   first_piece, first_surface, goes_on, has_path, in_file_order, key_id, key_layer, key_t, light_before, light_left, path_length,
-//   pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential, reach_of, reached, real3,
-//   says_what_is_seen, segment_length, sent_back, surface_albedo, surface_normal, surface_uv, take_moment, triangle_at, vertex_real
+//   first_piece, first_surface, goes_on, has_corners, has_path, in_file_order, key_id, key_layer, key_t, light_before, light_left,
+//   path_length, pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential, reach_of, reached,
+//   real3, says_what_is_seen, segment_length, sent_back, surface_albedo, surface_normal, surface_uv, take_moment, take_surface,
+//   triangle_at, vertex_real
 // Binds: params, planes, shading, slot_of_id
 
 // Some plane shows more than the key says.

@@ -76,6 +76,10 @@ class Scene:
         """
         Adds a mesh of arrays with the keys of a `[[mesh]]` table, and an image of 8-bit sRGB colours (H, W, 3), or (H, W, 4).
         """
+    def add_spheres(self, /, centers: Incomplete, radii: SupportsGetItem[int, SupportsFloat | SupportsIndex], colors: Incomplete | None, name: str, table: str, folder: str | PathLike[str]) -> None:
+        """
+        Adds spheres of arrays with the keys of a `[[mesh]]` table that they may have.
+        """
     def add_table(self, /, table: str, folder: str | PathLike[str]) -> None:
         """
         Adds the mesh of a `[[mesh]]` table.

@@ -121,7 +121,11 @@ pub const REFUSALS: &[Refusal] = {
         refusal(&[Spheres, Rival], "{rival} draws triangles alone", "use --engine compute"),
         refusal(&[Spheres, Raster], "spheres are traced", "leave out --method raster"),
         refusal(&[Spheres, Certified], "pixels cannot be certified with spheres", WITHOUT_CERTIFIED),
-        refusal(&[Spheres, AlphaMasks], "triangles with alpha masks are rasterized, and spheres traced", "leave either out"),
+        refusal(
+            &[Spheres, AlphaMasks],
+            "triangles with alpha masks are rasterized, and spheres traced",
+            "leave either out",
+        ),
         refusal(&[Spheres, Caustics], SPHERES_AND_CAUSTICS[0], SPHERES_AND_CAUSTICS[1]),
         refusal(&[Spheres, Atlas], "an atlas is of triangles alone", "remove atlas"),
         refusal(&[Spheres, Samples], "with spheres a frame takes 1 sample per pixel, not {samples}", ONE),

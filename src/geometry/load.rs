@@ -1,8 +1,8 @@
 //! Loading the meshes of a scene: read or generated, with their materials, and placed in the world.
 
 use super::mesh::Mesh;
-use super::spec::{AnimationSpec, MeshSource, MeshSpec, TextureSpec};
 use super::place::STRETCHES;
+use super::spec::{AnimationSpec, MeshSource, MeshSpec, TextureSpec};
 use super::spheres::check_radii;
 use super::texture::{Images, Texture};
 use super::{generate, gltf, heights, obj, place, ply, smooth, stl};

@@ -107,6 +107,10 @@ impl Mesh {
         self.radii.par_iter().enumerate().filter(|(_, radius)| **radius > 0.0).map(|(id, radius)| (id as u32, *radius))
     }
 
+    pub fn sphere_count(&self) -> usize {
+        self.spheres().count()
+    }
+
     pub fn has_spheres(&self) -> bool {
         !self.radii.is_empty()
     }

@@ -89,7 +89,7 @@ pub const STRETCHES: &str =
 
 /// Axes of a matrix may differ in length, and from right angles, by this much of a length: the rounding of matrices that were written with
 /// seven decimal digits, or as f32.
-const STRETCH_MAX: f64 = 1e-6;
+pub const STRETCH_MAX: f64 = 1e-6;
 
 /// Spheres stay spheres.
 pub fn keeps_spheres(place: &DAffine3) -> bool {
@@ -97,7 +97,10 @@ pub fn keeps_spheres(place: &DAffine3) -> bool {
     let size = size_of(place);
     let is_as_long = |axis: &DVec3| (axis.length() - size).abs() <= STRETCH_MAX * size;
     let is_right_angle = |(a, b): (usize, usize)| axes[a].dot(axes[b]).abs() <= STRETCH_MAX * size * size;
-    size > 0.0 && size.is_finite() && axes.iter().all(is_as_long) && [(0, 1), (1, 2), (2, 0)].into_iter().all(is_right_angle)
+    size > 0.0
+        && size.is_finite()
+        && axes.iter().all(is_as_long)
+        && [(0, 1), (1, 2), (2, 0)].into_iter().all(is_right_angle)
 }
 
 /// By how much a transform that keeps spheres scales them.

@@ -102,7 +102,9 @@ impl SpheresSpec {
         let colors = match &self.colors {
             None => points.colors.take(),
             Some(ColorsSpec::Given(colors)) => Some(colors.to_vec()),
-            Some(ColorsSpec::File(path)) => Some(read_npy_rows::<3>(path)?.into_iter().map(|c| c.map(|x| x as f32)).collect()),
+            Some(ColorsSpec::File(path)) => {
+                Some(read_npy_rows::<3>(path)?.into_iter().map(|c| c.map(|x| x as f32)).collect())
+            }
         };
         spheres_of(points.centres, radii, colors).map_err(|why| Error::input(format!("spheres {called}: {why}")))
     }
@@ -167,7 +169,8 @@ pub fn spheres_of(
     if count > MAX_TRIANGLES {
         return Err(format!("{count} spheres, at most 2^28 are possible; use fewer"));
     }
-    check_memory(count as u64, count as u64, format_args!("{count} spheres"), "use fewer").map_err(|e| e.to_string())?;
+    check_memory(count as u64, count as u64, format_args!("{count} spheres"), "use fewer")
+        .map_err(|e| e.to_string())?;
     for (given, what) in [(radii.len(), "radii"), (colors.as_ref().map_or(count, Vec::len), "colours")] {
         if given != count {
             return Err(format!("{given} {what} for {count} spheres; give one for each"));
@@ -177,7 +180,8 @@ pub fn spheres_of(
         return Err(format!("sphere {k} lies at {}; use finite numbers", centres[k]));
     }
     check_radii(&radii)?;
-    if let Some((k, c)) = colors.iter().flatten().enumerate().find(|(_, c)| !c.iter().all(|x| (0.0..=1.0).contains(x))) {
+    if let Some((k, c)) = colors.iter().flatten().enumerate().find(|(_, c)| !c.iter().all(|x| (0.0..=1.0).contains(x)))
+    {
         return Err(format!("colour {k} is {c:?}; use linear RGB from 0 to 1"));
     }
     let triangles: Vec<[u32; 3]> = (0..count as u32).map(|k| [k; 3]).collect();
@@ -192,6 +196,21 @@ pub fn spheres_of(
         material_of: vec![0; count],
         ..Mesh::default()
     })
+}
+
+/// Where a ray is nearest to the sphere's surface before and behind its middle: where it enters and leaves it, or twice where it is nearest to
+/// its centre.
+pub fn nearest_meetings(centre: DVec3, radius: f64, (origin, direction): (DVec3, DVec3)) -> [f64; 2] {
+    let m = centre - origin;
+    let a = direction.length_squared();
+    let along = direction.dot(m);
+    let below = a * radius * radius - direction.cross(m).length_squared();
+    if below <= 0.0 {
+        return [along / a; 2];
+    }
+    let far = along + below.sqrt().copysign(along);
+    let (one, other) = (far / a, (m.length_squared() - radius * radius) / far);
+    [one.min(other), one.max(other)]
 }
 
 /// # Errors
@@ -215,6 +234,13 @@ mod tests {
         assert_eq!((mesh.colors_of(1), mesh.materials[0].diffuse), ([[0.0, 1.0, 0.0]; 3], [1.0; 3]));
         assert_eq!(mesh.bounds(), Some((DVec3::new(-1.0, -4.25, -2.0), DVec3::new(3.0, 2.0, 2.0))));
         assert!(spheres_of(Vec::new(), Vec::new(), None).unwrap().bounds().is_none());
+    }
+
+    #[test]
+    fn rays_enter_and_leave() {
+        let ray = |x: f64| (DVec3::new(x, 0.0, -13.0), 2.0 * DVec3::Z);
+        assert_eq!(nearest_meetings(DVec3::new(0.0, 0.0, 3.0), 5.0, ray(3.0)), [6.0, 10.0]);
+        assert_eq!(nearest_meetings(DVec3::new(0.0, 0.0, 3.0), 5.0, ray(6.0)), [8.0; 2]);
     }
 
     #[test]

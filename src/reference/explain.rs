@@ -27,7 +27,8 @@ pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> Explained {
     let finding = Reference::of_scene(scene).at(scene.moment(camera, (i, j))).finding(camera, &path, (i, j));
     let mut text = format!("pixel {i},{j}\n");
     // writing to a String cannot fail
-    let _ = write_path(&mut text, &path).and_then(|()| write_finding(&mut text, (&scene.mesh, camera), &path, &finding));
+    let _ =
+        write_path(&mut text, &path).and_then(|()| write_finding(&mut text, (&scene.mesh, camera), &path, &finding));
     let point = finding.seen.and_then(|seen| Some(path.segments[seen.layer]?.1.point(seen.hit.t)));
     Explained { text, triangle: finding.seen.map(|seen| seen.hit.triangle), point }
 }

@@ -137,9 +137,16 @@ fn pixel(
         triangle: id,
         piece: piece(seen.piece),
         mirror,
-        normal: if is_triangle { normal(reference, &seen.hit, (segment.point(seen.hit.t), segment.view(seen.hit.t))) } else { DVec3::ZERO },
+        normal: if is_triangle {
+            normal(reference, &seen.hit, (segment.point(seen.hit.t), segment.view(seen.hit.t)))
+        } else {
+            DVec3::ZERO
+        },
         position: segment.point(seen.hit.t),
-        albedo: ends_on.map_or_else(|| albedo(&scene.mesh, reference.surface(id, segment.point(seen.hit.t)), &seen.hit), |optics| optics.base),
+        albedo: ends_on.map_or_else(
+            || albedo(&scene.mesh, reference.surface(id, segment.point(seen.hit.t)), &seen.hit),
+            |optics| optics.base,
+        ),
         uv: uv.to_array(),
         // labels follow from the triangle; the reference has margins instead of certified pixels
         ..PixelValues::MISS

@@ -1,11 +1,18 @@
-//! One ray against one sphere: `docs/reference/definitions.md`, Spheres.
+//! One ray or curve against one sphere: `docs/reference/definitions.md`, Spheres.
 //!
 //! Of the ray `X(t) = (p + t d) / h` and the sphere about `c` let `m = c h - p` and `R = r h`. It is met where `|t d - m| = R`, that is,
 //! at `t = (d . m -+ s) / d . d`, `s` being the root of `d . d R^2 - |d x m|^2`. Where f64 does not prove what is below the root, or
 //! `m . m - R^2`, to half of [`T_ROUNDING`], these are summed exactly.
+//!
+//! A curve is on the sphere where `|X(t) - c|^2 - r^2` is 0, a polynomial of twice its degree: all roots are found
+//! ([`crate::geometry::bernstein`]).
 
+use super::curve::{POINT_ROUNDING, blur};
 use super::intersect::{T_ROUNDING, TERM_ROUNDING, cross_size, offset_size};
+use super::margin::GAP;
 use crate::camera::bundle::Bundle;
+use crate::camera::curve::Curve;
+use crate::geometry::bernstein::{Bernstein, Root, VALUE_ROUNDING};
 use crate::geometry::exact::{Exact, Exact3};
 use glam::DVec3;
 
@@ -55,6 +62,40 @@ impl Sphere {
         Some([one.min(other), one.max(other)])
     }
 
+    /// Where a curve passes or touches the sphere, ascending: where it enters, the sign is -1.
+    pub fn roots(&self, curve: &Curve) -> Vec<Root> {
+        let (height, zero) = self.height(curve);
+        height.roots(zero)
+    }
+
+    /// The curve meets the sphere so flat at `t` that the place is not sure to [`GAP`].
+    pub fn is_flat(&self, curve: &Curve, t: f64) -> bool {
+        let (height, zero) = self.height(curve);
+        2.0 * blur(&height, zero, t) > GAP * t.max(GAP)
+    }
+
+    /// The polynomial, and up to which values it may be 0.
+    fn height(&self, curve: &Curve) -> (Bernstein, f64) {
+        let points = curve.points();
+        let offsets: Vec<DVec3> = points.iter().map(|p| *p - self.centre).collect();
+        let degree = points.len() - 1;
+        let coefficient = |j: usize| {
+            let terms = (0..=degree).filter(|i| *i <= j && j - i <= degree);
+            let sum: f64 =
+                terms.map(|i| choose(degree, i) * choose(degree, j - i) * offsets[i].dot(offsets[j - i])).sum();
+            sum / choose(2 * degree, j) - self.radius * self.radius
+        };
+        let height = Bernstein::new(&(0..=2 * degree).map(coefficient).collect::<Vec<_>>());
+        let far = offsets.iter().map(|o| o.length()).fold(self.radius, f64::max);
+        let coordinate = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        // a square of sums of three terms, a weight, a sum of up to four products: twice as many roundings as an edge value has; and
+        // the control points' own, on each axis
+        let zero = 2.0 * TERM_ROUNDING * far * far
+            + 2.0 * VALUE_ROUNDING * height.size()
+            + 2.0 * 3.0f64.sqrt() * far * POINT_ROUNDING * coordinate;
+        (height, zero)
+    }
+
     /// `m`.
     fn exact_offset(&self, p: DVec3, h: f64) -> Exact3 {
         let one = |k: usize| Exact::product(self.centre[k], h).minus(&Exact::product(p[k], 1.0));
@@ -84,9 +125,36 @@ impl Sphere {
     }
 }
 
+fn choose(n: usize, k: usize) -> f64 {
+    (0..k).fold(1.0, |c, j| c * (n - j) as f64 / (j + 1) as f64)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A parabola and a circle around the same place: closed forms, and a touch.
+    #[test]
+    fn curves_enter_leave_and_touch() {
+        // X = (2 t - 1, (2 t - 1)^2, 0)
+        let curve = Curve::new(&[DVec3::new(-1.0, 1.0, 0.0), DVec3::new(0.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)]);
+        let roots = |centre: DVec3, radius: f64| Sphere { centre, radius }.roots(&curve);
+        // x^2 + x^4 = r^2
+        for radius in [0.3_f64, 0.7, 1.2] {
+            let x = (0.5 * ((1.0 + 4.0 * radius * radius).sqrt() - 1.0)).sqrt();
+            let found = roots(DVec3::ZERO, radius);
+            assert_eq!(found.iter().map(|r| r.sign).collect::<Vec<_>>(), [-1, 1]);
+            for (root, x) in found.iter().zip([-x, x]) {
+                assert!((root.t - 0.5 * (x + 1.0)).abs() < 1e-14, "{} {x}", root.t);
+            }
+        }
+        let touch = roots(DVec3::new(0.0, -2.0, 0.0), 2.0);
+        assert_eq!((touch.len(), touch[0].sign), (1, 0));
+        assert!((touch[0].t - 0.5).abs() < 1e-7);
+        assert!(roots(DVec3::new(0.0, -2.0, 0.0), 1.999).is_empty());
+        // four times through one ball
+        assert_eq!(roots(DVec3::new(0.0, 0.6, 0.0), 0.595).iter().map(|r| r.sign).collect::<Vec<_>>(), [-1, 1, -1, 1]);
+    }
 
     fn ray(p: DVec3, d: DVec3, h: f64) -> Bundle {
         Bundle { p: [p * h, DVec3::ZERO, DVec3::ZERO], d: [d * h, DVec3::ZERO, DVec3::ZERO], h: [h, 0.0, 0.0] }

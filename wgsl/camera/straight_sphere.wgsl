@@ -1,8 +1,8 @@
 // What a straight ray meets, to f32, where there are spheres too. A sphere of the hierarchy has its centre for a corner, and its radius for
 // the x of its edge.
 // Provides: with_primitive
-// Needs: BvhTriangle, CORNER_UNITS, COUNT_RECHECK_ITEMS, ENDLESS, LEAST, ONE_SIDED, Path, STORED_UNIT, Seen, Stretch, UNIT, is_excluded, is_sphere,
-//   largest_of, last_of, triangle_id, with_triangle
+// Needs: ALL_UNCERTAIN, BvhTriangle, CORNER_UNITS, COUNT_RECHECK_ITEMS, ENDLESS, LEAST, ONE_SIDED, Path, Seen, Stretch, UNIT, is_excluded,
+//   is_sphere, largest_of, last_of, triangle_id, with_triangle
 // Binds: counters, params, recheck_items
 
 fn with_primitive(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> Seen {

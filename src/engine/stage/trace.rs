@@ -16,9 +16,12 @@ pub fn kernel(variant: Variant) -> Kernel {
         true => snippets!("shared/bvh8.wgsl", "shared/bvh_triangle_timed.wgsl"),
         false => snippets!("shared/bvh8.wgsl", "shared/bvh_triangle.wgsl"),
     };
-    let primitives = match variant.spheres {
-        true => snippets!("shared/sphere.wgsl", "camera/straight_sphere.wgsl"),
-        false => snippets!("shared/only_triangles.wgsl"),
+    let primitives = match (variant.spheres, variant.rays) {
+        (false, _) => snippets!("shared/only_triangles.wgsl"),
+        (true, RaysKind::Curves { .. }) => {
+            snippets!("shared/sphere.wgsl", "shared/sphere_chord.wgsl", "camera/curves_sphere.wgsl")
+        }
+        (true, _) => snippets!("shared/sphere.wgsl", "camera/straight_sphere.wgsl"),
     };
     let own = [pixels, path, hierarchy, primitives, snippets!("trace.wgsl")];
     let mut kernel = super::raster::into_visibility("trace", variant, &[variant.pixel(), &own].concat());

@@ -1,7 +1,7 @@
 //! Snippets for the appearance of surfaces: images and alpha masks, light, and what is drawn on them.
 
 use super::parts::*;
-use super::variant::{LightsKind, Variant};
+use super::variant::{LightsKind, RaysKind, Variant};
 
 impl Variant {
     /// How weights of a triangle's corners change from pixel to pixel, where something follows from that.
@@ -19,9 +19,20 @@ impl Variant {
 
     /// The surfaces of triangles, and of spheres where there are some.
     pub(crate) fn flat_surface(self) -> Parts {
-        match self.spheres {
-            true => snippets!("shared/sphere.wgsl", "shared/sphere_chord.wgsl", "shared/flat_sphere.wgsl"),
-            false => snippets!("shared/flat_triangle.wgsl"),
+        match (self.spheres, self.rays) {
+            (false, _) => snippets!("shared/flat_triangle.wgsl"),
+            (true, RaysKind::Curves { .. }) => snippets!(
+                "shared/sphere.wgsl",
+                "shared/sphere_chord.wgsl",
+                "camera/curves_outward.wgsl",
+                "shared/flat_sphere.wgsl"
+            ),
+            (true, _) => snippets!(
+                "shared/sphere.wgsl",
+                "shared/sphere_chord.wgsl",
+                "camera/straight_outward.wgsl",
+                "shared/flat_sphere.wgsl"
+            ),
         }
     }
 

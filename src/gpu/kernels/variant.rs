@@ -202,6 +202,7 @@ impl Variant {
             list.extend([spheres(variant(RaysKind::Pieces, true, None)), spheres(timed(RaysKind::Pieces, None))]);
             let seen = spheres(variant(RaysKind::Pieces, false, Some(OpticsKind::Quadrics)));
             list.extend([seen, seen.after_bounce()]);
+            list.extend(curves.map(|rays| spheres(variant(rays, true, None))));
             list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));

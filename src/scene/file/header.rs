@@ -26,8 +26,9 @@ pub struct CameraKeys {
 impl PartialEq for CameraKeys {
     /// Compares values, not where in the file they are.
     fn eq(&self, other: &CameraKeys) -> bool {
-        let written =
-            |keys: &CameraKeys| [&keys.camera, &keys.meshes, &keys.spheres].map(|node| node.as_ref().map(|n| json(&n.value)));
+        let written = |keys: &CameraKeys| {
+            [&keys.camera, &keys.meshes, &keys.spheres].map(|node| node.as_ref().map(|n| json(&n.value)))
+        };
         (&self.dir, written(self)) == (&other.dir, written(other))
     }
 }
