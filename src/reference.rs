@@ -2,6 +2,7 @@
 //! definitions in `docs/reference/definitions.md`. It uses pixels, bundles and triangles only, no tiles and no kernels.
 //!
 //! * `intersect`: one ray and one triangle; signs are those of exact arithmetic (`exact`).
+//! * `sphere`: one ray and one sphere.
 //! * `curve`, `length`: one curve and one triangle, every root ([`crate::geometry::bernstein`]); arc lengths.
 //! * `bvh`, `beam`: which triangles a ray, a curve, or all rays of a small box about one can meet.
 //! * `lens`: rays of calibrated lenses, inverted independently of the camera.
@@ -32,6 +33,7 @@ mod light;
 mod margin;
 mod path;
 mod pictures;
+mod sphere;
 mod verdict;
 
 #[cfg(test)]
@@ -55,6 +57,7 @@ use glam::DVec3;
 use intersect::{Aim, Corners, T_ROUNDING};
 use pictures::Pictures;
 use rayon::prelude::*;
+use sphere::Sphere;
 use std::sync::Arc;
 
 /// The first hit of a ray on the mesh.
@@ -62,9 +65,9 @@ use std::sync::Arc;
 pub struct Hit {
     /// The ray parameter; relative error at most 1e-9.
     pub t: f64,
-    /// The triangle's id: its index in the mesh.
+    /// The triangle's or sphere's id: its index in the mesh.
     pub triangle: u32,
-    /// Barycentric weights of the triangle's second and third vertex.
+    /// Barycentric weights of the triangle's second and third vertex; 0 of a sphere.
     pub bary: [f64; 2],
 }
 
@@ -95,9 +98,14 @@ impl<'a> Reference<'a> {
     }
 
     fn of_moving(all: MovingMesh<'a>) -> Reference<'a> {
+        let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
         let item = |id: u32| {
+            if let Some(radius) = all.mesh.radius(id) {
+                let at = |step| Sphere { centre: all.corners(id, step)[0], radius }.bounds();
+                let (lo, hi) = (0..all.count()).map(at).reduce(join)?;
+                return Some(Item { lo, hi, id });
+            }
             let corners = (0..all.count()).map(|step| Corners::new(all.corners(id, step)));
-            let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
             let (lo, hi) = corners.clone().map(|corners| corners.bounds()).reduce(join)?;
             let is_there = all.count() > 1 || corners.clone().any(|corners| !corners.is_degenerate());
             is_there.then_some(Item { lo, hi, id })
@@ -124,7 +132,7 @@ impl<'a> Reference<'a> {
         best
     }
 
-    /// Distance from `p` along a unit direction to the nearest of the first `count` triangles, either face, up to `far`.
+    /// Distance from `p` along a unit direction to the nearest of the first `count` triangles and spheres, either face, up to `far`.
     fn blocked(&self, p: DVec3, direction: DVec3, far: f64, count: u32) -> Option<f64> {
         let zero = DVec3::ZERO;
         let bundle = Bundle { p: [p, zero, zero], d: [direction, zero, zero], h: [1.0, 0.0, 0.0] };
@@ -132,10 +140,18 @@ impl<'a> Reference<'a> {
         let mut nearest = far;
         let mut is_met = false;
         self.bvh.walk(&beam, [0.0, far], |id| {
-            let corners = self.solid_corners(id).filter(|_| id < count);
-            let met = corners.and_then(|corners| intersect::meet(&Aim::straight(bundle), &corners));
-            if let Some(m) = met.filter(|m| (0.0..=nearest).contains(&m.t)) {
-                (nearest, is_met) = (m.t, true);
+            let met: Vec<f64> = match self.sphere(id) {
+                _ if id >= count => Vec::new(),
+                Some(sphere) => sphere.meetings(&bundle).into_iter().flatten().collect(),
+                None => {
+                    let corners = self.solid_corners(id);
+                    corners.and_then(|c| intersect::meet(&Aim::straight(bundle), &c)).map(|m| m.t).into_iter().collect()
+                }
+            };
+            for t in met {
+                if (0.0..=nearest).contains(&t) {
+                    (nearest, is_met) = (t, true);
+                }
             }
             nearest
         });
@@ -159,8 +175,15 @@ impl<'a> Reference<'a> {
         });
     }
 
-    /// The visible hit of the central ray on one triangle, in range.
+    /// The first visible hit of the central ray on one triangle or sphere, in range. A sphere is entered from outside and left from inside,
+    /// where its back is seen.
     fn hit_of(&self, aim: &Aim, id: u32, t_range: [f64; 2]) -> Option<Hit> {
+        if let Some(sphere) = self.sphere(id) {
+            let [entered, left] = sphere.meetings(&aim.centre)?;
+            let seen = [Some(entered), Some(left).filter(|_| self.two_sided(id))];
+            let t = seen.into_iter().flatten().find(|t| t_range[0] <= *t && *t <= t_range[1])?;
+            return Some(Hit { t, triangle: id, bary: [0.0; 2] });
+        }
         let m = intersect::meet(aim, &self.solid_corners(id)?)?;
         let seen = m.sign < 0 || self.two_sided(id);
         let in_range = t_range[0] <= m.t && m.t <= t_range[1];
@@ -172,9 +195,20 @@ impl<'a> Reference<'a> {
         Corners::new(self.positions(id))
     }
 
-    /// `None` while two of them are in one place.
+    /// As it is at the moment; `None` of a triangle.
+    fn sphere(&self, id: u32) -> Option<Sphere> {
+        let radius = self.mesh.radius(id)?;
+        Some(Sphere { centre: self.positions(id)[0], radius })
+    }
+
+    /// `None` of a sphere, and while two of them are in one place.
     fn solid_corners(&self, id: u32) -> Option<Corners> {
         Some(self.corners(id)).filter(|corners| !corners.is_degenerate())
+    }
+
+    /// The corners of a triangle about a hit at `p`, as the surface there; of a sphere that place.
+    fn surface(&self, id: u32, p: DVec3) -> [DVec3; 3] {
+        if self.mesh.radius(id).is_some() { [p; 3] } else { self.positions(id) }
     }
 
     /// The corners of a triangle, in the order of its file.

@@ -299,6 +299,42 @@ fn objects_move_and_come_back() {
     assert!(gone != at_rest && seen(&scene) == gone);
 }
 
+#[test]
+fn spheres_are_added_and_moved() {
+    let mut scene = Scene::parse(CAMERA, ".").unwrap();
+    let centers = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
+    scene.add_spheres(&centers, &[0.5, 0.25], Some(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])).unwrap();
+    assert_eq!(scene.objects().collect::<Vec<_>>(), [("spheres", 2)]);
+    assert_eq!(scene.bounds(), Some([[-0.5; 3], [1.25, 0.5, 0.5]]));
+    let mut renderer = Renderer::new().unwrap();
+    let mut seen = |scene: &Scene| words(&renderer.render(scene, &scene.camera().unwrap(), &options()).unwrap());
+    let at_rest = seen(&scene);
+    assert!([0, 1, NO_ID].iter().all(|id| at_rest[..48 * 36].contains(id)));
+
+    // a half turn about z
+    scene.move_object("spheres", [[-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap();
+    assert_eq!(scene.bounds(), Some([[-1.25, -0.5, -0.5], [0.5; 3]]));
+    let turned = seen(&scene);
+    let mut other = Scene::parse(CAMERA, ".").unwrap();
+    other.add_spheres(&[[0.0; 3], [-1.0, 0.0, 0.0]], &[0.5, 0.25], Some(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])).unwrap();
+    assert!(turned == seen(&other) && turned != at_rest);
+
+    let refused = |result: Result<()>, says: &str| {
+        let text = result.unwrap_err().to_string();
+        assert!(text.contains(says) && !text.contains('\n'), "{text}");
+    };
+    let twice = [[2.0, 0.0, 0.0, 0.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]];
+    refused(scene.move_object("spheres", twice), "the matrix scales or stretches spheres");
+    assert!(seen(&scene) == turned);
+    refused(scene.add_spheres(&centers, &[0.5], None), "1 radii for 2 spheres");
+    refused(scene.add_spheres(&centers, &[0.5, 0.0], None), "sphere 1 has the radius 0");
+    refused(
+        Mesh::spheres(&centers, &[1.0; 2]).unwrap().with_uvs(vec![[0.0; 2]; 2]).map(|_| ()),
+        "spheres have no texture",
+    );
+    assert!(Placed::of_mesh(Mesh::spheres(&centers, &[1.0; 2]).unwrap(), "scale = [1, 2, 1]", ".").is_err());
+}
+
 /// A ball and a box, and a camera that is not used.
 const BALL: &str = r#"
 image = { width = 50, height = 37 }

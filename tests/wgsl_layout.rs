@@ -275,7 +275,7 @@ fn host() -> Layouts {
             pad0,
         }),
         layout!(BvhNode { lo, first, hi, count }),
-        layout!(LeafTriangle { v0, id, v1, one_sided, v2, pad0 }),
+        layout!(LeafTriangle { v0, id, v1, one_sided, v2, is_sphere }),
     ])
 }
 

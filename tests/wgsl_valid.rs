@@ -174,9 +174,11 @@ fn every_kernel_is_valid_and_portable() {
     // and with pictures on surfaces: pieces and a field with rivals, by tile too, and small for pieces; curves; pieces as things move; the rays
     // that a mirror of facets bounces; and samples
     let pictures = 4 * ((8 + 1 + 1) + (8 + 1) + 7 + 8 + (5 + 1) + (10 + 3));
+    // and where there are spheres: four cameras of straight rays and three of curves, with rivals each, and a lens with the rays that it bends
+    let spheres = 4 * (4 * (4 + 4) + 3 * (3 + 4) + 2 * 6);
     // what an adapter is tested with, and two kernels of gradients
     let alone = 1 + 2;
-    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + pictures + alone);
+    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + pictures + spheres + alone);
 }
 
 /// It has the kernel's name and the common workgroup.

@@ -1,8 +1,9 @@
 // recheck: one thread per item that was left to it.
-// Reads recheck_items, triangles, vertices, cells and the camera's rays; finds in recheck arithmetic whether the triangle covers the
+// Reads recheck_items, triangles, vertices, cells and the camera's rays; finds in recheck arithmetic whether the triangle or sphere covers the
 // item's pixel, where that is not proven, and at which t, and merges its key.
-// Needs: COUNT_RECHECK_ITEMS, PROVEN, TILE, bit_mask, cell_bundle, is_between, item_index, merge_hits, perturbed, pixel_bundle, real,
-//   real3, take_moment, tile_corner, triangle_at, vertex_real
+// Provides: recheck_triangle
+// Needs: COUNT_RECHECK_ITEMS, Cell, PROVEN, TILE, bit_mask, cell_bundle, is_between, item_index, merge_hits, perturbed, pixel_bundle, real,
+//   real3, recheck_primitive, take_moment, tile_corner, triangle_at, vertex_real
 // Binds: cells, counters, params, recheck_items, tile_start
 
 @compute @workgroup_size(64)
@@ -36,8 +37,12 @@ fn recheck(
     // recheck it
     let corner = tile_corner(tile);
     take_moment((corner.y + bit / TILE) * params.width + corner.x + bit % TILE);
+    recheck_primitive(slot, triangle, is_proven, cells[k], bit);
+}
+
+// Merges the key of a triangle, if it covers the pixel of a cell.
+fn recheck_triangle(slot: u32, triangle: vec4<u32>, is_proven: bool, cell: Cell, bit: u32) {
     let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
-    let cell = cells[k];
     let whole = cell_bundle(cell);
     // a loop: software adapters take every branch
     var covers = is_proven;
@@ -51,6 +56,6 @@ fn recheck(
         covers = is_between(perturbed(b, real(params.scene_size)), v);
     }
     if covers {
-        merge_hits(cell, slot, triangle, whole, v, own);
+        merge_hits(cell, slot, triangle, whole, v, bit_mask(bit));
     }
 }

@@ -3,9 +3,10 @@
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 // Provides: Place
 // Needs: Bundle, Lit, NONE, PICTURES, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, by_thread, colour_of, drawn,
-//   ends_on_smooth, first_piece, first_surface, goes_on, has_path, in_file_order, key_id, key_layer, key_t, light_before, light_left,
-//   painted, path_length, pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential, reach_of, reached, real3,
-//   says_what_is_seen, segment_length, sent_back, surface_albedo, surface_normal, surface_uv, take_moment, triangle_at, vertex_real
+//   ends_on_smooth, first_piece, first_surface, goes_on, has_corners, has_path, in_file_order, key_id, key_layer, key_t, light_before,
+//   light_left, painted, path_length, pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential,
+//   reach_of, reached, real3, says_what_is_seen, segment_length, sent_back, surface_albedo, surface_normal, surface_uv, take_moment,
+//   take_surface, triangle_at, vertex_real
 // Binds: params, planes, shading, slot_of_id
 
 // Some plane shows more than the key says.
@@ -172,13 +173,14 @@ fn hit_of_triangle(at: Place, id: u32, layer: u32, t: f32) -> Seen {
     if PLANE_PIECE_ID != NONE || PLANE_MIRROR_ID != NONE {
         seen.piece = piece_number(layer, x, y);
     }
-    if PLANE_BARY_U != NONE || PLANE_BARY_V != NONE {
+    if (PLANE_BARY_U != NONE || PLANE_BARY_V != NONE) && has_corners(triangle) {
         seen.weights = weights_real(ray_bundle(layer, x, y, t), triangle).yz;
     }
     var differential: RayDifferential;
     if TEXTURED || STYLED {
         differential = ray_differential(layer, x, y, t);
     }
+    take_surface(triangle, layer, x, y, t);
     let hit = ShadedHit(slot, point_at(ray, t), seen.z, ray.d, differential, shading.filter_width);
     var diffuse = surface_albedo(slot, triangle, ray, differential) * pattern_at(hit);
     seen.n = surface_normal(slot, triangle, ray);

@@ -3,7 +3,7 @@
 // that it meets at a t in range, and writes that. Triangles of which f32 proves neither a hit nor a miss are left to recheck.
 // The list recheck_items may overflow: the counter keeps counting. What takes too many steps is counted, too.
 // Needs: COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_UNFINISHED, Path, SLABBED, Seen, Stretch, box_hits, bvh_root, bvh_scale,
-//   bvh_triangle, has_ray, is_seen, keep_seen, last_of, nothing_seen, path_of, pixel_at, stretch_of, stretches, take_moment, with_triangle
+//   bvh_triangle, has_ray, is_seen, keep_seen, last_of, nothing_seen, path_of, pixel_at, stretch_of, stretches, take_moment, with_primitive
 // Binds: counters, params, step
 
 // The most boxes and triangles that a path is tested against: software adapters end a loop when its 16 threads together have taken 65535
@@ -114,7 +114,7 @@ fn followed(path: Path, stretch: Stretch, before: Seen, rounds_before: u32) -> F
             }
             let index = met.first_triangle + firstTrailingBit(triangles);
             triangles &= triangles - 1u;
-            seen = with_triangle(path, stretch, seen, bvh_triangle(index));
+            seen = with_primitive(path, stretch, seen, bvh_triangle(index));
         }
         if rounds >= ROUNDS {
             break;

@@ -80,6 +80,10 @@ class Scene:
         """
         Throws the picture of a `[[projector_light]]` table onto surfaces.
         """
+    def add_spheres(self, /, centers: Incomplete, radii: SupportsGetItem[int, SupportsFloat | SupportsIndex], colors: Incomplete | None, name: str, table: str, folder: str | PathLike[str]) -> None:
+        """
+        Adds spheres of arrays with the keys of a `[[mesh]]` table that they may have.
+        """
     def add_table(self, /, table: str, folder: str | PathLike[str]) -> None:
         """
         Adds the mesh of a `[[mesh]]` table.

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._mesh import Mesh
-from ._values import Numbers, Path, Value, as_array, assignment, table
+from ._values import Numbers, Path, Value, array, as_array, assignment, table
 
 if TYPE_CHECKING:
     from .camera import Camera
@@ -121,6 +121,31 @@ class Scene:
             ValueError: there is no such picture, or the array is wrong. The scene is unchanged.
         """
         self._native.set_picture(number, _image(picture, "picture"))
+
+    def add_spheres(
+        self, centers: Numbers, radii: Numbers | float, colors: Numbers | None = None, name: str = "spheres", **keys: Value
+    ) -> None:
+        """Adds exact spheres after the existing meshes.
+
+        Args:
+            centers: (N, 3), world units.
+            radii: (N,), above 0; or one number for all.
+            colors: (N, 3), linear RGB from 0 to 1; without them all are light grey, or have the key ``color``.
+            name: the object's name.
+            keys: the keys of a scene file's ``[[spheres]]`` that say where they are and what they look like, such as ``translate``,
+                ``scale`` (one number), ``color``, ``roughness`` and ``two_sided``.
+
+        Raises:
+            ValueError: a key or a value is wrong; a shape is, a center is not finite, a radius not above 0, a color not in [0, 1].
+        """
+        places = array(centers, np.float64, 3, "centers")
+        sizes = np.asarray(radii, dtype=np.float64)
+        if sizes.shape not in ((), (len(places),)):
+            raise ValueError(f"radii: one number, or {len(places)} of shape ({len(places)},), are needed, not {sizes.shape}")
+        own = None if colors is None else array(colors, np.float32, 3, "colors")
+        self._native.add_spheres(
+            places, np.broadcast_to(sizes, (len(places),)).tolist(), own, name, table(keys), os.getcwd()
+        )
 
     def move(self, mesh: str, matrix: Numbers) -> None:
         """Places an object: each of its vertices p, as last added or updated, comes to lie at M p; the identity takes the object back.

@@ -137,6 +137,29 @@ impl Scene {
         })
     }
 
+    /// Adds spheres of arrays with the keys of a `[[mesh]]` table that they may have.
+    #[pyo3(signature = (centers, radii, colors, name, table, folder))]
+    #[allow(clippy::too_many_arguments)]
+    fn add_spheres(
+        &self,
+        py: Python<'_>,
+        centers: PyReadonlyArray2<'_, f64>,
+        radii: Vec<f64>,
+        colors: Option<PyReadonlyArray2<'_, f32>>,
+        name: String,
+        table: String,
+        folder: PathBuf,
+    ) -> PyResult<()> {
+        let (centers, colors) = (rows(&centers), colors.as_ref().map(rows));
+        self.add(py, move || {
+            let mut spheres = Mesh::spheres(&centers, &radii)?.named(name);
+            if let Some(colors) = colors {
+                spheres = spheres.with_colors(colors)?;
+            }
+            anamorph::Placed::of_mesh(spheres, &table, folder)
+        })
+    }
+
     /// Places an object by the rows of an affine matrix.
     fn move_object(&self, py: Python<'_>, name: String, matrix: [[f64; 4]; 3]) -> PyResult<()> {
         self.change(py, move |scene| scene.move_object(&name, matrix))

@@ -250,3 +250,34 @@ def test_pictures_are_thrown_onto_surfaces(tmp_path, pinhole) -> None:
         scene.show(0, white[0])
     with pytest.raises(ValueError, match="projector_light.*opacity: 2 is out of range"):
         scene.throw(tmp_path / "take.png", am.camera.pinhole(eye=[0, 0, 4], target=[0, 0, 0], vfov=20), opacity=2)
+
+
+def test_spheres_of_arrays(pinhole) -> None:
+    scene = am.Scene()
+    scene.add_builtin("plane", translate=[0, -9, 0])
+    centers = np.array([[0.0, 0.0, 0.0], [1.0, 0.5, 0.0]])
+    scene.add_spheres(centers, radii=[0.5, 0.25], colors=[[1, 0, 0], [0, 0.5, 1]], name="atoms")
+    assert scene.objects == [("plane", 2), ("atoms", 2)]
+    frame = am.render(scene, pinhole, size=SIZE, channels=["triangle.id", "albedo", "N", "P"])
+    seen = frame["triangle.id"]
+    for k, (center, radius, color) in enumerate(zip(centers, [0.5, 0.25], [[1, 0, 0], [0, 0.5, 1]])):
+        own = seen == 2 + k
+        assert own.any()
+        places = np.stack([frame[f"P.{axis}"][own] for axis in "XYZ"], axis=-1)
+        normals = np.stack([frame[f"N.{axis}"][own] for axis in "XYZ"], axis=-1)
+        assert np.allclose(np.linalg.norm(places - center, axis=-1), radius, atol=1e-5)
+        assert np.allclose(normals, (places - center) / radius, atol=1e-4)
+        assert np.allclose(np.stack([frame[f"albedo.{c}"][own] for c in "RGB"], axis=-1), color)
+    scene.add_spheres(centers, radii=0.1, scale=2, translate=[0, 0, -3])
+    assert scene.objects[-1] == ("spheres", 2)
+    for wrong in [
+        {"centers": [[0, 0]], "radii": 1},
+        {"centers": centers, "radii": [1, 2, 3]},
+        {"centers": centers, "radii": 0},
+        {"centers": centers, "radii": np.nan},
+        {"centers": centers, "radii": 1, "colors": [[0, 0, 2]] * 2},
+        {"centers": centers, "radii": 1, "colors": [[0, 0, 1]]},
+        {"centers": centers, "radii": 1, "scale": [1, 2, 1]},
+    ]:
+        with pytest.raises(ValueError):
+            scene.add_spheres(**wrong)

@@ -3,6 +3,7 @@
 use crate::geometry::load::load_mesh;
 use crate::geometry::mesh::Material;
 use crate::geometry::spec::{MeshSource, MeshSpec};
+use crate::geometry::spheres::spheres_of;
 use crate::geometry::texture::{Images, ImagesRead, Texels, Texture};
 use crate::input::{Error, Result};
 use glam::{DVec3, Vec2, Vec3};
@@ -85,6 +86,7 @@ impl Mesh {
     /// # Errors
     /// [`Error::Input`] if the count differs from that of the vertices, or a normal is zero or not finite.
     pub fn with_normals(mut self, normals: Vec<[f32; 3]>) -> Result<Mesh> {
+        self.check_has_corners("normals of their own")?;
         self.check_count(normals.len(), "normals")?;
         let unit = |(k, n): (usize, [f32; 3])| {
             let unit = Vec3::from_array(n).try_normalize();
@@ -100,6 +102,7 @@ impl Mesh {
     /// # Errors
     /// [`Error::Input`] if the count differs from that of the vertices, or one is not finite.
     pub fn with_uvs(mut self, uvs: Vec<[f32; 2]>) -> Result<Mesh> {
+        self.check_has_corners("texture coordinates")?;
         self.check_count(uvs.len(), "texture coordinates")?;
         if let Some(k) = uvs.iter().position(|uv| !uv.iter().all(|x| x.is_finite())) {
             return Err(Error::input(format!("texture coordinate {k} is {:?}; use finite numbers", uvs[k])));
@@ -134,6 +137,24 @@ impl Mesh {
     /// Three vertex indices per triangle.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.mesh.triangles
+    }
+
+    /// Spheres: centres and radii, world units. An id stands for a sphere as it does for a triangle. They take colours, one for each, and
+    /// materials, but no normals, texture coordinates or images.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a centre that is not finite, a radius that is not above 0, or another number of radii.
+    pub fn spheres(centers: &[[f64; 3]], radii: &[f64]) -> Result<Mesh> {
+        let centres = centers.iter().map(|c| DVec3::from_array(*c)).collect();
+        let mesh = spheres_of(centres, radii.to_vec(), None).map_err(Error::input)?;
+        Ok(Mesh { mesh, name: "spheres".into() })
+    }
+
+    fn check_has_corners(&self, what: &str) -> Result<()> {
+        match self.mesh.has_spheres() {
+            true => Err(Error::input(format!("spheres have no {what}; leave them out"))),
+            false => Ok(()),
+        }
     }
 
     fn check_count(&self, count: usize, what: &str) -> Result<()> {

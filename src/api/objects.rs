@@ -2,7 +2,7 @@
 
 use super::Scene;
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
-use crate::geometry::place::{transformed_normal, world_normal_from_object};
+use crate::geometry::place::{STRETCH_MAX, keeps_spheres, size_of, transformed_normal, world_normal_from_object};
 use crate::geometry::time_steps::TimeSteps;
 use crate::input::{Error, Result};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -62,10 +62,19 @@ impl Scene {
     /// units; the identity takes the object back. Cameras that depend on the scene, such as `track`, must be created again.
     ///
     /// # Errors
-    /// [`Error::Input`] if the scene has no such object, a vertex does not stay finite, or the scene has caustics; the scene is then unchanged.
+    /// [`Error::Input`] if the scene has no such object, a vertex does not stay finite, a matrix scales or stretches spheres, or the scene has
+    /// caustics; the scene is then unchanged.
     pub fn move_object(&mut self, name: &str, matrix: [[f64; 4]; 3]) -> Result<()> {
         let column = |k: usize| DVec3::new(matrix[0][k], matrix[1][k], matrix[2][k]);
         let place = DAffine3::from_mat3_translation(DMat3::from_cols(column(0), column(1), column(2)), column(3));
+        let rest = self.rest(name)?;
+        let triangles = rest.triangles.clone();
+        let is_sphere = |id: usize| self.scene.mesh.radius(id as u32).is_some();
+        if triangles.clone().any(is_sphere) && (!keeps_spheres(&place) || (size_of(&place) - 1.0).abs() > STRETCH_MAX) {
+            return Err(Error::input(format!(
+                "{name}: the matrix scales or stretches spheres; use rotation and translation"
+            )));
+        }
         let rest = self.rest(name)?;
         let positions = rest.positions.iter().map(|p| place.transform_point3(*p)).collect();
         // a matrix without inverse leaves the normals as they were

@@ -98,7 +98,19 @@ impl Scene {
         self.append(mesh.mesh, vec![added])
     }
 
-    /// Adds triangles that have been placed.
+    /// Adds spheres after the existing meshes: centres and radii, world units, and a colour for each, linear RGB in [0, 1], if some are given.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::spheres`], [`Mesh::with_colors`] and [`Scene::add`].
+    pub fn add_spheres(&mut self, centers: &[[f64; 3]], radii: &[f64], colors: Option<&[[f32; 3]]>) -> Result<()> {
+        let spheres = Mesh::spheres(centers, radii)?;
+        self.add(match colors {
+            Some(colors) => spheres.with_colors(colors.to_vec())?,
+            None => spheres,
+        })
+    }
+
+    /// Adds triangles or spheres that have been placed.
     ///
     /// # Errors
     /// As [`Scene::add`].
@@ -149,7 +161,7 @@ impl Scene {
         if self.has_camera { Ok(()) } else { Err(Error::input("the scene has no camera; give one")) }
     }
 
-    /// The number of triangles.
+    /// The number of triangles and spheres.
     pub fn triangle_count(&self) -> usize {
         self.scene.mesh.triangles.len()
     }

@@ -3,10 +3,12 @@
 //! Positions are rebased to an anchor in f64 and stored as f32 pairs. Every triangle names its corners in the
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
-use crate::geometry::mesh::{Mesh, NO_NORMAL};
+use crate::geometry::mesh::{Mesh, NO_NORMAL, sphere_box};
 use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::kernels::SurfaceKind;
-use crate::gpu::layout::{CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, TRIANGLE_GROUP, Vertex};
+use crate::gpu::layout::{
+    CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, SPHERE, TRIANGLE_GROUP, Vertex, split2,
+};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -17,7 +19,8 @@ pub struct Chunk {
     pub id_count: u32,
     /// All time steps of a vertex together.
     pub vertices: Vec<Vertex>,
-    /// Per slot: three vertices in the order of their positions; id, file order and sidedness.
+    /// Per slot: three vertices in the order of their positions; id, file order and sidedness. Of a sphere: the vertex in its centre, its
+    /// radius as two f32, and its id, [`SPHERE`] and sidedness.
     pub triangles: Vec<[u32; 4]>,
     /// Per slot: the normals of the corners in file order, and the material.
     pub surfaces: Vec<[u32; 4]>,
@@ -167,8 +170,11 @@ impl Chunk {
                     let id = triangle[3] & ID_MASK;
                     let order = order_by_position(all, id);
                     have_area &= has_area(all, id);
-                    own = (0..all.count()).fold(own, |own, step| own.with(&all.corners(id, step)));
-                    *triangle = packed_triangle(mesh, triangle[3], order, index_of);
+                    own = (0..all.count()).fold(own, |own, step| own.with(&extremes(all, id, step)));
+                    *triangle = match mesh.radius(id) {
+                        Some(radius) => packed_sphere(mesh, triangle[3], radius, index_of),
+                        None => packed_triangle(mesh, triangle[3], order, index_of),
+                    };
                 }
                 *triangle_group = own.packed(anchor, first + k * TRIANGLE_GROUP as usize, triangles.len());
                 whole = whole.joined(own);
@@ -218,8 +224,20 @@ fn interleave(place: f64) -> u64 {
     (x | x << 2) & 0x1249249249249249
 }
 
-/// Three different positions that are not on a line, as f64 sees it. What moves may have an area at other times than its steps.
+/// The corners of a triangle, or of a sphere's box.
+fn extremes(all: MovingMesh, id: u32, step: u32) -> [DVec3; 3] {
+    let corners = all.corners(id, step);
+    all.mesh.radius(id).map_or(corners, |radius| {
+        let (lo, hi) = sphere_box(corners[0], radius);
+        [corners[0], lo, hi]
+    })
+}
+
+/// A sphere, or three different positions that are not on a line, as f64 sees it. What moves may have an area at other times than its steps.
 fn has_area(all: MovingMesh, id: u32) -> bool {
+    if all.mesh.radius(id).is_some() {
+        return true;
+    }
     let corners = all.corners(id, 0);
     let [a, b, c] = order_by_position(all, id).map(|k| corners[k]);
     all.steps.is_some() || a != b && b != c && (b - a).cross(c - a) != DVec3::ZERO
@@ -260,6 +278,13 @@ fn packed_triangle(mesh: &Mesh, last: u32, sorted: [usize; 3], index_of: impl Fn
     let order = CORNER_ORDERS.iter().position(|o| *o == place).unwrap_or(0) as u32;
     let [a, b, c] = sorted.map(|s| index_of(corners[s]));
     [a, b, c, last & (ID_MASK | ONE_SIDED) | order << ORDER_SHIFT]
+}
+
+/// Of the sphere with the id and the sidedness in `last`.
+fn packed_sphere(mesh: &Mesh, last: u32, radius: f64, index_of: impl Fn(u32) -> u32) -> [u32; 4] {
+    let [centre, ..] = mesh.triangles[(last & ID_MASK) as usize];
+    let [hi, lo] = split2(radius).map(f32::to_bits);
+    [index_of(centre), hi, lo, last & (ID_MASK | ONE_SIDED) | SPHERE]
 }
 
 /// [`ONE_SIDED`], or 0.

@@ -8,7 +8,7 @@ use crate::engine::rival::Choice;
 use crate::gpu::kernels::RaysKind;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
-use crate::scene::{SHADOWS_AND_ALPHA_MASKS, Scene};
+use crate::scene::{SHADOWS_AND_ALPHA_MASKS, SPHERES_AND_CAUSTICS, Scene};
 
 /// Generates the features and their names from one table.
 macro_rules! features {
@@ -57,6 +57,7 @@ features! {
     Bands, "an image larger than the adapter's bindings";
     Chunks, "a scene larger than the adapter's bindings";
     Timed, "things that move while the frame is taken";
+    Spheres, "spheres";
     MovingCamera, "a camera that moves while the shutter is open";
     Raster, "`--method raster`";
     Aimed, "`Frames::aim`";
@@ -147,6 +148,17 @@ pub const REFUSALS: &[Refusal] = {
             "while the camera moves a frame takes 1 sample per pixel, not {samples}",
             ONE,
         ),
+        refusal(&[Spheres, Rival], "{rival} draws triangles alone", "use --engine compute"),
+        refusal(&[Spheres, Raster], "spheres are traced", "leave out --method raster"),
+        refusal(&[Spheres, Certified], "pixels cannot be certified with spheres", WITHOUT_CERTIFIED),
+        refusal(
+            &[Spheres, AlphaMasks],
+            "triangles with alpha masks are rasterized, and spheres traced",
+            "leave either out",
+        ),
+        refusal(&[Spheres, Caustics], SPHERES_AND_CAUSTICS[0], SPHERES_AND_CAUSTICS[1]),
+        refusal(&[Spheres, Atlas], "an atlas is of triangles alone", "remove atlas"),
+        refusal(&[Spheres, Samples], "with spheres a frame takes 1 sample per pixel, not {samples}", ONE),
         refusal(&[Relit, Caustics], "the light cannot change with caustics", ANEW),
         refusal(&[Certified, Rival], "{rival} cannot certify pixels", "use --engine compute, or leave certified out"),
         refusal(
@@ -248,6 +260,7 @@ impl Feature {
             Feature::NoCull => *no_cull,
             Feature::Moving => *moving,
             Feature::Timed => scene.steps.is_some(),
+            Feature::Spheres => scene.mesh.has_spheres(),
             Feature::MovingCamera => camera.moving.is_some() && scene.exposure.shutter > 0.0,
             Feature::Raster => *raster,
             Feature::Caustics => scene.caustics.is_some(),

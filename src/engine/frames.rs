@@ -235,7 +235,7 @@ impl Frames {
         let scene = scene.with_optics(&self.camera);
         let sizes =
             |s: &Scene| [s.mesh.triangles.len(), s.mesh.positions.len(), s.mesh.normals.len(), s.mesh.materials.len()];
-        if sizes(&scene) != sizes(&self.scene) {
+        if sizes(&scene) != sizes(&self.scene) || scene.mesh.radii != self.scene.mesh.radii {
             return Err(Error::input(
                 "other triangles or materials than those that are lit; call Engine::prepare again",
             ));

@@ -1,4 +1,4 @@
-//! Polynomials of degree up to 4 over [0, 1] in Bernstein form, and all their roots there.
+//! Polynomials of degree up to 6 over [0, 1] in Bernstein form, and all their roots there.
 //!
 //! The interval is split where the slope is 0; between the splits the polynomial is monotone, so it has a root exactly where
 //! its ends differ in sign. Nothing is sampled and nothing can be stepped over: a root is lost, or two taken for one,
@@ -7,9 +7,12 @@
 /// `sum of Bernstein(i, degree)(t) * c[i]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bernstein {
-    c: [f64; 5],
+    c: [f64; DEGREE_MAX + 1],
     degree: usize,
 }
+
+/// The largest degree.
+const DEGREE_MAX: usize = 6;
 
 /// Where a polynomial is 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +23,7 @@ pub struct Root {
 }
 
 /// Bound of the error of [`Bernstein::at`], against the largest coefficient: three levels of `a + t (b - a)`, each with
-/// three roundings of half an epsilon of numbers up to twice as large; of degree 4 a third more.
+/// three roundings of half an epsilon of numbers up to twice as large; of degree 4 a third more, and of degree 6 twice as much.
 pub const VALUE_ROUNDING: f64 = 9.0 * f64::EPSILON;
 
 /// Steps of the root finder at most: each second one halves the bracket, and [0, 1] has no more halves than f64 has
@@ -28,14 +31,14 @@ pub const VALUE_ROUNDING: f64 = 9.0 * f64::EPSILON;
 const STEPS: usize = 2 * (1074 + 53);
 
 impl Bernstein {
-    /// From 2 to 5 coefficients.
+    /// From 2 to 7 coefficients.
     pub fn new(c: &[f64]) -> Bernstein {
-        let mut all = [0.0; 5];
+        let mut all = [0.0; DEGREE_MAX + 1];
         all[..c.len()].copy_from_slice(c);
         Bernstein { c: all, degree: c.len() - 1 }
     }
 
-    /// From the coefficients of the powers of a number from `from` to `to`, 2 to 5 of them.
+    /// From the coefficients of the powers of a number from `from` to `to`, 2 to 7 of them.
     pub fn of_powers(powers: &[f64], [from, to]: [f64; 2]) -> Bernstein {
         let mut c = powers.to_vec();
         let n = c.len();
@@ -83,7 +86,7 @@ impl Bernstein {
     }
 
     pub fn derivative(&self) -> Bernstein {
-        let mut c = [0.0; 5];
+        let mut c = [0.0; DEGREE_MAX + 1];
         for (k, slope) in c.iter_mut().enumerate().take(self.degree) {
             *slope = self.degree as f64 * (self.c[k + 1] - self.c[k]);
         }
@@ -125,7 +128,7 @@ impl Bernstein {
         let mut points = vec![0.0];
         let slope = self.derivative();
         let extrema = match slope.degree {
-            3 => slope.roots(0.0).iter().map(|r| r.t).collect(),
+            3.. => slope.roots(0.0).iter().map(|r| r.t).collect(),
             _ => slope.roots_to_degree_2().into_iter().flatten().collect::<Vec<_>>(),
         };
         points.extend(extrema.into_iter().filter(|t| 0.0 < *t && *t < 1.0));

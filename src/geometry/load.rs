@@ -1,14 +1,16 @@
 //! Loading the meshes of a scene: read or generated, with their materials, and placed in the world.
 
 use super::mesh::Mesh;
+use super::place::STRETCHES;
 use super::spec::{AnimationSpec, MeshSource, MeshSpec, TextureSpec};
+use super::spheres::check_radii;
 use super::texture::{Images, Texture};
 use super::{generate, gltf, heights, obj, place, ply, smooth, stl};
 use crate::input::{Error, Result};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-/// An object: consecutive triangles with one name.
+/// An object: consecutive triangles or spheres with one name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Object {
     /// Unique in the scene.
@@ -24,10 +26,19 @@ pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
 /// A mesh in the world, and its objects: one, or one for each copy, named name#0, name#1 and so on.
 pub(crate) fn placed(mesh: Mesh, spec: &MeshSpec) -> Result<(Mesh, Vec<Object>)> {
     let (name, triangles) = (spec.called(), mesh.triangles.len());
+    if mesh.has_spheres() && !spec.keeps_spheres() {
+        return Err(Error::input(format!("spheres {name}: the scale {STRETCHES}")));
+    }
     let mesh = place::place(mesh, spec.scale, spec.rotate, spec.translate);
-    let Some(places) = &spec.places else { return Ok((mesh, vec![Object { name, triangles }])) };
+    let check = |mesh: &Mesh| check_radii(&mesh.radii).map_err(|why| Error::input(format!("spheres {name}: {why}")));
+    let Some(places) = &spec.places else {
+        check(&mesh)?;
+        return Ok((mesh, vec![Object { name, triangles }]));
+    };
     let places = places.load()?;
-    let mesh = place::copies(mesh, &places).map_err(|e| e.at(format_args!("mesh {name}")))?;
+    let what = if mesh.has_spheres() { "spheres" } else { "mesh" };
+    let mesh = place::copies(mesh, &places).map_err(|e| e.at(format_args!("{what} {name}")))?;
+    check(&mesh)?;
     Ok((mesh, (0..places.len()).map(|k| Object { name: format!("{name}#{k}"), triangles }).collect()))
 }
 
@@ -47,6 +58,7 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images) ->
         MeshSource::Builtin(builtin) => generate::generate(builtin)?,
         MeshSource::Heights(heights) => heights::load(heights)?,
         MeshSource::Given => given,
+        MeshSource::Spheres(spheres) => spheres.load(&spec.called())?,
         MeshSource::File(path) => load_file(path, files, of_file, spec.animation.as_ref())?,
         MeshSource::Between(paths, share) => {
             let [from, to] = [&paths[0], &paths[1]].map(|path| load_file(path, files, of_file, None));

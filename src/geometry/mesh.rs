@@ -1,4 +1,4 @@
-//! Triangles as every loader and generator returns them, in f64.
+//! Triangles and spheres as every loader and generator returns them, in f64.
 
 use super::pattern::Pattern;
 use super::texture::Texture;
@@ -21,13 +21,16 @@ pub const NO_UV: u32 = u32::MAX;
 pub const NO_COLOR: u32 = u32::MAX;
 
 /// Triangles over shared positions. Triangle `k` of the mesh is triangle `k` in file order, so ids
-/// follow from the position in `triangles` alone.
+/// follow from the position in `triangles` alone. A sphere takes the place of a triangle there: its three corners are its centre, so that
+/// whatever knows triangles alone leaves it out as one without area.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Positions in f64: object space as loaded, world space once placed in a scene.
     pub positions: Vec<DVec3>,
-    /// Three indices into `positions` per triangle.
+    /// Three indices into `positions` per triangle; of a sphere three times that of its centre.
     pub triangles: Vec<[u32; 3]>,
+    /// The radius of each sphere, 0 of each triangle; empty when there is no sphere.
+    pub radii: Vec<f64>,
     /// Unit normals; empty when the source has none.
     pub normals: Vec<Vec3>,
     /// Three indices into `normals` per triangle ([`NO_NORMAL`]: none); empty when `normals` is.
@@ -83,10 +86,33 @@ pub fn check_memory(triangles: u64, vertices: u64, what: impl fmt::Display, advi
 }
 
 impl Mesh {
-    /// The corners of the box around all vertices; `None` without any.
+    /// The corners of the box around all vertices and spheres; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let one = |p: &DVec3| (*p, *p);
-        self.positions.par_iter().map(one).reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        let of_vertices = self.positions.par_iter().map(one).reduce_with(joined);
+        let of_spheres = self.spheres().map(|(id, radius)| {
+            let centre = self.positions[self.triangles[id as usize][0] as usize];
+            sphere_box(centre, radius)
+        });
+        of_vertices.into_par_iter().chain(of_spheres).reduce_with(joined)
+    }
+
+    /// The radius of a sphere; `None` of a triangle.
+    pub fn radius(&self, id: u32) -> Option<f64> {
+        self.radii.get(id as usize).copied().filter(|radius| *radius > 0.0)
+    }
+
+    /// The ids of all spheres, and their radii.
+    pub fn spheres(&self) -> impl ParallelIterator<Item = (u32, f64)> + '_ {
+        self.radii.par_iter().enumerate().filter(|(_, radius)| **radius > 0.0).map(|(id, radius)| (id as u32, *radius))
+    }
+
+    pub fn sphere_count(&self) -> usize {
+        self.spheres().count()
+    }
+
+    pub fn has_spheres(&self) -> bool {
+        !self.radii.is_empty()
     }
 
     /// The texture coordinates of a triangle's corners; `None` if a corner has none.
@@ -137,6 +163,16 @@ impl Mesh {
         let is_masked = |m: &Material| m.texture.as_ref().is_some_and(Texture::has_alpha_mask);
         !self.corner_uvs.is_empty() && self.materials.iter().any(is_masked)
     }
+}
+
+/// The corners of the box around a sphere.
+pub fn sphere_box(centre: DVec3, radius: f64) -> (DVec3, DVec3) {
+    (centre - radius, centre + radius)
+}
+
+/// The box around two.
+fn joined(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> (DVec3, DVec3) {
+    (a.0.min(b.0), a.1.max(b.1))
 }
 
 /// The material of a triangle.

@@ -1,4 +1,4 @@
-//! Triangles in f64: meshes with their materials, readers, generators, rays cast at them, polynomials in Bernstein form and exact sums.
+//! Triangles and spheres in f64: meshes with their materials, readers, generators, rays cast at them, polynomials in Bernstein form and exact sums.
 
 pub mod bernstein;
 pub mod bvh;
@@ -18,6 +18,7 @@ pub mod places;
 pub mod ply;
 mod smooth;
 pub mod spec;
+pub mod spheres;
 pub mod stl;
 pub mod texture;
 pub mod time_steps;

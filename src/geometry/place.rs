@@ -10,10 +10,12 @@ use crate::input::{Error, Result};
 /// the world's x, y and z axes; multiples of 90 degrees are exact.
 ///
 /// Normals go by the inverse transpose; a scale with a zero leaves no normals. Triangles keep their order and
-/// their vertices' order, also where a negative scale mirrors them. Positions that overflow become infinite.
+/// their vertices' order, also where a negative scale mirrors them. Positions that overflow become infinite. A mesh with spheres is scaled
+/// by the same number along all axes.
 pub fn place(mut mesh: Mesh, scale: DVec3, rotate_deg: DVec3, translate: DVec3) -> Mesh {
     let rotation = rotation_xyz(rotate_deg);
     mesh.positions.par_iter_mut().for_each(|p| *p = rotation * (scale * *p) + translate);
+    mesh.radii.par_iter_mut().for_each(|radius| *radius *= scale.x.abs());
     match world_normal_from_object(rotation * DMat3::from_diagonal(scale)) {
         Some(matrix) => mesh.normals.par_iter_mut().for_each(|n| *n = transformed_normal(matrix, *n)),
         None => {
@@ -28,7 +30,7 @@ pub fn place(mut mesh: Mesh, scale: DVec3, rotate_deg: DVec3, translate: DVec3) 
 /// not transformed.
 ///
 /// # Errors
-/// [`Error::Input`] if there are more than 2^28 triangles, or 2^32 - 1 or more vertices or normals; [`Error::Work`] if they do not fit the
+/// [`Error::Input`] if a sphere would not stay one, if there are more than 2^28 triangles, or 2^32 - 1 or more vertices or normals; [`Error::Work`] if they do not fit the
 /// free memory.
 pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
     let n = places.len();
@@ -38,6 +40,11 @@ pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
         return Err(Error::input(format!(
             "{n} places of {triangles} triangles and {vertices} vertices; at most 2^28 triangles and 2^32 - 2 vertices are possible: use fewer"
         )));
+    }
+    if mesh.has_spheres()
+        && let Some(k) = places.iter().position(|place| !keeps_spheres(place))
+    {
+        return Err(Error::input(format!("matrix {k} of places {STRETCHES}")));
     }
     let what = format_args!("a mesh of {triangles} triangles in {n} places");
     check_memory(total(triangles) as u64, total(vertices) as u64, what, "use fewer")?;
@@ -60,6 +67,10 @@ pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
             .map(|(p, v)| p.transform_point3(v))
             .collect(),
         triangles: shifted(&mesh.triangles, None, mesh.positions.len()),
+        radii: (0..total(mesh.radii.len()))
+            .into_par_iter()
+            .map(|k| mesh.radii[k % mesh.radii.len()] * size_of(&places[k / mesh.radii.len()]))
+            .collect(),
         normals: (0..total(mesh.normals.len())).into_par_iter().map(normal).collect(),
         corner_normals: shifted(&mesh.corner_normals, Some(NO_NORMAL), mesh.normals.len()),
         corner_uvs: shifted(&mesh.corner_uvs, Some(NO_UV), 0),
@@ -70,6 +81,31 @@ pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
         materials: mesh.materials,
         missing: mesh.missing,
     })
+}
+
+/// What is wrong with a transform of spheres.
+pub const STRETCHES: &str =
+    "stretches spheres, which stay spheres only by rotation, translation and one scale for all axes; use only these";
+
+/// Axes of a matrix may differ in length, and from right angles, by this much of a length: the rounding of matrices that were written with
+/// seven decimal digits, or as f32.
+pub const STRETCH_MAX: f64 = 1e-6;
+
+/// Spheres stay spheres.
+pub fn keeps_spheres(place: &DAffine3) -> bool {
+    let axes = [place.matrix3.x_axis, place.matrix3.y_axis, place.matrix3.z_axis];
+    let size = size_of(place);
+    let is_as_long = |axis: &DVec3| (axis.length() - size).abs() <= STRETCH_MAX * size;
+    let is_right_angle = |(a, b): (usize, usize)| axes[a].dot(axes[b]).abs() <= STRETCH_MAX * size * size;
+    size > 0.0
+        && size.is_finite()
+        && axes.iter().all(is_as_long)
+        && [(0, 1), (1, 2), (2, 0)].into_iter().all(is_right_angle)
+}
+
+/// By how much a transform that keeps spheres scales them.
+pub fn size_of(place: &DAffine3) -> f64 {
+    place.matrix3.x_axis.length()
 }
 
 /// Rz Ry Rx for angles in degrees.
@@ -142,7 +178,7 @@ pub fn check_counts<'a>(meshes: impl IntoIterator<Item = &'a Mesh> + Clone) -> R
 }
 
 /// Joins meshes in order: triangle ids run on from mesh to mesh. Each keeps its own materials. Where one has normals, texture coordinates
-/// or colours, the corners of the others say that they have none.
+/// or colours, the corners of the others say that they have none; where one has spheres, the triangles of the others say that they are none.
 ///
 /// # Errors
 /// Those of [`check_counts`].
@@ -163,12 +199,13 @@ pub fn append_with_all(all: &mut Mesh, mesh: Mesh) {
     append_as(has, all, mesh);
 }
 
-/// What the corners of a mesh may have.
+/// What the triangles and corners of a mesh may have.
 #[derive(Debug, Clone, Copy, Default)]
 struct Attributes {
     normals: bool,
     uvs: bool,
     colors: bool,
+    radii: bool,
 }
 
 impl Attributes {
@@ -177,6 +214,7 @@ impl Attributes {
             normals: !mesh.corner_normals.is_empty(),
             uvs: !mesh.corner_uvs.is_empty(),
             colors: !mesh.corner_colors.is_empty(),
+            radii: mesh.has_spheres(),
         }
     }
 
@@ -185,6 +223,7 @@ impl Attributes {
             normals: self.normals || other.normals,
             uvs: self.uvs || other.uvs,
             colors: self.colors || other.colors,
+            radii: self.radii || other.radii,
         }
     }
 
@@ -199,6 +238,9 @@ impl Attributes {
         }
         if self.colors {
             mesh.corner_colors.resize(count, [NO_COLOR; 3]);
+        }
+        if self.radii {
+            mesh.radii.resize(count, 0.0);
         }
     }
 }
@@ -233,6 +275,9 @@ fn append_as(has: Attributes, all: &mut Mesh, mesh: Mesh) {
     if has.colors {
         all.corner_colors.extend(mesh.corner_colors.iter().map(|t| t.map(shifted(NO_COLOR, color))));
     }
+    if has.radii {
+        all.radii.extend_from_slice(&mesh.radii);
+    }
     has.give(all);
 }
 
@@ -248,6 +293,7 @@ mod tests {
         Mesh {
             positions,
             triangles: vec![[0, 1, 2]],
+            radii: Vec::new(),
             normals: vec![Vec3::Z; normal],
             corner_normals: vec![[0, 0, NO_NORMAL]; normal],
             uvs: vec![glam::Vec2::Y; normal],

@@ -1,6 +1,7 @@
 //! PLY: polygons with what their vertices have, as text or binary: <http://paulbourke.net/dataformats/ply/>.
 
 mod element;
+mod points;
 #[cfg(test)]
 mod tests;
 
@@ -13,6 +14,8 @@ use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
 use std::io::ErrorKind;
 use std::path::Path;
+
+pub use points::load_points;
 
 /// Reads a PLY file. Its faces are fan-triangulated from their first vertex, triangle strips (`tristrips`) cut up; zero-area triangles
 /// stay, so that ids are file order.
@@ -27,12 +30,7 @@ use std::path::Path;
 /// mesh does not fit the free memory.
 pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
     let name = path.display().to_string();
-    let bytes = crate::input::files::read(path).map_err(|e| Error::unreadable(path, e))?;
-    let (mut mesh, textures) = parse(&bytes).map_err(|e| match e {
-        Wrong::Line(line, text) => Error::input(format!("{name}:{line}: {text}")),
-        Wrong::File(text) => Error::input(format!("{name}: {text}")),
-        Wrong::Memory(e) => e.at(&name),
-    })?;
+    let (mut mesh, textures) = read_file(path, parse)?;
     if images.read != ImagesRead::None && !mesh.corner_uvs.is_empty() {
         let folder = path.parent().unwrap_or(Path::new(""));
         for (material, file) in mesh.materials.iter_mut().zip(&textures) {
@@ -53,6 +51,17 @@ pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
         }
     }
     Ok(mesh)
+}
+
+/// What is made of a file's bytes.
+fn read_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> std::result::Result<T, Wrong>) -> Result<T> {
+    let name = path.display().to_string();
+    let bytes = crate::input::files::read(path).map_err(|e| Error::unreadable(path, e))?;
+    parse(&bytes).map_err(|e| match e {
+        Wrong::Line(line, text) => Error::input(format!("{name}:{line}: {text}")),
+        Wrong::File(text) => Error::input(format!("{name}: {text}")),
+        Wrong::Memory(e) => e.at(&name),
+    })
 }
 
 /// What is wrong with a file.
@@ -93,11 +102,8 @@ fn wrong_element(e: &ParseError, name: &str, encoding: Encoding) -> Wrong {
 
 /// The mesh, and the names of its images.
 fn parse(bytes: &[u8]) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
-    if !bytes.starts_with(b"ply") {
-        return Err(Wrong::File("is no PLY file: it does not begin with the line ply".into()));
-    }
     let mut reader = Reader::new(bytes);
-    let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(|e| wrong_header(&e))?;
+    let header = first(bytes, &mut reader)?;
     check_sizes(&header, bytes.len())?;
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     let mut has = Attributes::default();
@@ -122,7 +128,7 @@ fn parse(bytes: &[u8]) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
     let what = format_args!("{triangles} triangles");
     check_memory(triangles as u64, vertices.len() as u64, what, "use fewer").map_err(Wrong::Memory)?;
     if faces.is_empty() {
-        return Err(Wrong::File("has no faces; points alone are not rendered".into()));
+        return Err(Wrong::File("has no faces; render points as spheres, by [[spheres]]".into()));
     }
     let textures: Vec<String> = header
         .comments
@@ -130,6 +136,14 @@ fn parse(bytes: &[u8]) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
         .filter_map(|c| c.trim().strip_prefix("TextureFile").map(|file| file.trim().to_owned()))
         .collect();
     Ok((assemble(&vertices, &faces, has, textures.len())?, textures))
+}
+
+/// The header, at the beginning.
+fn first(bytes: &[u8], reader: &mut Reader<&[u8]>) -> std::result::Result<Header, Wrong> {
+    if !bytes.starts_with(b"ply") {
+        return Err(Wrong::File("is no PLY file: it does not begin with the line ply".into()));
+    }
+    Parser::<Skipped>::new().read_header(reader).map_err(|e| wrong_header(&e))
 }
 
 fn read<E: PropertyAccess>(
@@ -218,7 +232,7 @@ fn assemble(vertices: &[Vertex], faces: &[Face], has: Attributes, textures: usiz
         mesh.material_of.resize(mesh.triangles.len(), material as u32);
     }
     if mesh.triangles.is_empty() {
-        return Err(Wrong::File("has no triangles; points alone are not rendered".into()));
+        return Err(Wrong::File("has no triangles; render points as spheres, by [[spheres]]".into()));
     }
     if has.colors && !colors_of_faces {
         let color = |(k, v): (usize, &Vertex)| linear(v.color, || format!("vertex {k}"));

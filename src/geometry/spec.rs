@@ -8,7 +8,9 @@ use crate::geometry::generate::Builtin;
 use crate::geometry::heights::{HeightSpec, is_height_image};
 use crate::geometry::mesh::{DIELECTRIC, Material};
 use crate::geometry::pattern::{Pattern, read_pattern};
+use crate::geometry::place::STRETCHES;
 use crate::geometry::places::Places;
+use crate::geometry::spheres::{self, SpheresSpec};
 use crate::input::Result;
 use crate::input::keyframes::BETWEEN;
 use crate::input::reader::{Field, Table};
@@ -100,6 +102,8 @@ pub enum MeshSource {
     /// An .asc, .png or .tif file of heights.
     Heights(HeightSpec),
     Builtin(Builtin),
+    /// Spheres, not triangles.
+    Spheres(SpheresSpec),
     /// A program's arrays.
     Given,
 }
@@ -125,6 +129,12 @@ impl MeshSpec {
         }
     }
 
+    /// Spheres stay spheres: its scale is one number but 0, or the same for all axes.
+    pub fn keeps_spheres(&self) -> bool {
+        let size = self.scale.abs();
+        size == DVec3::splat(size.x) && size.x > 0.0
+    }
+
     /// Its name, its file's without folder and extension, or its builtin's.
     pub fn called(&self) -> String {
         match (&self.name, &self.source) {
@@ -136,6 +146,7 @@ impl MeshSpec {
                 | MeshSource::Heights(HeightSpec { file: path, .. }),
             ) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             (None, MeshSource::Builtin(builtin)) => builtin.name().into(),
+            (None, MeshSource::Spheres(spheres)) => spheres.name(),
             (None, MeshSource::Given) => "mesh".into(),
         }
     }
@@ -174,6 +185,21 @@ pub(crate) fn read_look(field: &Field) -> Result<MeshSpec> {
     let table = field.table()?;
     table.allow(&PLACING)?;
     read_keys(&table, MeshSource::Given)
+}
+
+/// Keys of meshes that spheres do not have.
+const OF_TRIANGLES: [&str; 2] = ["smooth", "texture"];
+
+/// `[[spheres]]`.
+pub(crate) fn read_spheres(field: &Field) -> Result<MeshSpec> {
+    let table = field.table()?;
+    let placing = PLACING.into_iter().filter(|key| !OF_TRIANGLES.contains(key));
+    table.allow(&spheres::KEYS.into_iter().chain(placing).collect::<Vec<_>>())?;
+    let spec = read_keys(&table, MeshSource::Spheres(spheres::read(&table)?))?;
+    match table.get("scale").filter(|_| !spec.keeps_spheres()) {
+        Some(scale) => Err(scale.error(format_args!("the scale {STRETCHES}"))),
+        None => Ok(spec),
+    }
 }
 
 fn read_keys(table: &Table, source: MeshSource) -> Result<MeshSpec> {

@@ -1,6 +1,6 @@
 //! Vertices that move while an image is taken: their positions and normals at several times, and linear between two of them.
 
-use super::mesh::Mesh;
+use super::mesh::{Mesh, sphere_box};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -151,13 +151,19 @@ impl TimeSteps {
         (a + share * (b - a)).normalize_or(a).as_vec3()
     }
 
-    /// The corners of the box around all vertices at all times; `None` without any.
+    /// The corners of the box around all vertices and spheres at all times; `None` without any.
     pub fn bounds(&self, mesh: &Mesh) -> Option<(DVec3, DVec3)> {
         let one = |p: &DVec3| (*p, *p);
         let of_step = |s: &TimeStep| s.positions.par_iter().map(one).reduce_with(joined);
         let still = self.steps[0].positions.len().min(mesh.positions.len());
         let others = mesh.positions[still..].par_iter().map(one).reduce_with(joined);
-        self.steps.iter().filter_map(of_step).chain(others).reduce(joined)
+        let of_sphere = |(id, radius): (u32, f64)| {
+            let centre = mesh.triangles[id as usize][0];
+            let boxes = (0..self.count()).map(|step| sphere_box(self.position(mesh, centre, step), radius));
+            boxes.reduce(joined)
+        };
+        let spheres = mesh.spheres().filter_map(of_sphere).reduce_with(joined);
+        self.steps.iter().filter_map(of_step).chain(others).chain(spheres).reduce(joined)
     }
 }
 

@@ -116,6 +116,8 @@ pub const ID_BITS_MAX: u32 = 28;
 pub const ID_MASK: u32 = (1 << ID_BITS_MAX) - 1;
 pub const ORDER_SHIFT: u32 = 28;
 pub const ONE_SIDED: u32 = 1 << 31;
+/// Stands for the order of a triangle's corners in the last word of a sphere.
+pub const SPHERE: u32 = 7 << ORDER_SHIFT;
 
 /// Texels of a row of the textures that hold tables.
 pub const TEXELS_A_ROW: u32 = 4096;
@@ -355,7 +357,7 @@ pub struct LeafTriangle {
     pub v1: [f32; 3],
     pub one_sided: u32,
     pub v2: [f32; 3],
-    pub pad0: u32,
+    pub is_sphere: u32,
 }
 
 /// How facets reflect or refract rays.

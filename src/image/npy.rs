@@ -92,6 +92,23 @@ pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
     rows_of(open(path)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
+/// Reads an f32 or f64 array in C order, shape N x C, of which C is one of `columns`: C, and the numbers row by row.
+///
+/// # Errors
+/// As [`read_npy_rows`].
+pub fn read_npy_columns(path: &Path, columns: &[u64]) -> Result<(usize, Vec<f64>)> {
+    let count = |shape: &[u64]| match *shape {
+        [rows, own] if columns.contains(&own) && rows <= MAX_ROWS => Ok(rows * own),
+        _ => {
+            let known = columns.iter().map(|c| format!("N x {c}")).collect::<Vec<_>>().join(" or ");
+            Err(format!("the array's shape is {shape:?}; it must be {known}"))
+        }
+    };
+    let read = read_array(open(path)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
+    // one of `columns` by the check above
+    read.map(|(shape, numbers)| (shape[1] as usize, numbers))
+}
+
 /// Numbers in a list, or in rows.
 pub struct Grid {
     /// Width and height; `None` of a list.

@@ -2,6 +2,7 @@
 
 use super::files::Files;
 use crate::camera::Camera;
+use crate::geometry::spheres::nearest_meetings;
 use crate::image::frame::{Channel, Frame, NO_ID};
 use crate::image::{write_npy_f64, write_ply};
 use crate::input::{Error, Result};
@@ -31,7 +32,7 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 
 /// Writes the points row by row: the hits and their triangles as PLY; or every pixel's as an array, NaN where there is none.
 ///
-/// A point is `P + t D` of the camera's f64 ray. t is computed again in f64, from the plane of the frame's triangle.
+/// A point is `P + t D` of the camera's f64 ray. t is computed again in f64, from the plane of the frame's triangle, or from its sphere.
 pub fn write(path: &Path, scene: &Scene, camera: &Camera, frame: &Frame) -> Result<()> {
     let ids = frame.u32(Channel::TriangleId).ok_or_else(|| Error::work("--points: the frame has no triangle ids"))?;
     let width = camera.width as usize;
@@ -47,12 +48,18 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, frame: &Frame) -> Resu
     write_npy_f64(path, &[ids.len() as u64, 3], &numbers)
 }
 
-/// The intersection of the ray of pixel (i, j) with the triangle's plane.
+/// The intersection of the ray of pixel (i, j) with the triangle's plane, or the first one in range with the sphere.
 fn point(scene: &Scene, camera: &Camera, i: u32, j: u32, id: u32) -> Option<DVec3> {
     if id == NO_ID {
         return None;
     }
     let ray = camera.ray(i, j)?;
+    if let Some(radius) = scene.mesh.radius(id) {
+        let centre = scene.mesh.positions[scene.mesh.triangles[id as usize][0] as usize];
+        let [enters, leaves] = nearest_meetings(centre, radius, (ray.origin, ray.direction));
+        let t = if enters < camera.t_range[0] { leaves } else { enters };
+        return Some(ray.origin + t * ray.direction);
+    }
     let [a, b, c] = scene.mesh.triangles[id as usize].map(|v| scene.mesh.positions[v as usize]);
     let normal = (b - a).cross(c - a);
     let t = normal.dot(a - ray.origin) / normal.dot(ray.direction);

@@ -171,7 +171,7 @@ impl Work {
     /// [`Error::Work`] that names the limit.
     pub fn check_memory(&self) -> Result<()> {
         let mesh = &self.scene.mesh;
-        let what = format_args!("rendering {} triangles", mesh.triangles.len());
+        let what = format_args!("rendering {} triangles and spheres", mesh.triangles.len());
         crate::input::limits::memory::check(mesh_bytes(mesh), what, "simplify the meshes")?;
         if self.strips.is_some() { Ok(()) } else { self.check_whole() }
     }
@@ -407,7 +407,12 @@ fn wanted(asked: &[Channel], files: &Files, has_no_matte: bool) -> Wanted {
 
 fn counted(scene: &Scene, camera: &Camera) -> String {
     let of = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
-    let triangles = of(scene.mesh.triangles.len(), "triangle");
+    let spheres = scene.mesh.sphere_count();
+    let triangles = match (scene.mesh.triangles.len() - spheres, of(spheres, "sphere")) {
+        (n, _) if spheres == 0 => of(n, "triangle"),
+        (0, spheres) => spheres,
+        (n, spheres) => format!("{}, {spheres}", of(n, "triangle")),
+    };
     match camera.piece_count() {
         0 if camera.is_curved() => format!("{triangles}, a curve a pixel"),
         0 => format!("{triangles}, a ray a pixel"),

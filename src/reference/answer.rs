@@ -2,6 +2,7 @@
 
 use super::bvh::Probe;
 use super::curve::{Sweep, is_flat, meetings};
+use super::intersect::Meeting;
 use super::margin::{beyond, clears};
 use super::path::{Path, Seen, Segment};
 use super::{Hit, Reference, nearer, past};
@@ -84,16 +85,20 @@ impl Reference<'_> {
         self.each_hit_of_curves(&curves, &ranges, |k, hit| curved[k].take(hit));
     }
 
-    /// Both triangles have the same three corners: wherever one is hit, so is the other.
+    /// Both triangles have the same three corners, or both spheres are the same: wherever one is hit, so is the other.
     fn hides_twin(&self, seen: u32, other: u32) -> bool {
-        self.mask_of(seen).is_none() && self.corners(seen).v == self.corners(other).v
+        let same_size = self.mesh.radius(seen) == self.mesh.radius(other);
+        self.mask_of(seen).is_none() && same_size && self.corners(seen).v == self.corners(other).v
     }
 
     /// The curve crosses the visible triangle's plane at so small an angle that t is uncertain by more than [`super::GAP`].
     fn touches(&self, path: &Path, seen: &Seen) -> bool {
         match path.of(seen) {
             Segment::Straight(_) => false,
-            Segment::Curved(c) => is_flat(c, &self.corners(seen.hit.triangle), seen.hit.t),
+            Segment::Curved(c) => match self.sphere(seen.hit.triangle) {
+                Some(sphere) => sphere.is_flat(c, seen.hit.t),
+                None => is_flat(c, &self.corners(seen.hit.triangle), seen.hit.t),
+            },
         }
     }
 
@@ -106,13 +111,19 @@ impl Reference<'_> {
         let mut limits: Vec<f64> = ranges.iter().map(|r| r[1]).collect();
         let last = |limits: &[f64]| limits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         self.bvh.walk(&sweep, [start, last(&limits)], |id| {
-            let Some(corners) = self.solid_corners(id) else { return last(&limits) };
-            let (lo, hi) = corners.bounds();
+            let sphere = self.sphere(id);
+            let corners = self.solid_corners(id);
+            let Some((lo, hi)) = sphere.map(|s| s.bounds()).or(corners.map(|c| c.bounds())) else {
+                return last(&limits);
+            };
             if sweep.span(lo, hi, [start, last(&limits)]).is_none() {
                 return last(&limits);
             }
             for (k, (curve, range)) in curves.iter().zip(ranges).enumerate() {
-                for m in meetings(curve, &corners) {
+                let of_triangle = corners.iter().flat_map(|c| meetings(curve, c)).map(|m| (m.t, m.sign, m.bary));
+                let of_sphere = sphere.iter().flat_map(|s| s.roots(curve)).map(|r| (r.t, r.sign, [0.0; 2]));
+                for (t, sign, bary) in of_triangle.chain(of_sphere) {
+                    let m = Meeting { t, sign, bary };
                     let seen = m.sign < 0 || self.two_sided(id);
                     let hit = Hit { t: m.t, triangle: id, bary: m.bary };
                     if seen && range[0] <= m.t && m.t <= range[1] && self.is_there(&hit) {

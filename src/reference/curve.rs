@@ -92,15 +92,19 @@ impl Plane {
         Some(Meeting { t: root.t, sign: root.sign * c.parity, bary })
     }
 
-    /// How far from `t` the height may still be 0 on one side or the other, within a factor of 2.
     fn blur(&self, t: f64) -> f64 {
-        let proven = |t: f64| !(0.0..=1.0).contains(&t) || self.height.at(t).abs() > self.zero;
-        let mut blur = f64::EPSILON;
-        while blur < 1.0 && !(proven(t - blur) && proven(t + blur)) {
-            blur *= 2.0;
-        }
-        blur
+        blur(&self.height, self.zero, t)
     }
+}
+
+/// How far from `t` a polynomial may still be 0 on one side or the other, within a factor of 2, where values up to `zero` may be.
+pub fn blur(height: &Bernstein, zero: f64, t: f64) -> f64 {
+    let proven = |t: f64| !(0.0..=1.0).contains(&t) || height.at(t).abs() > zero;
+    let mut blur = f64::EPSILON;
+    while blur < 1.0 && !(proven(t - blur) && proven(t + blur)) {
+        blur *= 2.0;
+    }
+    blur
 }
 
 /// Number of parts of a curve in its tree of boxes, by [`HALVINGS`].

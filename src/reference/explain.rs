@@ -4,6 +4,7 @@ use super::lens::own_for_few;
 use super::path::{Path, Segment};
 use super::{Finding, Reference};
 use crate::camera::Camera;
+use crate::geometry::mesh::Mesh;
 use crate::scene::Scene;
 use glam::DVec3;
 use std::fmt::Write;
@@ -26,7 +27,8 @@ pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> Explained {
     let finding = Reference::of_scene(scene).at(scene.moment(camera, (i, j))).finding(camera, &path, (i, j));
     let mut text = format!("pixel {i},{j}\n");
     // writing to a String cannot fail
-    let _ = write_path(&mut text, &path).and_then(|()| write_finding(&mut text, camera, &path, &finding));
+    let _ =
+        write_path(&mut text, &path).and_then(|()| write_finding(&mut text, (&scene.mesh, camera), &path, &finding));
     let point = finding.seen.and_then(|seen| Some(path.segments[seen.layer]?.1.point(seen.hit.t)));
     Explained { text, triangle: finding.seen.map(|seen| seen.hit.triangle), point }
 }
@@ -51,19 +53,28 @@ fn write_path(text: &mut String, path: &Path) -> std::fmt::Result {
     Ok(())
 }
 
-fn write_finding(text: &mut String, camera: &Camera, path: &Path, finding: &Finding) -> std::fmt::Result {
+fn write_finding(
+    text: &mut String,
+    (mesh, camera): (&Mesh, &Camera),
+    path: &Path,
+    finding: &Finding,
+) -> std::fmt::Result {
     match finding.seen {
         None => writeln!(text, "hit: none")?,
         Some(seen) => {
             let (h, [u, v]) = (seen.hit, seen.hit.bary);
-            writeln!(text, "hit: triangle {}, t {}, bary {u} {v}", h.triangle, seen.t())?;
+            match mesh.radius(h.triangle).is_some() {
+                true => writeln!(text, "hit: sphere {}, t {}", h.triangle, seen.t())?,
+                false => writeln!(text, "hit: triangle {}, t {}, bary {u} {v}", h.triangle, seen.t())?,
+            }
             if path.segments.len() > 1 || camera.is_curved() {
                 writeln!(text, "at: layer {}, piece {}, Z {}", seen.layer, seen.piece, path.depth(&seen))?;
             }
         }
     }
     let miss = if finding.may_miss { " or none" } else { "" };
-    let how = if camera.is_curved() { " (sampled)" } else { "" };
-    writeln!(text, "within 1/16 px: triangles {:?}{miss}{how}", finding.candidates)?;
+    let how = if camera.is_curved() || mesh.has_spheres() { " (sampled)" } else { "" };
+    let what = if mesh.has_spheres() { "triangles and spheres" } else { "triangles" };
+    writeln!(text, "within 1/16 px: {what} {:?}{miss}{how}", finding.candidates)?;
     write!(text, "safe: {}", finding.safe)
 }

@@ -1,7 +1,7 @@
 //! The answer for a pixel over all layers of its camera, and whether it is safe.
 //!
 //! Straight layers: the verdict of each layer is proven for the whole box about the centre; a layer that may miss
-//! hands over to the next. With a curved layer, and behind mirrors and lenses, the box is *sampled*, not bounded: at its centre, its
+//! hands over to the next. With a curved layer, with spheres, and behind mirrors and lenses, the box is *sampled*, not bounded: at its centre, its
 //! corners, the middles of its edges and a ring inside. A feature that slips between the samples (thinner than they are apart) is
 //! missed, so an unsafe pixel may be called safe, and a candidate may be left out. This can raise a false alarm about a
 //! correct frame; it never excuses a wrong pixel.
@@ -49,7 +49,7 @@ impl Reference<'_> {
     pub fn finding(&self, camera: &Camera, path: &Path, (i, j): (u32, u32)) -> Finding {
         match &camera.optics {
             Some(optics) => self.finding_of_bounces(camera, optics, (i, j)),
-            None if camera.is_curved() => self.sampled(camera, path, (i, j)),
+            None if camera.is_curved() || self.mesh.has_spheres() => self.sampled(camera, path, (i, j)),
             None => self.proven(camera, path, (i, j)),
         }
     }

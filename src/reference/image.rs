@@ -139,7 +139,11 @@ fn pixel(
         triangle: id,
         piece: piece(seen.piece),
         mirror,
-        normal: if is_triangle { normal(reference, &seen.hit, segment.view(seen.hit.t)) } else { DVec3::ZERO },
+        normal: if is_triangle {
+            normal(reference, &seen.hit, (segment.point(seen.hit.t), segment.view(seen.hit.t)))
+        } else {
+            DVec3::ZERO
+        },
         position: segment.point(seen.hit.t),
         albedo: ends_on.map_or_else(|| painted_albedo(&obstacles, &seen.hit, place), |optics| optics.base),
         uv: uv.to_array(),

@@ -13,13 +13,24 @@ use std::iter::zip;
 /// Share of ambient light.
 const AMBIENT: f64 = crate::scene::light::AMBIENT as f64;
 
-/// The unit normal of a triangle's hit on the side opposite the unit vector `view`: from the file, or else the triangle's.
-pub fn normal(reference: &Reference, hit: &Hit, view: DVec3) -> DVec3 {
+/// The unit normal of the surface itself at a hit at `p`, on the side opposite the unit vector `view`.
+fn flat_normal(reference: &Reference, hit: &Hit, (p, view): (DVec3, DVec3)) -> DVec3 {
+    let across = match reference.sphere(hit.triangle) {
+        Some(sphere) => p - sphere.centre,
+        None => {
+            let v = reference.positions(hit.triangle);
+            (v[1] - v[0]).cross(v[2] - v[0])
+        }
+    };
+    let flat = across.normalize_or_zero();
+    if flat.dot(view) > 0.0 { -flat } else { flat }
+}
+
+/// The unit normal of a hit at `p` on the side opposite the unit vector `view`: from the file, or else the triangle's or sphere's.
+pub fn normal(reference: &Reference, hit: &Hit, (p, view): (DVec3, DVec3)) -> DVec3 {
     let mesh = reference.mesh;
     let id = hit.triangle as usize;
-    let v = reference.positions(hit.triangle);
-    let flat = (v[1] - v[0]).cross(v[2] - v[0]).normalize_or_zero();
-    let seen = if flat.dot(view) > 0.0 { -flat } else { flat };
+    let seen = flat_normal(reference, hit, (p, view));
     let weights = [1.0 - hit.bary[0] - hit.bary[1], hit.bary[0], hit.bary[1]];
     let stored = mesh.corner_normals.get(id).filter(|c| !c.contains(&NO_NORMAL));
     let smooth = stored.map(|c| {
@@ -52,8 +63,8 @@ pub fn albedo(mesh: &Mesh, [v0, v1, v2]: [DVec3; 3], hit: &Hit) -> [f32; 3] {
 /// The diffuse colour of a hit at `p` with all pictures that are thrown onto it.
 pub fn painted_albedo(obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3, DVec3)) -> [f32; 3] {
     let reference = obstacles.all;
-    let own = albedo(reference.mesh, reference.positions(hit.triangle), hit);
-    let shown = reference.pictures.at(&obstacles.above(hit, p, view), p, normal(reference, hit, view));
+    let own = albedo(reference.mesh, reference.surface(hit.triangle, p), hit);
+    let shown = reference.pictures.at(&obstacles.above(hit, p, view), p, normal(reference, hit, (p, view)));
     if shown.is_empty() {
         return own;
     }
@@ -67,10 +78,10 @@ pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3,
     let mesh = &scene.mesh;
     let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
     let reference = obstacles.all;
-    let n = normal(reference, hit, view);
+    let n = normal(reference, hit, (p, view));
     let start = obstacles.above(hit, p, view);
     let pictures = reference.pictures.at(&start, p, n);
-    let own = DVec3::from(albedo(mesh, reference.positions(hit.triangle), hit).map(f64::from));
+    let own = DVec3::from(albedo(mesh, reference.surface(hit.triangle, p), hit).map(f64::from));
     let [colour, as_it_is] = painted(own, &pictures);
     let rgb = |c: [f32; 3]| DVec3::from(c.map(f64::from));
     let metallic = f64::from(material.metallic);
@@ -97,7 +108,7 @@ pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3,
     (rgb(material.emissive) + as_it_is + open * around + rest * direct).as_vec3().to_array()
 }
 
-/// The shadow casters: the triangles with the lowest ids.
+/// The shadow casters: the triangles and spheres with the lowest ids.
 pub struct Obstacles<'a> {
     pub all: &'a Reference<'a>,
     pub count: u32,
@@ -116,10 +127,8 @@ const ABOVE: f64 = 1e-9;
 
 impl Obstacles<'_> {
     fn above(&self, hit: &Hit, p: DVec3, view: DVec3) -> Above<'_> {
-        let v = self.all.positions(hit.triangle);
-        let flat = (v[1] - v[0]).cross(v[2] - v[0]).normalize_or_zero();
-        let flat = if flat.dot(view) > 0.0 { -flat } else { flat };
-        let size = v.iter().fold(p.abs(), |most, v| most.max(v.abs())).max_element();
+        let flat = flat_normal(self.all, hit, (p, view));
+        let size = self.all.positions(hit.triangle).iter().fold(p.abs(), |most, v| most.max(v.abs())).max_element();
         Above { of: self, p: p + ABOVE * size * flat, flat }
     }
 }

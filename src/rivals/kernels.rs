@@ -25,8 +25,11 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
         RaysKind::Curves { .. } => snippets!("rivals/curved_path.wgsl"),
         _ => snippets!("rivals/straight_path.wgsl"),
     };
-    let search =
-        if brute { snippets!("rivals/brute.wgsl") } else { snippets!("rivals/hierarchy.wgsl", "shared/bvh.wgsl") };
+    let search = if brute {
+        snippets!("rivals/brute.wgsl")
+    } else {
+        snippets!("rivals/hierarchy.wgsl", "shared/bvh.wgsl", "shared/leaf_triangle.wgsl")
+    };
     let own = [SEGMENT, search, path, snippets!("rivals/raytrace.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SLABS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = Kernel::new("raytrace", bindings, &snippets);

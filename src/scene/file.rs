@@ -12,7 +12,7 @@ pub use header::{CameraKeys, load_header};
 
 use crate::camera::exposure::Exposure;
 use crate::camera::spec::{CameraSpec, read_camera, read_camera_and_readout};
-use crate::geometry::spec::{MeshSpec, read_look, read_mesh, read_radiance};
+use crate::geometry::spec::{MeshSpec, read_look, read_mesh, read_radiance, read_spheres};
 use crate::geometry::time_steps::TIMES_MAX;
 use crate::image::size::{MAX_SIDE, check_size};
 use crate::input::load::read_text;
@@ -33,7 +33,7 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneFile {
     pub image: ImageSpec,
-    /// In file order; triangle ids follow it.
+    /// The tables of meshes in file order, then those of spheres; triangle ids follow it.
     pub meshes: Vec<MeshSpec>,
     /// If empty, a headlight shines along each pixel's ray.
     pub lights: Vec<Light>,
@@ -248,6 +248,7 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
     table.allow(&[
         "image",
         "mesh",
+        "spheres",
         "light",
         "projector_light",
         "environment",
@@ -264,7 +265,11 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
     let (camera, readout) = read_camera_and_readout(&camera, (image.width, image.height), image.frame_rate)?;
     Ok(SceneFile {
         image,
-        meshes: table.or("mesh", Vec::new(), |f| read_meshes(&f.clone().of(of_meshes)))?,
+        meshes: {
+            let meshes = table.or("mesh", Vec::new(), |f| read_meshes(&f.clone().of(of_meshes)))?;
+            let spheres = table.or("spheres", Vec::new(), |f| read_all_spheres(&f.clone().of(of_meshes)))?;
+            [meshes, spheres].concat()
+        },
         lights: table.or("light", Vec::new(), |f| {
             f.items("lights, each a table [[light]]")?.map(|l| read_light(&l)).collect()
         })?,
@@ -284,6 +289,10 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
 
 fn read_meshes(field: &Field) -> Result<Vec<MeshSpec>> {
     field.items("meshes, each a table [[mesh]]")?.map(|m| read_mesh(&m, &[])).collect()
+}
+
+fn read_all_spheres(field: &Field) -> Result<Vec<MeshSpec>> {
+    field.items("spheres, each a table [[spheres]]")?.map(|s| read_spheres(&s)).collect()
 }
 
 /// Frames that a shutter may be open, and frames a second.

@@ -29,7 +29,7 @@ impl Fnv {
     }
 }
 
-/// A hash of triangles and how they move, normals, colours of vertices, materials, alpha masks, lights, background, image size and rays, however the scene file spells them. It is
+/// A hash of triangles, spheres and how they move, normals, colours of vertices, materials, alpha masks, lights, background, image size and rays, however the scene file spells them. It is
 /// the same on all machines. Images that only colour triangles are left out, because they are not read if no colour is asked for.
 pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     let mut h = Fnv(0xcbf2_9ce4_8422_2325);
@@ -66,6 +66,7 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
         mesh.colors.iter().flatten().for_each(|c| h.number(f64::from(*c)));
         mesh.corner_colors.iter().flatten().for_each(|k| h.word(u64::from(*k)));
     }
+    mesh.radii.iter().for_each(|radius| h.number(*radius));
     h.word(scene.lights.len() as u64);
     for light in &scene.lights {
         match light.source {

@@ -246,7 +246,8 @@ impl Library {
         let step = |step: &FileStep| {
             let (now, _) = self.merged(&step.meshes, images)?;
             let now = Arc::unwrap_or_clone(now);
-            if now.triangles != mesh.triangles || now.corner_normals != mesh.corner_normals {
+            if (&now.triangles, &now.radii, &now.corner_normals) != (&mesh.triangles, &mesh.radii, &mesh.corner_normals)
+            {
                 return Err(Error::input(CHANGED));
             }
             Ok(TimeStep { positions: now.positions, normals: now.normals })

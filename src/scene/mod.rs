@@ -192,7 +192,16 @@ impl Scene {
         Ok(())
     }
 
-    /// Least and greatest corner of the bounding box of all vertices at all times of the frame, world units; `None` without vertices.
+    /// # Errors
+    /// [`Error::Input`] for spheres together with caustics.
+    pub fn check_spheres(&self) -> Result<()> {
+        if self.mesh.has_spheres() && self.caustics.is_some() {
+            return Err(Error::input(SPHERES_AND_CAUSTICS.join("; ")));
+        }
+        Ok(())
+    }
+
+    /// Least and greatest corner of the bounding box of all vertices and spheres at all times of the frame, world units; `None` without vertices.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.moving_mesh().bounds()
     }
@@ -227,6 +236,9 @@ impl Scene {
         self.mesh.triangles[id as usize].map(at)
     }
 }
+
+/// Why there are no caustics with spheres, and what to do instead.
+pub const SPHERES_AND_CAUSTICS: [&str; 2] = ["caustics fall on triangles alone", "remove [caustics] or [[spheres]]"];
 
 /// Why there are no shadows with alpha masks, and what to do instead.
 pub const SHADOWS_AND_ALPHA_MASKS: [&str; 2] = ["shadow rays do not support alpha masks", "leave either out"];

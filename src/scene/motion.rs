@@ -1,7 +1,7 @@
 //! Motion vectors: the image position, in another frame, of the surface point that a pixel shows. Camera and scene may both move.
 
-use crate::camera::Camera;
 use crate::camera::project::Projector;
+use crate::camera::{Camera, Rays};
 use crate::image::frame::{Channel, Frame, NO_ID};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -15,7 +15,7 @@ pub const NEEDED: [Channel; 4] = [Channel::T, Channel::TriangleId, Channel::Bary
 pub const NAMES: [&str; 2] = ["motion.X", "motion.Y"];
 
 /// Motion of each pixel of `frame`, rendered from `now`, to the image of `next`: right and down, px. The same point of the same triangle is
-/// projected, where it is one frame after the pixel's own time. Of several images the nearest counts, hidden or not. 0 where nothing is
+/// projected, and of a sphere the place that keeps its offset from the centre, where it is one frame after the pixel's own time. Of several images the nearest counts, hidden or not. 0 where nothing is
 /// hit. NaN where `next` has no image of it, or the search was given up ([`crate::camera::project::Images::incomplete`]).
 ///
 /// # Errors
@@ -26,7 +26,7 @@ pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) ->
         let kind = camera.kind;
         return Err(Error::input(format!("motion is not computed through mirrors and lenses; {kind} has one")));
     }
-    if scene.mesh.triangles != next_scene.mesh.triangles {
+    if (&scene.mesh.triangles, &scene.mesh.radii) != (&next_scene.mesh.triangles, &next_scene.mesh.radii) {
         return Err(Error::input("motion is of triangles that are the same in both frames; these are not"));
     }
     let f32s = |channel: Channel| frame.f32(channel);
@@ -42,13 +42,21 @@ pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) ->
         }
         let (i, j) = ((k % width) as u32, (k / width) as u32);
         let corners = |scene: &Scene, camera: &Camera| scene.corners_at(ids[k], scene.moment(camera, (i, j)));
+        let own = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
+        let step_to = |place: DVec3| {
+            let places = projector.project(place).images;
+            let steps = places.iter().map(|image| DVec2::new(image.x, image.y) - own);
+            steps.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(DVec2::NAN)
+        };
+        if scene.mesh.radius(ids[k]).is_some() {
+            // spheres move, and are not seen to turn
+            let [now, then] = [corners(scene, camera)[0], corners(next_scene, next_camera)[0]];
+            return point(camera, (i, j), t[k]).map_or(DVec2::NAN, |p| step_to(p + then - now));
+        }
         let found = weights(camera, (i, j), layer_of(t[k]), corners(scene, camera));
         let [u, v] = found.unwrap_or([u[k].into(), v[k].into()]);
         let [a, b, c] = corners(next_scene, next_camera);
-        let own = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
-        let places = projector.project(a + u * (b - a) + v * (c - a)).images;
-        let steps = places.iter().map(|image| DVec2::new(image.x, image.y) - own);
-        steps.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(DVec2::NAN)
+        step_to(a + u * (b - a) + v * (c - a))
     };
     let steps: Vec<DVec2> = (0..ids.len()).into_par_iter().map(moved).collect();
     Ok([steps.iter().map(|s| s.x as f32).collect(), steps.iter().map(|s| s.y as f32).collect()])
@@ -57,6 +65,17 @@ pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) ->
 /// The layer whose segment ends at or after t.
 fn layer_of(t: f32) -> usize {
     (t.ceil() - 1.0).max(0.0) as usize
+}
+
+/// The point at t of a pixel's path, the t of the whole path.
+fn point(camera: &Camera, (i, j): (u32, u32), t: f32) -> Option<DVec3> {
+    let layer = if camera.layers.len() > 1 { layer_of(t) } else { 0 };
+    let t = f64::from(t) - layer as f64;
+    if let Rays::Curves(curves) = &camera.layers[layer] {
+        return Some(curves.near(i, j, (0.0, 0.0))?.1.at(t));
+    }
+    let ray = camera.pixel(layer, i, j)?.1.ray(0.0, 0.0);
+    Some(ray.origin + t * ray.direction)
 }
 
 /// Weights of the second and third corner where a pixel's ray meets a triangle's plane, to f64; `None` of curves, and of rays that run

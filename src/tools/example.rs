@@ -115,6 +115,7 @@ pub const EXAMPLES: [Example; 49] = [
     example!("wireframe", None, "the same as a wireframe that grows thinner with depth"),
     example!("rolling-shutter", None, "propellers and a bus, read row by row while they move"),
     example!("video-on-city", None, "a street corner of boxes that wears the pictures of three cameras", takes::takes),
+    example!("helix", None, "a double helix of 630 exact spheres from all around", make::helix),
     example!("composite", None, "a street, a fisheye and a map of a city in one picture: three cameras"),
     example!("city-cross-slit", Some("Yu 1"), "a city of 15,000 triangles through two slits"),
     example!("cow-panorama", Some("Yu 6"), "a cow from all around"),

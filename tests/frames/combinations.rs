@@ -191,6 +191,14 @@ impl Case {
                 };
                 self.scene.steps = TimeSteps::new(vec![0.0, 1.0], vec![at(0.0), at(1.0)]).map(Arc::new);
             }
+            Feature::Spheres => {
+                // in the place of a triangle
+                let mesh = Arc::make_mut(&mut self.scene.mesh);
+                let centre = mesh.triangles[0][0];
+                mesh.triangles[0] = [centre; 3];
+                mesh.radii = vec![0.0; mesh.triangles.len()];
+                mesh.radii[0] = 0.25;
+            }
             Feature::MovingCamera | Feature::CameraInMotion => {
                 let ends = [camera_of("", SIZE, PINHOLE).unwrap(), camera_of("", SIZE, PINHOLE).unwrap()];
                 self.has.insert(Feature::CameraInMotion);

@@ -25,6 +25,7 @@ mod optics;
 mod overflow;
 mod plan;
 mod random_frames;
+mod spheres;
 mod steps;
 mod strips;
 mod tessellate;

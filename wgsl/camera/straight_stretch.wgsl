@@ -1,7 +1,8 @@
 // The path of a pixel in a layer: one straight ray, about a scene none of whose coordinates is larger than 1; and what it meets, to f32.
-// Provides: ENDLESS, Path, Seen, Stretch, is_seen, keep_seen, largest_of, last_of, nothing_seen, stretch_of, stretches, with_triangle
-// Needs: BvhTriangle, CORNER_UNITS, COUNT_RECHECK_ITEMS, COUNT_SETTLED, LEAST, NONE, ONE_SIDED, PERTURB_BOUND, PROVEN, SLABBED, UNIT, is_excluded,
-//   triangle_id, triangle_reversed
+// Provides: ALL_UNCERTAIN, ENDLESS, Path, Seen, Stretch, is_seen, keep_seen, largest_of, last_of, nothing_seen, stretch_of, stretches,
+//   with_triangle
+// Needs: BvhTriangle, CORNER_UNITS, COUNT_RECHECK_ITEMS, COUNT_SETTLED, LEAST, NONE, ONE_SIDED, PERTURB_BOUND, PROVEN, SLABBED, UNIT,
+//   is_excluded, triangle_id, triangle_reversed
 // Binds: counters, params, recheck_items
 
 // No hit is proven: all that may be one is left to recheck.

@@ -18,5 +18,5 @@ fn leaf_at(k: u32) -> LeafTriangle {
     let a = light_row(at);
     let b = light_row(at + 1u);
     let c = light_row(at + 2u);
-    return LeafTriangle(a.xyz, bitcast<u32>(a.w), b.xyz, bitcast<u32>(b.w), c.xyz, 0u);
+    return LeafTriangle(a.xyz, bitcast<u32>(a.w), b.xyz, bitcast<u32>(b.w), c.xyz, bitcast<u32>(c.w));
 }

@@ -25,5 +25,5 @@ fn leaf_at(k: u32) -> LeafTriangle {
     let v0 = a.xyz + share * (light_row(at + 3u).xyz - a.xyz);
     let v1 = b.xyz + share * (light_row(at + 4u).xyz - b.xyz);
     let v2 = c.xyz + share * (light_row(at + 5u).xyz - c.xyz);
-    return LeafTriangle(v0, bitcast<u32>(a.w), v1, bitcast<u32>(b.w), v2, 0u);
+    return LeafTriangle(v0, bitcast<u32>(a.w), v1, bitcast<u32>(b.w), v2, bitcast<u32>(c.w));
 }

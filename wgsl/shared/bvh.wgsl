@@ -1,6 +1,6 @@
 // The first hit of a segment, by a bounding volume hierarchy.
 // Provides: traced
-// Needs: BvhNode, Found, NONE, Segment, first_node, leaf_at, nearer, node_at, nothing
+// Needs: BvhNode, Found, NONE, Segment, first_node, leaf_at, nearer_leaf, node_at, nothing
 
 // Stack size; the host refuses deeper hierarchies.
 const STACK: u32 = 96u;
@@ -36,7 +36,7 @@ fn traced(segment: Segment) -> Found {
         var next = NONE;
         if node.count > 0u {
             for (var k = 0u; k < node.count; k++) {
-                found = nearer(segment, found, leaf_at(node.first + k));
+                found = nearer_leaf(segment, found, leaf_at(node.first + k));
             }
         } else {
             let one = entry(node_at(node.first), segment, inverse, found.s);

@@ -1,6 +1,6 @@
 // Surface normals, and the light that arrives at a surface.
-// Provides: Arriving, Lit, NORMALS, by_thread, flat_normal, in_file_order, largest, reach_of, received, surface_normal
-// Needs: NONE, Ray, arriving, corner_order, openness, stored_normal, triangle_order, triangle_surface, vertex
+// Provides: Arriving, Lit, NORMALS, by_thread, in_file_order, largest, reach_of, received, surface_normal
+// Needs: NONE, Ray, arriving, corner_order, flat_normal, openness, stored_normal, triangle_order, triangle_surface, vertex
 // Binds: shading
 
 // Whether the scene has vertex normals.
@@ -14,16 +14,6 @@ fn in_file_order(w: vec3<f32>, triangle: vec4<u32>) -> vec3<f32> {
 
 fn largest(v: vec3<f32>) -> f32 {
     return max(abs(v.x), max(abs(v.y), abs(v.z)));
-}
-
-// The unit normal of a triangle of any size, on the side opposite a direction.
-fn flat_normal(triangle: vec4<u32>, direction: vec3<f32>) -> vec3<f32> {
-    let v0 = vertex(triangle.x);
-    let e1 = vertex(triangle.y) - v0;
-    let e2 = vertex(triangle.z) - v0;
-    let inverse = 1.0 / max(largest(e1), largest(e2));
-    let flat = normalize(cross(inverse * e1, inverse * e2));
-    return select(flat, -flat, dot(flat, direction) > 0.0);
 }
 
 // The unit normal on the viewer's side: from the file, or else the triangle's.

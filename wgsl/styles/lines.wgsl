@@ -1,7 +1,7 @@
 // Lines on surfaces, as wide in pixels as they shall be through any camera: distances in world or weights, over how these change from
 // pixel to pixel.
 // Provides: drawn
-// Needs: RayDifferential, ShadedHit, by_thread, covered, narrowed, tangents, triangle_at, weights_at
+// Needs: RayDifferential, ShadedHit, by_thread, covered, has_corners, narrowed, tangents, triangle_at, weights_at
 // Binds: shading, style
 
 fn drawn(hit: ShadedHit, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
@@ -18,8 +18,13 @@ fn drawn(hit: ShadedHit, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
     return seen;
 }
 
-// How far the nearest edge of the triangle is, px.
+const FAR_EDGE: f32 = 1.0e30;
+
+// How far the nearest edge of the triangle is, px; of a sphere, beyond all widths.
 fn edge_distance(hit: ShadedHit) -> f32 {
+    if !has_corners(triangle_at(hit.slot)) {
+        return FAR_EDGE;
+    }
     let w = weights_at(triangle_at(hit.slot), hit.p, hit.d, hit.differential);
     let to = w.at / sqrt(w.right * w.right + w.down * w.down);
     return max(0.0, min(to.x, min(to.y, to.z)));

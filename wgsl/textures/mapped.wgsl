@@ -1,6 +1,6 @@
 // Colours of surfaces with images on them, or with colours at their corners.
 // Provides: Footprint, TEXTURED, surface_albedo, surface_uv
-// Needs: COLORED, NONE, NORMALS, Ray, RayDifferential, corner_colors, corner_order, corner_uv, flat_normal, has_uv, image_mean,
+// Needs: COLORED, NONE, NORMALS, Ray, RayDifferential, corner_colors, corner_order, corner_uv, flat_normal, has_corners, has_uv, image_mean,
 //   image_place, in_file_order, material_at, on_triangle, real, real3, stored_normal, triangle_order, triangle_surface, vertex, weights_at
 // Binds: shading
 
@@ -11,7 +11,10 @@ fn surface_albedo(slot: u32, triangle: vec4<u32>, ray: Ray, differential: RayDif
     var albedo = material.diffuse;
     if COLORED {
         let colors = corner_colors(slot);
-        let w = in_file_order(vec3<f32>(hit_weights(triangle, ray)), triangle);
+        var w = vec3<f32>(1.0, 0.0, 0.0);
+        if has_corners(triangle) {
+            w = in_file_order(vec3<f32>(hit_weights(triangle, ray)), triangle);
+        }
         albedo *= w.x * colors[0] + w.y * colors[1] + w.z * colors[2];
     }
     if material.texture == NONE || !has_uv(slot) {

@@ -1,12 +1,13 @@
-//! Bounding volume hierarchies over triangles: of two boxes a node for shadow rays and a rival, of eight for trace. Built by a library; the
+//! Bounding volume hierarchies over triangles and spheres: of two boxes a node for shadow rays and a rival, of eight for trace. Built by a library; the
 //! first kind can be refitted.
 
 use crate::engine::clusters::Chunk;
-use crate::gpu::layout::{BvhNode, LeafTriangle};
+use crate::geometry::mesh::sphere_box;
+use crate::gpu::layout::{BvhNode, LeafTriangle, SPHERE};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use bytemuck::Zeroable;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -101,9 +102,17 @@ impl PackedBvh {
         let (all, scale) = (scene.moving_mesh(), scale(scene, anchor));
         let (mut roots, mut nodes, mut leaves) = (Vec::new(), Vec::new(), Vec::new());
         for way in 0..all.count() - 1 {
-            let ends =
-                |id: u32| [way, way + 1].map(|step| all.corners(id, step).map(|v| (v - anchor).as_vec3() * scale));
-            let boxed = |id: u32| Aabb::from_points(ends(id).map(|end| end.map(Into::into)).as_flattened());
+            let small = |v: DVec3| (v - anchor).as_vec3() * scale;
+            let ends = |id: u32| {
+                [way, way + 1].map(|step| match (all.corners(id, step), all.mesh.radius(id)) {
+                    (corners, None) => corners.map(small),
+                    ([centre, ..], Some(radius)) => [small(centre), Vec3::X * radius as f32 * scale, Vec3::ZERO],
+                })
+            };
+            let boxed = |id: u32| {
+                let points = [way, way + 1].map(|step| extremes(all.corners(id, step), all.mesh.radius(id)).map(small));
+                Aabb::from_points(points.map(|end| end.map(Into::into)).as_flattened())
+            };
             let boxes: Vec<Aabb> = (0..count as u32).into_par_iter().map(boxed).collect();
             let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
             check_depth(&tree, count)?;
@@ -115,7 +124,8 @@ impl PackedBvh {
                 nodes.extend([[x, y, z, f32::from_bits(first)], [u, v, w, f32::from_bits(node.prim_count)]]);
             }
             for id in &tree.primitive_indices {
-                let last = [f32::from_bits(*id), 0.0, 0.0, 0.0, 0.0, 0.0];
+                let is_sphere = f32::from_bits(all.mesh.radius(*id).is_some().into());
+                let last = [f32::from_bits(*id), 0.0, is_sphere, 0.0, 0.0, 0.0];
                 leaves.extend(ends(*id).as_flattened().iter().zip(last).map(|(v, last)| v.extend(last).to_array()));
             }
         }
@@ -172,9 +182,8 @@ impl TracedBvh {
             return TracedBvh::of_moving(chunk);
         }
         let scale = scale_of(chunk);
-        let corners = |slot: u32| corners(chunk, slot, 0, scale);
         let boxed = |slot: u32| {
-            let [v0, v1, v2] = corners(slot).0.map(|v| v.as_vec3().into());
+            let [v0, v1, v2] = primitive(chunk, slot, 0, scale).extremes().map(|v| v.as_vec3().into());
             Triangle { v0, v1, v2 }
         };
         let triangles: Vec<Triangle> = (0..chunk.triangles.len() as u32).into_par_iter().map(boxed).collect();
@@ -185,7 +194,7 @@ impl TracedBvh {
         }
         let mut nodes = vec![[(scale as f32).to_bits(), 0, 0, 0]];
         nodes.extend(tree.nodes.iter().flat_map(node_rows));
-        let rows = |slot: &u32| triangle_rows(corners(*slot), *slot);
+        let rows = |slot: &u32| primitive(chunk, *slot, 0, scale).rows(*slot);
         let triangles = tree.primitive_indices.par_iter().flat_map_iter(rows).collect();
         Some(TracedBvh { nodes, triangles })
     }
@@ -199,9 +208,9 @@ impl TracedBvh {
         let mut nodes = vec![[(scale as f32).to_bits(), 0, 0, 0]; 1 + NODE_ROWS * header_nodes];
         let mut triangles = Vec::new();
         for way in 0..ways {
-            let ends = |slot: u32| [way, way + 1].map(|step| corners(chunk, slot, step, scale));
+            let ends = |slot: u32| [way, way + 1].map(|step| primitive(chunk, slot, step, scale));
             let boxed = |slot: u32| {
-                let all = ends(slot).map(|(corners, _)| corners.map(|v| v.as_vec3().into()));
+                let all = ends(slot).map(|end| end.extremes().map(|v| v.as_vec3().into()));
                 Aabb::from_points(all.as_flattened())
             };
             let boxes: Vec<Aabb> = (0..chunk.triangles.len() as u32).into_par_iter().map(boxed).collect();
@@ -217,7 +226,7 @@ impl TracedBvh {
                 node.primitive_base_idx += first_triangle as u32;
             }
             nodes.extend(tree.nodes.iter().flat_map(node_rows));
-            let rows = |slot: &u32| ends(*slot).map(|end| triangle_rows(end, *slot)).into_iter().flatten();
+            let rows = |slot: &u32| ends(*slot).map(|end| end.rows(*slot)).into_iter().flatten();
             triangles.par_extend(tree.primitive_indices.par_iter().flat_map_iter(rows));
         }
         Some(TracedBvh { nodes, triangles })
@@ -230,14 +239,61 @@ fn of_one() -> BvhBuildParams {
 
 /// A power of two that brings all coordinates of a chunk under 1.
 fn scale_of(chunk: &Chunk) -> f64 {
-    let largest = chunk.vertices.par_iter().map(|v| v.position().abs().max_element()).reduce(|| 0.0, f64::max);
+    let of_vertices = chunk.vertices.par_iter().map(|v| v.position().abs().max_element()).reduce(|| 0.0, f64::max);
+    let far = |t: &[u32; 4]| {
+        let of_step = |step: u32| chunk.vertices[(t[0] * chunk.steps + step) as usize].position().abs().max_element();
+        radius_of(*t).map_or(0.0, |radius| radius + (0..chunk.steps).map(of_step).fold(0.0, f64::max))
+    };
+    let largest = chunk.triangles.par_iter().map(far).reduce(|| of_vertices, f64::max);
     largest.max(f64::from(f32::MIN_POSITIVE)).log2().ceil().exp2().recip()
 }
 
-/// The corners of a triangle at a time step, scaled, and its last word.
-fn corners(chunk: &Chunk, slot: u32, step: u32, scale: f64) -> ([DVec3; 3], u32) {
-    let [a, b, c, word] = chunk.triangles[slot as usize];
-    ([a, b, c].map(|v| chunk.vertices[(v * chunk.steps + step) as usize].position() * scale), word)
+/// A triangle or sphere at a time step, scaled.
+struct Primitive {
+    /// Of a sphere, three times its centre.
+    corners: [DVec3; 3],
+    radius: Option<f64>,
+    /// The last word of its packed form.
+    word: u32,
+}
+
+fn primitive(chunk: &Chunk, slot: u32, step: u32, scale: f64) -> Primitive {
+    let packed @ [a, b, c, word] = chunk.triangles[slot as usize];
+    let radius = radius_of(packed);
+    let corners = if radius.is_some() { [a; 3] } else { [a, b, c] };
+    let place = |v: u32| chunk.vertices[(v * chunk.steps + step) as usize].position() * scale;
+    Primitive { corners: corners.map(place), radius: radius.map(|radius| radius * scale), word }
+}
+
+/// The radius of a packed sphere; `None` of a triangle.
+fn radius_of([_, hi, lo, word]: [u32; 4]) -> Option<f64> {
+    (word & SPHERE == SPHERE).then(|| f64::from(f32::from_bits(hi)) + f64::from(f32::from_bits(lo)))
+}
+
+/// The corners of a triangle, or of the box around a sphere.
+fn extremes(corners: [DVec3; 3], radius: Option<f64>) -> [DVec3; 3] {
+    radius.map_or(corners, |radius| {
+        let (lo, hi) = sphere_box(corners[0], radius);
+        [corners[0], lo, hi]
+    })
+}
+
+impl Primitive {
+    fn extremes(&self) -> [DVec3; 3] {
+        extremes(self.corners, self.radius)
+    }
+
+    fn rows(&self, slot: u32) -> [[u32; 4]; TRIANGLE_ROWS] {
+        let row = |v: DVec3, last: u32| {
+            let [x, y, z] = v.as_vec3().to_array().map(f32::to_bits);
+            [x, y, z, last]
+        };
+        let [a, b, c] = self.corners;
+        match self.radius {
+            Some(radius) => [row(a, slot), row(DVec3::X * radius, self.word), [0; 4]],
+            None => [row(a, slot), row(b - a, self.word), row(a - c, 0)],
+        }
+    }
 }
 
 fn node_rows(node: &CwBvhNode) -> [[u32; 4]; NODE_ROWS] {
@@ -246,14 +302,6 @@ fn node_rows(node: &CwBvhNode) -> [[u32; 4]; NODE_ROWS] {
 
 /// Rows of a triangle at one time.
 const TRIANGLE_ROWS: usize = 3;
-
-fn triangle_rows(([a, b, c], word): ([DVec3; 3], u32), slot: u32) -> [[u32; 4]; TRIANGLE_ROWS] {
-    let row = |v: DVec3, last: u32| {
-        let [x, y, z] = v.as_vec3().to_array().map(f32::to_bits);
-        [x, y, z, last]
-    };
-    [row(a, slot), row(b - a, word), row(a - c, 0)]
-}
 
 /// Nodes from the root to the lowest: those below one come after it.
 fn depth(nodes: &[CwBvhNode]) -> usize {
@@ -274,12 +322,15 @@ pub struct PackedBvh {
     pub scale: f32,
 }
 
-/// A triangle as kernels read it.
+/// A triangle, or a sphere by its centre and its radius, as kernels read it.
 pub fn leaf_triangle(scene: &Scene, anchor: DVec3, id: u32) -> LeafTriangle {
     let mesh = &scene.mesh;
     let [v0, v1, v2] = mesh.triangles[id as usize].map(|v| (mesh.positions[v as usize] - anchor).as_vec3().to_array());
     let one_sided = u32::from(!mesh.materials[mesh.material_of[id as usize] as usize].two_sided);
-    LeafTriangle { v0, id, v1, one_sided, v2, pad0: 0 }
+    match mesh.radius(id) {
+        Some(radius) => LeafTriangle { v0, id, v1: [radius as f32, 0.0, 0.0], one_sided, v2: [0.0; 3], is_sphere: 1 },
+        None => LeafTriangle { v0, id, v1, one_sided, v2, is_sphere: 0 },
+    }
 }
 
 /// About the inverse of the largest number of a scene.
@@ -289,11 +340,16 @@ fn scale(scene: &Scene, anchor: DVec3) -> f32 {
     largest.max(f64::from(f32::MIN_POSITIVE)).log2().ceil().exp2().recip() as f32
 }
 
+/// Triangles, and of spheres three corners of their boxes.
 fn triangles(scene: &Scene, anchor: DVec3, count: usize, scale: f32) -> Vec<Triangle> {
     let mesh = &scene.mesh;
-    let corner = |v: u32| ((mesh.positions[v as usize] - anchor).as_vec3() * scale).into();
-    let all = mesh.triangles[..count].par_iter();
-    all.map(|t| Triangle { v0: corner(t[0]), v1: corner(t[1]), v2: corner(t[2]) }).collect()
+    let boxed = |(id, t): (usize, &[u32; 3])| {
+        let corners = t.map(|v| mesh.positions[v as usize]);
+        let small = |v: DVec3| ((v - anchor).as_vec3() * scale).into();
+        let [v0, v1, v2] = extremes(corners, mesh.radius(id as u32)).map(small);
+        Triangle { v0, v1, v2 }
+    };
+    mesh.triangles[..count].par_iter().enumerate().map(boxed).collect()
 }
 
 #[cfg(test)]

@@ -53,7 +53,9 @@ impl LeftOut {
 /// What there is in a scene, with the camera's optics.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SceneContents {
+    /// Triangles and spheres.
     pub triangles: usize,
+    pub has_spheres: bool,
     pub has_normals: bool,
     pub has_uvs: bool,
     /// Vertices have colours.
@@ -92,6 +94,7 @@ impl SceneContents {
             has_outlines: scene.style.is_between_pixels(),
             steps: scene.moving_mesh().count(),
             triangles: mesh.triangles.len(),
+            has_spheres: mesh.has_spheres(),
             has_normals: !mesh.normals.is_empty(),
             has_uvs: !mesh.corner_uvs.is_empty(),
             has_colors: !mesh.corner_colors.is_empty(),

@@ -54,6 +54,7 @@ pub fn variant(
         samples: wanted.samples(),
         analytic: wanted.analytic && wanted.samples() > 1,
         timed: contents.steps > 1,
+        spheres: contents.has_spheres,
     };
     let variant = if has.by_tile() { Variant { wide: has.wide, ..variant }.with_tiles() } else { variant };
     if wanted.channels.contains(&Channel::Certified) { variant } else { variant.with_small() }
@@ -73,6 +74,7 @@ pub fn method(
     match () {
         _ if run.rival.is_some() => (RASTER, ""),
         _ if contents.steps > 1 => (Method::Trace, "things move while the frame is taken"),
+        _ if contents.has_spheres => (Method::Trace, "the scene has spheres"),
         _ if run.method == RASTER => (RASTER, "asked for"),
         _ if wanted.samples() > 1 => (RASTER, "samples are taken of pairs of triangles and tiles"),
         _ if wanted.channels.contains(&Channel::Certified) => (RASTER, "proofs take pairs of triangles and tiles"),

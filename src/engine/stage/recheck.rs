@@ -7,7 +7,12 @@ use crate::gpu::layout::Counter;
 
 /// What bounds in f32 may leave to be rechecked.
 pub fn kernel(variant: Variant) -> Kernel {
-    super::raster::into_visibility("recheck", variant, &[super::raster::HITS, SIDES, snippets!("recheck.wgsl")])
+    let primitives = match variant.spheres {
+        true => snippets!("shared/sphere.wgsl", "shared/sphere_chord.wgsl", "shared/recheck_spheres.wgsl"),
+        false => snippets!("shared/recheck_triangles.wgsl"),
+    };
+    let own = [super::raster::HITS, SIDES, primitives, snippets!("recheck.wgsl")];
+    super::raster::into_visibility("recheck", variant, &own)
 }
 
 /// After every step of raster, of variants with [`crate::gpu::kernels::Variant::rechecks`].

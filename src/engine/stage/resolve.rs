@@ -39,11 +39,13 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         KEY,
         SHADING,
         variant.lit_surface(),
+        variant.flat_surface(),
     ];
     let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_OFFSETS];
     own.push(variant.thrown_pictures());
     own.push(variant.style());
     own.extend(variant.corner_colors());
+    own.extend(variant.leaves());
     own.extend(variant.weights());
     own.push(if variant.analytic { snippets!("samples/areas.wgsl") } else { snippets!("samples/counted.wgsl") });
     own.extend(variant.light());

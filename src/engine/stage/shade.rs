@@ -32,6 +32,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         variant.camera(),
         SHADING,
         variant.lit_surface(),
+        variant.flat_surface(),
         variant.images(),
         variant.thrown_pictures(),
         variant.style(),
@@ -41,6 +42,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     ];
     let mut all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
     all.extend(variant.corner_colors());
+    all.extend(variant.leaves());
     all.extend(variant.weights());
     let mut kernel = Kernel::new("shade", bindings, &all).with_planes(planes);
     kernel.constants.extend(variant.constants());

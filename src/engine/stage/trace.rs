@@ -16,7 +16,14 @@ pub fn kernel(variant: Variant) -> Kernel {
         true => snippets!("shared/bvh8.wgsl", "shared/bvh_triangle_timed.wgsl"),
         false => snippets!("shared/bvh8.wgsl", "shared/bvh_triangle.wgsl"),
     };
-    let own = [pixels, path, hierarchy, snippets!("trace.wgsl")];
+    let primitives = match (variant.spheres, variant.rays) {
+        (false, _) => snippets!("shared/only_triangles.wgsl"),
+        (true, RaysKind::Curves { .. }) => {
+            snippets!("shared/sphere.wgsl", "shared/sphere_chord.wgsl", "camera/curves_sphere.wgsl")
+        }
+        (true, _) => snippets!("shared/sphere.wgsl", "camera/straight_sphere.wgsl"),
+    };
+    let own = [pixels, path, hierarchy, primitives, snippets!("trace.wgsl")];
     let mut kernel = super::raster::into_visibility("trace", variant, &[variant.pixel(), &own].concat());
     kernel.bindings.extend([table("bvh"), table("bvh_triangles")]);
     if variant.bounced {

@@ -78,7 +78,7 @@ impl PropertyAccess for Face {
     }
 }
 
-fn set_color(color: &mut [f64; 3], name: &str, property: &Property) -> PropertyAccessResult {
+pub(super) fn set_color(color: &mut [f64; 3], name: &str, property: &Property) -> PropertyAccessResult {
     let place = ["red", "green", "blue"].iter().position(|own| *own == name);
     let (Some(place), Some(value)) = (place, number(property)) else { return PropertyAccessResult::Ignored };
     color[place] = value / full(property);
@@ -94,7 +94,7 @@ fn full(property: &Property) -> f64 {
     }
 }
 
-fn number(property: &Property) -> Option<f64> {
+pub(super) fn number(property: &Property) -> Option<f64> {
     Some(match property {
         Property::Char(v) => (*v).into(),
         Property::UChar(v) => (*v).into(),

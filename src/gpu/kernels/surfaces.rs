@@ -1,7 +1,7 @@
 //! Snippets for the appearance of surfaces: images and alpha masks, light, and what is drawn on them.
 
 use super::parts::*;
-use super::variant::{LightsKind, Variant};
+use super::variant::{LightsKind, RaysKind, Variant};
 
 impl Variant {
     /// How weights of a triangle's corners change from pixel to pixel, where something follows from that.
@@ -15,6 +15,32 @@ impl Variant {
             true => snippets!("shared/table.wgsl", "shared/surface.wgsl", "shared/normal_timed.wgsl"),
             false => snippets!("shared/table.wgsl", "shared/surface.wgsl", "shared/normal.wgsl"),
         }
+    }
+
+    /// The surfaces of triangles, and of spheres where there are some.
+    pub(crate) fn flat_surface(self) -> Parts {
+        match (self.spheres, self.rays) {
+            (false, _) => snippets!("shared/flat_triangle.wgsl"),
+            (true, RaysKind::Curves { .. }) => snippets!(
+                "shared/sphere.wgsl",
+                "shared/sphere_chord.wgsl",
+                "camera/curves_outward.wgsl",
+                "shared/flat_sphere.wgsl"
+            ),
+            (true, _) => snippets!(
+                "shared/sphere.wgsl",
+                "shared/sphere_chord.wgsl",
+                "camera/straight_outward.wgsl",
+                "shared/flat_sphere.wgsl"
+            ),
+        }
+    }
+
+    /// What casts shadows.
+    pub(crate) fn leaves(self) -> Option<Parts> {
+        let parts =
+            if self.spheres { snippets!("shared/leaf_sphere.wgsl") } else { snippets!("shared/leaf_triangle.wgsl") };
+        (self.lights == LightsKind::Shadowed).then_some(parts)
     }
 
     /// The colours of a triangle's corners, for kernels that look up images.

@@ -105,6 +105,8 @@ pub struct Variant {
     pub analytic: bool,
     /// Vertices move while the frame is taken, and each pixel sees them at a moment of its own.
     pub timed: bool,
+    /// There are spheres beside triangles.
+    pub spheres: bool,
 }
 
 impl Variant {
@@ -138,6 +140,7 @@ impl Variant {
         samples: 1,
         analytic: false,
         timed: false,
+        spheres: false,
     };
 
     pub fn surfaces(self) -> SurfaceKind {
@@ -196,6 +199,13 @@ impl Variant {
             list.extend([RaysKind::Pieces, RaysKind::Field, curves[2]].map(|rays| timed(rays, None)));
             let seen = timed(RaysKind::Pieces, Some(OpticsKind::Facets));
             list.extend([seen, seen.after_bounce()]);
+            let spheres = |variant| Variant { method: Method::Trace, spheres: true, ..variant };
+            let of_rays = [RaysKind::Pieces, RaysKind::Field].map(|rays| spheres(variant(rays, false, None)));
+            list.extend(of_rays);
+            list.extend([spheres(variant(RaysKind::Pieces, true, None)), spheres(timed(RaysKind::Pieces, None))]);
+            let seen = spheres(variant(RaysKind::Pieces, false, Some(OpticsKind::Quadrics)));
+            list.extend([seen, seen.after_bounce()]);
+            list.extend(curves.map(|rays| spheres(variant(rays, true, None))));
             list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
             let thrown = |of: Variant| {
                 let lights = if more { LightsKind::Shadowed } else { LightsKind::Positional };

@@ -11,13 +11,14 @@ use crate::input::{Error, Result};
 use serde_json::{Map, Value as Json};
 use std::path::{Path, PathBuf};
 
-/// The tables of the camera and the meshes in a scene file, with overrides and keyframes applied. The meshes are for cameras that look at
+/// The tables of the camera, the meshes and the spheres in a scene file, with overrides and keyframes applied. All but the first are for cameras that look at
 /// them.
 #[derive(Debug, Clone, Default)]
 pub struct CameraKeys {
     camera: Option<Node>,
     meshes: Option<Node>,
-    /// Whether the camera names files, and whether a mesh does.
+    spheres: Option<Node>,
+    /// Whether the camera names files, and whether a mesh or spheres do.
     names_files: [bool; 2],
     /// The folder that relative paths start from.
     dir: PathBuf,
@@ -26,8 +27,9 @@ pub struct CameraKeys {
 impl PartialEq for CameraKeys {
     /// Compares values, not where in the file they are.
     fn eq(&self, other: &CameraKeys) -> bool {
-        let written =
-            |keys: &CameraKeys| [&keys.camera, &keys.meshes].map(|node| node.as_ref().map(|n| json(&n.value)));
+        let written = |keys: &CameraKeys| {
+            [&keys.camera, &keys.meshes, &keys.spheres].map(|node| node.as_ref().map(|n| json(&n.value)))
+        };
         (&self.dir, written(self)) == (&other.dir, written(other))
     }
 }
@@ -36,8 +38,8 @@ impl CameraKeys {
     /// Takes the tables out of a scene file's tree.
     pub(super) fn taken(root: Node, names_files: [bool; 2], dir: &Path) -> CameraKeys {
         let Value::Table(mut entries) = root.value else { return CameraKeys::default() };
-        let (camera, meshes) = (take(&mut entries, "camera"), take(&mut entries, "mesh"));
-        CameraKeys { camera, meshes, names_files, dir: dir.into() }
+        let [camera, meshes, spheres] = ["camera", "mesh", "spheres"].map(|key| take(&mut entries, key));
+        CameraKeys { camera, meshes, spheres, names_files, dir: dir.into() }
     }
 
     /// Of a `[camera]` table alone, TOML or JSON, whose relative paths start from `folder`.
@@ -103,8 +105,8 @@ impl CameraKeys {
         &self.dir
     }
 
-    /// For the header of a picture in `folder`: `keys` is the camera; `mesh` the meshes, if `uses_scene`, that is, the camera depends on
-    /// them; and `folder`, if these name files, the path from the picture's folder to the folder that relative paths start from. Empty if
+    /// For the header of a picture in `folder`: `keys` is the camera; `mesh` the meshes and `spheres` the spheres, if `uses_scene`, that is,
+    /// the camera depends on them; and `folder`, if these name files, the path from the picture's folder to the folder that relative paths start from. Empty if
     /// the camera is not from a file.
     pub fn json(&self, uses_scene: bool, folder: &Path) -> Map<String, Json> {
         let mut map = Map::new();
@@ -112,6 +114,9 @@ impl CameraKeys {
         map.insert("keys".into(), json(&camera.value));
         if let Some(meshes) = self.meshes.as_ref().filter(|_| uses_scene) {
             map.insert("mesh".into(), json(&meshes.value));
+        }
+        if let Some(spheres) = self.spheres.as_ref().filter(|_| uses_scene) {
+            map.insert("spheres".into(), json(&spheres.value));
         }
         if self.names_files[0] || (uses_scene && self.names_files[1]) {
             map.insert("folder".into(), relative_path(folder, &self.dir).to_string_lossy().into_owned().into());
@@ -214,8 +219,9 @@ pub fn load_header(text: &str, path: &Path, overrides: &[String]) -> Result<Scen
         Node { value: Value::Table(entries.into_iter().map(entry).collect()), place }
     };
     let image = table(vec![("width", width), ("height", height)]);
-    let meshes = take("mesh").map(|node| ("mesh", node));
-    let mut root = table([("image", image), ("camera", camera)].into_iter().chain(meshes).collect());
+    let others = ["mesh", "spheres"].map(|key| take(key).map(|node| (key, node)));
+    let given = [("image", image), ("camera", camera)].into_iter().chain(others.into_iter().flatten());
+    let mut root = table(given.collect());
     overrides::apply(&mut root, overrides)?;
     read_tree(root, path, &path.parent().unwrap_or(Path::new("")).join(folder))
 }

@@ -1,8 +1,8 @@
 //! The times of a frame at which a scene file is read: those between which everything moves straight.
 
-use super::{FileStep, SceneFile, read_meshes};
+use super::{FileStep, SceneFile, read_all_spheres, read_meshes};
 use crate::camera::spec::{CameraSpec, read_camera_and_readout};
-use crate::geometry::spec::MeshSpec;
+use crate::geometry::spec::{MeshSource, MeshSpec};
 use crate::geometry::time_steps::TIMES_MAX;
 use crate::input::keyframes;
 use crate::input::reader::{Field, Source};
@@ -22,7 +22,7 @@ const CAMERA_STEPS: u32 = 8;
 /// The scene at the times that a frame takes; none if nothing has keyframes, or all is exposed at once. `keyed` has all keyframes as they
 /// are, `file` is the scene at `frame`.
 pub(super) fn steps(keyed: &Node, source: &Source, file: &SceneFile, frame: f64) -> Result<Vec<FileStep>> {
-    let moving = [entry(keyed, "mesh"), entry(keyed, "camera")];
+    let moving = ["mesh", "spheres", "camera"].map(|key| entry(keyed, key));
     let keys: Vec<f64> = moving.into_iter().flatten().flat_map(keyframes::frames).collect();
     if keys.is_empty() || file.exposure.is_instant() {
         return Ok(Vec::new());
@@ -69,10 +69,15 @@ fn step(keyed: &Node, source: &Source, file: &SceneFile, (frame, time): (f64, f6
         keyframes::pick(&mut node, key, source, frame + time)?;
         Ok(Some(node))
     };
-    let meshes: Vec<MeshSpec> = match at("mesh")? {
+    let is_spheres = |mesh: &&MeshSpec| matches!(mesh.source, MeshSource::Spheres(_));
+    let mut meshes: Vec<MeshSpec> = match at("mesh")? {
         Some(node) => read_meshes(&Field::new(source, "mesh", &node))?,
-        None => file.meshes.clone(),
+        None => file.meshes.iter().filter(|mesh| !is_spheres(mesh)).cloned().collect(),
     };
+    match at("spheres")? {
+        Some(node) => meshes.extend(read_all_spheres(&Field::new(source, "spheres", &node))?),
+        None => meshes.extend(file.meshes.iter().filter(is_spheres).cloned()),
+    }
     let camera: CameraSpec = match at("camera")? {
         Some(node) => {
             let size = (file.image.width, file.image.height);

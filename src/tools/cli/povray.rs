@@ -37,9 +37,12 @@ const IDS_MAX: usize = (1 << 24) - 1;
 ///
 /// # Errors
 /// [`Error::Input`] for cameras that POV-Ray cannot express: curves, several layers, optics, a `t_range` that starts at
-/// -inf or ends some rays sooner than others, more triangles than a colour has values; [`Error::Write`] naming `path`.
+/// -inf or ends some rays sooner than others, spheres, more triangles than a colour has values; [`Error::Write`] naming `path`.
 pub fn write(path: &Path, scene: &Scene, camera: &Camera) -> Result<()> {
     let refuse = |why: String| Error::input(format!("--export-povray: {why}"));
+    if scene.mesh.has_spheres() {
+        return Err(refuse("only triangles are written; leave out [[spheres]]".into()));
+    }
     let triangles = scene.mesh.triangles.len();
     if triangles > IDS_MAX {
         return Err(refuse(format!("{triangles} triangles; a colour names {IDS_MAX} at most")));

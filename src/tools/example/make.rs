@@ -191,6 +191,47 @@ pub fn band() -> Vec<(&'static str, Part)> {
     vec![("ring.obj", Part::Text(text))]
 }
 
+/// `helix.ply`: the atoms of a double helix about the y axis, 42 pairs in four turns; strands of eight atoms a pair, and rungs of seven.
+pub fn helix() -> Vec<(&'static str, Part)> {
+    const PAIRS: usize = 42;
+    const PAIRS_A_TURN: f64 = 10.5;
+    const RISE: f64 = 0.17;
+    /// From one strand to the other, about the axis.
+    const APART: f64 = 2.4;
+    const STRAND_ATOMS: usize = 4;
+    const RUNG_ATOMS: usize = 7;
+    const STRANDS: [[u8; 3]; 2] = [[230, 120, 50], [150, 110, 200]];
+    const BASES: [[u8; 3]; 4] = [[205, 70, 60], [70, 150, 215], [235, 190, 70], [95, 180, 95]];
+    let mut atoms: Vec<(DVec3, f64, [u8; 3])> = Vec::new();
+    let place = |pair: f64, strand: usize| {
+        let angle = std::f64::consts::TAU * pair / PAIRS_A_TURN + strand as f64 * APART;
+        DVec3::new(angle.cos(), (pair - (PAIRS as f64 - 1.0) / 2.0) * RISE, angle.sin())
+    };
+    for k in 0..PAIRS {
+        let base = (k * k + 3 * k / 2) % BASES.len();
+        for (strand, color) in STRANDS.into_iter().enumerate() {
+            let on_strand = |j: usize| place(k as f64 + j as f64 / STRAND_ATOMS as f64, strand);
+            let radius = |j: usize| if j % 2 == 0 { 0.17 } else { 0.12 };
+            atoms.extend((0..STRAND_ATOMS).map(|j| (on_strand(j), radius(j), color)));
+        }
+        let ends = [place(k as f64, 0), place(k as f64, 1)];
+        atoms.extend((1..=RUNG_ATOMS).map(|j| {
+            let is_first = 2 * j + k % 2 <= RUNG_ATOMS + 1;
+            let color = BASES[if is_first { base } else { base ^ 1 }];
+            (ends[0].lerp(ends[1], j as f64 / (RUNG_ATOMS + 1) as f64), 0.11, color)
+        }));
+    }
+    let mut text = format!("ply\nformat ascii 1.0\nelement vertex {}\n", atoms.len());
+    let properties = ["float x", "float y", "float z", "float radius", "uchar red", "uchar green", "uchar blue"];
+    text.extend(properties.map(|property| format!("property {property}\n")));
+    text.push_str("end_header\n");
+    for (at, radius, [r, g, b]) in atoms {
+        let [x, y, z] = short(at);
+        text.push_str(&format!("{x} {y} {z} {radius} {r} {g} {b}\n"));
+    }
+    vec![("helix.ply", Part::Text(text))]
+}
+
 /// `flock-300.obj` and three larger ones, with their colours: so many triangles, four a butterfly, in a ring around the y axis.
 /// A larger flock has the butterflies of a smaller one and more.
 pub fn flocks() -> Vec<(&'static str, Part)> {

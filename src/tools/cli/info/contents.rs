@@ -20,6 +20,8 @@ struct Contents {
     /// "model" or "scene".
     kind: &'static str,
     triangles: usize,
+    spheres: usize,
+    /// Centres of spheres too.
     vertices: usize,
     /// Objects of a scene; 1 for a model.
     meshes: usize,
@@ -106,7 +108,8 @@ impl Contents {
         Contents {
             file: path.display().to_string(),
             kind,
-            triangles: mesh.triangles.len(),
+            triangles: mesh.triangles.len() - mesh.sphere_count(),
+            spheres: mesh.sphere_count(),
             vertices: mesh.positions.len(),
             meshes,
             materials: mesh.materials.len(),
@@ -166,6 +169,9 @@ impl fmt::Display for Contents {
         let yes = |there: bool| if there { "yes" } else { "no" };
         writeln!(f, "{} ({})", self.file, self.kind)?;
         writeln!(f, "  triangles            {}", self.triangles)?;
+        if self.spheres > 0 {
+            writeln!(f, "  spheres              {}", self.spheres)?;
+        }
         writeln!(f, "  vertices             {}", self.vertices)?;
         writeln!(f, "  meshes               {}", self.meshes)?;
         writeln!(f, "  materials            {}", self.materials)?;

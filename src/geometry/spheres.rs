@@ -1,0 +1,258 @@
+//! Spheres of a scene file: where they are, how large, and in which colour; from lists, .npy arrays, point files and PLY files.
+
+use super::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
+use super::ply;
+use crate::image::{read_npy_columns, read_npy_rows, read_points};
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
+use glam::DVec3;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Where spheres come from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpheresSpec {
+    pub source: SpheresSource,
+    /// Of spheres whose source says none, before they are placed.
+    pub radius: Option<f64>,
+    pub colors: Option<ColorsSpec>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum SpheresSource {
+    /// Centres, and the radius of each if one is given.
+    Given(Arc<[(DVec3, Option<f64>)]>),
+    /// A .ply, .npy, .csv, .txt or .xyz file, already relative to the working directory.
+    File(PathBuf),
+}
+
+/// A colour for each sphere, linear RGB in [0, 1].
+#[derive(Debug, Clone, PartialEq)]
+pub enum ColorsSpec {
+    Given(Arc<[[f32; 3]]>),
+    /// An .npy file.
+    File(PathBuf),
+}
+
+/// Centres, and what else a source says of each: all of them or none.
+#[derive(Debug, Clone, Default)]
+pub struct Points {
+    pub centres: Vec<DVec3>,
+    pub radii: Option<Vec<f64>>,
+    /// Linear RGB in [0, 1].
+    pub colors: Option<Vec<[f32; 3]>>,
+}
+
+/// The keys of spheres that those of meshes do not have.
+pub(super) const KEYS: [&str; 4] = ["file", "centers", "radius", "colors"];
+
+/// The keys of a table that say which spheres there are.
+pub(super) fn read(table: &Table) -> Result<SpheresSpec> {
+    let source = match (table.get("file"), table.get("centers")) {
+        (Some(_), Some(centers)) => {
+            return Err(centers.error("spheres have either a file or centers; remove one of the two"));
+        }
+        (Some(file), None) => SpheresSource::File(file.path()?),
+        (None, Some(centers)) => SpheresSource::Given(read_centers(&centers)?),
+        (None, None) => {
+            return Err(table.error("spheres need file = \"NAME.ply\" or centers = [[x, y, z], ...]"));
+        }
+    };
+    let colors = |field: &Field| match field.is_list() {
+        true => {
+            let colors = field.items("a list of colours, as [[r, g, b], ...]")?.map(|c| c.color());
+            Ok(ColorsSpec::Given(colors.collect::<Result<_>>()?))
+        }
+        false => Ok(ColorsSpec::File(field.path()?)),
+    };
+    let radius = table.optional("radius", Field::above_zero)?;
+    Ok(SpheresSpec { source, radius, colors: table.optional("colors", colors)? })
+}
+
+fn read_centers(field: &Field) -> Result<Arc<[(DVec3, Option<f64>)]>> {
+    let one = |item: Field| {
+        let expected = "a centre, as [x, y, z], or a centre and a radius, as [x, y, z, r]";
+        let numbers: Vec<Field> = item.items(expected)?.collect();
+        match numbers.as_slice() {
+            [x, y, z] => Ok((DVec3::new(x.number()?, y.number()?, z.number()?), None)),
+            [x, y, z, r] => Ok((DVec3::new(x.number()?, y.number()?, z.number()?), Some(r.above_zero()?))),
+            _ => Err(item.error(format_args!("expected {expected}, found {} numbers", numbers.len()))),
+        }
+    };
+    field.items("a list of centres, as [[x, y, z], ...]")?.map(one).collect()
+}
+
+impl SpheresSpec {
+    /// The spheres as a mesh; `called` names them in errors.
+    ///
+    /// # Errors
+    /// [`Error::Missing`] or [`Error::Read`] for a file that cannot be read; [`Error::Input`] for one of another kind or shape, for spheres
+    /// without a radius, a radius that is not above 0, numbers that are not finite, and colours of another number.
+    pub(super) fn load(&self, called: &str) -> Result<Mesh> {
+        let mut points = match &self.source {
+            SpheresSource::Given(list) => given(list, self.radius)?,
+            SpheresSource::File(path) => load_points(path)?,
+        };
+        let count = points.centres.len();
+        let default = self.radius;
+        let radii = points.radii.take().or_else(|| default.map(|radius| vec![radius; count]));
+        let radii = radii.ok_or_else(|| {
+            Error::input(format!("spheres {called}: there are no radii in the file; add radius = 0.1, or any other"))
+        })?;
+        let colors = match &self.colors {
+            None => points.colors.take(),
+            Some(ColorsSpec::Given(colors)) => Some(colors.to_vec()),
+            Some(ColorsSpec::File(path)) => {
+                Some(read_npy_rows::<3>(path)?.into_iter().map(|c| c.map(|x| x as f32)).collect())
+            }
+        };
+        spheres_of(points.centres, radii, colors).map_err(|why| Error::input(format!("spheres {called}: {why}")))
+    }
+
+    /// The file's name without folder and extension.
+    pub(super) fn name(&self) -> String {
+        match &self.source {
+            SpheresSource::Given(_) => "spheres".into(),
+            SpheresSource::File(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        }
+    }
+}
+
+/// Of a list all have a radius of their own, or the default.
+fn given(list: &[(DVec3, Option<f64>)], default: Option<f64>) -> Result<Points> {
+    let radius = |(k, (_, own)): (usize, &(DVec3, Option<f64>))| {
+        own.or(default).ok_or_else(|| {
+            Error::input(format!("spheres: center {k} has no radius; add radius = 0.1, or a fourth number"))
+        })
+    };
+    let radii = list.iter().enumerate().map(radius).collect::<Result<_>>()?;
+    Ok(Points { centres: list.iter().map(|(centre, _)| *centre).collect(), radii: Some(radii), colors: None })
+}
+
+fn load_points(path: &std::path::Path) -> Result<Points> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    match extension.as_str() {
+        "ply" => ply::load_points(path),
+        "npy" => {
+            let (columns, numbers) = read_npy_columns(path, &[3, 4])?;
+            let rows = || numbers.chunks_exact(columns);
+            Ok(Points {
+                centres: rows().map(|row| DVec3::new(row[0], row[1], row[2])).collect(),
+                radii: (columns == 4).then(|| rows().map(|row| row[3]).collect()),
+                colors: None,
+            })
+        }
+        "csv" | "txt" | "xyz" => Ok(Points { centres: read_points(path)?, ..Points::default() }),
+        _ => {
+            let name = path.display();
+            Err(Error::input(format!("{name}: unknown kind of file for spheres; use .ply, .npy, .csv, .txt or .xyz")))
+        }
+    }
+}
+
+/// Radii that are numbers in f32 too.
+fn is_radius(radius: f64) -> bool {
+    (f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX)).contains(&radius)
+}
+
+/// A mesh of spheres of one two-sided matte material: light grey, or white where there are colours.
+///
+/// # Errors
+/// What is wrong: counts that differ, more than 2^28 spheres, a centre that is not finite, a radius that is not above 0, a colour outside
+/// [0, 1]; or too little memory.
+pub fn spheres_of(
+    centres: Vec<DVec3>,
+    radii: Vec<f64>,
+    colors: Option<Vec<[f32; 3]>>,
+) -> std::result::Result<Mesh, String> {
+    let count = centres.len();
+    if count > MAX_TRIANGLES {
+        return Err(format!("{count} spheres, at most 2^28 are possible; use fewer"));
+    }
+    check_memory(count as u64, count as u64, format_args!("{count} spheres"), "use fewer")
+        .map_err(|e| e.to_string())?;
+    for (given, what) in [(radii.len(), "radii"), (colors.as_ref().map_or(count, Vec::len), "colours")] {
+        if given != count {
+            return Err(format!("{given} {what} for {count} spheres; give one for each"));
+        }
+    }
+    if let Some(k) = centres.iter().position(|c| !c.is_finite()) {
+        return Err(format!("sphere {k} lies at {}; use finite numbers", centres[k]));
+    }
+    check_radii(&radii)?;
+    if let Some((k, c)) = colors.iter().flatten().enumerate().find(|(_, c)| !c.iter().all(|x| (0.0..=1.0).contains(x)))
+    {
+        return Err(format!("colour {k} is {c:?}; use linear RGB from 0 to 1"));
+    }
+    let triangles: Vec<[u32; 3]> = (0..count as u32).map(|k| [k; 3]).collect();
+    let diffuse = if colors.is_some() { [1.0; 3] } else { Material::default().diffuse };
+    Ok(Mesh {
+        positions: centres,
+        corner_colors: if colors.is_some() { triangles.clone() } else { Vec::new() },
+        colors: colors.unwrap_or_default(),
+        triangles,
+        radii,
+        materials: vec![Material { diffuse, ..Material::default() }],
+        material_of: vec![0; count],
+        ..Mesh::default()
+    })
+}
+
+/// Where a ray is nearest to the sphere's surface before and behind its middle: where it enters and leaves it, or twice where it is nearest to
+/// its centre.
+pub fn nearest_meetings(centre: DVec3, radius: f64, (origin, direction): (DVec3, DVec3)) -> [f64; 2] {
+    let m = centre - origin;
+    let a = direction.length_squared();
+    let along = direction.dot(m);
+    let below = a * radius * radius - direction.cross(m).length_squared();
+    if below <= 0.0 {
+        return [along / a; 2];
+    }
+    let far = along + below.sqrt().copysign(along);
+    let (one, other) = (far / a, (m.length_squared() - radius * radius) / far);
+    [one.min(other), one.max(other)]
+}
+
+/// # Errors
+/// Which sphere has a radius that is not above 0, or not finite.
+pub(super) fn check_radii(radii: &[f64]) -> std::result::Result<(), String> {
+    match radii.iter().position(|radius| !is_radius(*radius)) {
+        Some(k) => Err(format!("sphere {k} has the radius {}; use a number above 0, from 1e-37 to 1e38", radii[k])),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spheres_are_triangles_of_one_corner_with_a_radius() {
+        let centres = vec![DVec3::X, DVec3::new(0.0, -4.0, 0.5)];
+        let mesh = spheres_of(centres.clone(), vec![2.0, 0.25], Some(vec![[0.5; 3], [0.0, 1.0, 0.0]])).unwrap();
+        assert_eq!((mesh.triangles.clone(), mesh.radius(1), mesh.radius(2)), (vec![[0; 3], [1; 3]], Some(0.25), None));
+        assert_eq!((mesh.colors_of(1), mesh.materials[0].diffuse), ([[0.0, 1.0, 0.0]; 3], [1.0; 3]));
+        assert_eq!(mesh.bounds(), Some((DVec3::new(-1.0, -4.25, -2.0), DVec3::new(3.0, 2.0, 2.0))));
+        assert!(spheres_of(Vec::new(), Vec::new(), None).unwrap().bounds().is_none());
+    }
+
+    #[test]
+    fn rays_enter_and_leave() {
+        let ray = |x: f64| (DVec3::new(x, 0.0, -13.0), 2.0 * DVec3::Z);
+        assert_eq!(nearest_meetings(DVec3::new(0.0, 0.0, 3.0), 5.0, ray(3.0)), [6.0, 10.0]);
+        assert_eq!(nearest_meetings(DVec3::new(0.0, 0.0, 3.0), 5.0, ray(6.0)), [8.0; 2]);
+    }
+
+    #[test]
+    fn wrong_spheres_are_refused() {
+        let refused = |centre: DVec3, radii: &[f64], color: f32| {
+            spheres_of(vec![centre], radii.to_vec(), Some(vec![[color; 3]])).unwrap_err()
+        };
+        for radius in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-300] {
+            assert!(refused(DVec3::X, &[radius], 0.5).contains("sphere 0 has the radius"), "{radius}");
+        }
+        assert!(refused(DVec3::NAN, &[1.0], 0.5).contains("use finite numbers"));
+        assert!(refused(DVec3::X, &[1.0, 2.0], 0.5).contains("2 radii for 1 spheres"));
+        assert!(refused(DVec3::X, &[1.0], 1.5).contains("linear RGB from 0 to 1"));
+    }
+}

@@ -1,0 +1,10 @@
+// Where on a sphere a straight ray is at t.
+// Provides: outward
+// Needs: Bundle, Sphere, chord_of, real, real3
+
+// From the centre, in radii, of a t that is rounded to f32: in recheck arithmetic the ray enters or leaves there, whichever is nearer to it.
+fn outward(b: Bundle, s: Sphere, t: f32) -> real3 {
+    let chord = chord_of(b, s);
+    let is_left = abs(chord.leaves - real(t)) < abs(chord.enters - real(t));
+    return (select(chord.enters, chord.leaves, is_left) * b.d - (s.centre * b.h - b.p)) / (s.radius * b.h);
+}

@@ -1,0 +1,55 @@
+// Items of triangles and spheres.
+// Provides: recheck_primitive
+// Needs: Bundle, COUNTING, COUNT_FRAGMENTS_KEPT, Cell, Meeting, ONE_SIDED, REAL_UNIT, SLABBED, Sphere, TILE, cell_bundle, chord_of, is_sphere, merge,
+//   pixel_bundle, real, real_from_bits, recheck_triangle, size3, sphere_of, start_of, tile_corner, tile_layer, triangle_id, visibility_key
+// Binds: counters, params, step
+
+fn recheck_primitive(slot: u32, triangle: vec4<u32>, is_proven: bool, cell: Cell, bit: u32) {
+    if is_sphere(triangle) {
+        recheck_sphere(triangle, is_proven, cell, bit);
+    } else {
+        recheck_triangle(slot, triangle, is_proven, cell, bit);
+    }
+}
+
+fn recheck_sphere(triangle: vec4<u32>, is_proven: bool, cell: Cell, bit: u32) {
+    let id = triangle_id(triangle);
+    let b = pixel_bundle(cell_bundle(cell), cell, bit % TILE, bit / TILE);
+    let meeting = sphere_meeting(b, sphere_of(triangle), is_proven, (triangle.w & ONE_SIDED) == 0u);
+    let corner = tile_corner(cell.tile);
+    let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
+    if meeting.visible && start_of(pixel) != id {
+        merge(pixel, ~visibility_key(tile_layer(cell.tile), meeting.t, id));
+        if COUNTING && step.value == 0u {
+            atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], 1u);
+        }
+    }
+}
+
+// The first t in range at which the ray is on the sphere; where it leaves it, its back is seen. In a chain a hit within rounding beyond an
+// end of its segment counts as on that end.
+fn sphere_meeting(b: Bundle, s: Sphere, is_met: bool, two_sided: bool) -> Meeting {
+    let chord = chord_of(b, s);
+    var t_min = real_from_bits(params.t_words.xy);
+    var t_max = real_from_bits(params.t_words.zw);
+    let from_t = t_min;
+    let to_t = t_max;
+    if SLABBED {
+        let margin = end_margin(b, s, chord.below);
+        t_min -= margin;
+        t_max += margin;
+    }
+    let enters = chord.enters >= t_min && chord.enters <= t_max;
+    let leaves = two_sided && chord.leaves >= t_min && chord.leaves <= t_max;
+    let t = select(chord.leaves, chord.enters, enters);
+    return Meeting(select(t, min(max(t, from_t), to_t), SLABBED), (is_met || chord.below >= 0.0) && (enters || leaves));
+}
+
+// By how much t is off where a segment of a chain ends: the offset t d - m by 16 units of what is summed up, as for triangles, and t by
+// that over the cosine of d to the surface, times |d|. Where the ray nearly touches, by the root of what it is off at twice that place.
+fn end_margin(b: Bundle, s: Sphere, below: real) -> real {
+    let off = 16.0 * REAL_UNIT * ((size3(s.centre) + s.radius) * abs(b.h) + size3(b.p) + size3(b.d));
+    let large = s.radius * abs(b.h);
+    let flat = sqrt(2.0 * off * large / dot(b.d, b.d));
+    return select(flat, min(flat, off * large / sqrt(max(below, 0.0))), below > 0.0);
+}
