@@ -11,6 +11,7 @@
 //! * `finding`: the same for whole paths: chains by the verdicts of their layers, curves by samples.
 //! * `bounces`: rays through mirrors and lenses, by recursive ray tracing; also judged by samples.
 //! * `caustics`: where a light's photons fall, and the light that this adds to a hit.
+//! * `volume`: what a volume adds to the light along a path, and what it leaves of it.
 //! * `image`, `light`, `explain`: whole frames, comparison of other frames, one pixel as text.
 
 mod answer;
@@ -30,6 +31,7 @@ mod light;
 mod margin;
 mod path;
 mod verdict;
+pub mod volume;
 
 #[cfg(test)]
 mod tests;

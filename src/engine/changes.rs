@@ -125,8 +125,13 @@ fn same_appearance(a: &Scene, b: &Scene) -> bool {
         (None, None) => true,
         _ => false,
     };
+    let is_same_volume = match (&a.volume, &b.volume) {
+        (Some(a), Some(b)) => a.is_same(b),
+        (None, None) => true,
+        _ => false,
+    };
     let appearance = |s: &Scene| (s.style, s.ambient_occlusion, s.background, s.tone);
-    is_same_sky && a.lights == b.lights && appearance(a) == appearance(b)
+    is_same_sky && is_same_volume && a.lights == b.lights && appearance(a) == appearance(b)
 }
 
 #[cfg(test)]

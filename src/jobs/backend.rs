@@ -82,6 +82,7 @@ impl<'e> Backend<'e> {
             }
             Backend::Reference => {
                 scene.check_depth(&wanted.channels)?;
+                scene.check_volume(camera)?;
                 if wanted.has_colour() {
                     scene.check_shadows()?;
                 }

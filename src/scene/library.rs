@@ -17,6 +17,9 @@ use crate::input::files::{Inputs, note_all, noted};
 use crate::input::{Error, Result};
 use crate::scene::caustics::Caustics;
 use crate::scene::caustics::spec::CausticsSpec;
+use crate::scene::volume::load::load_grid;
+use crate::scene::volume::spec::{GridSpec, VolumeSpec};
+use crate::scene::volume::{Grid, Volume};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -32,6 +35,7 @@ pub struct Library {
     /// All meshes of a scene in world space, merged.
     merged: Shelf<(Vec<MeshSpec>, ImagesRead), Merged>,
     skies: Shelf<SkySpec, Sky>,
+    volumes: Shelf<GridSpec, Grid>,
     caustics: Shelf<CausticsSpec, (Arc<Caustics>, Arc<Mesh>)>,
     cameras: Shelf<CameraKey, (Arc<Camera>, Around)>,
 }
@@ -126,6 +130,7 @@ impl Library {
         self.meshes.next_scene();
         self.merged.next_scene();
         self.skies.next_scene();
+        self.volumes.next_scene();
         self.caustics.next_scene();
         self.cameras.next_scene();
         let mut images = Images::of(read);
@@ -153,6 +158,7 @@ impl Library {
         let caustics = file.caustics.as_ref().map(lit).transpose()?;
         let sky = |spec: &SkySpec| self.skies.get(spec, !self.is_for_once, |_| true, || Sky::new(spec, &mut images));
         let sky = file.sky.as_ref().map(sky).transpose()?;
+        let volume = file.volume.map(|spec| self.volume(spec)).transpose()?;
         Ok(Scene {
             mesh: mesh.clone(),
             objects,
@@ -160,6 +166,7 @@ impl Library {
             ambient_occlusion: file.ambient_occlusion,
             style: file.style,
             sky,
+            volume,
             background: file.image.background,
             tone: file.image.tone,
             depth_range: file.image.depth_range,
@@ -172,6 +179,12 @@ impl Library {
             camera_steps,
             output: file.output,
         })
+    }
+
+    fn volume(&self, spec: VolumeSpec) -> Result<Volume> {
+        let VolumeSpec { grid, transfer, mode, is_lit } = spec;
+        let grid = self.volumes.get(&grid, !self.is_for_once, |_| true, || load_grid(&grid, None))?;
+        Ok(Volume { grid, transfer, mode, is_lit })
     }
 
     /// The scene's camera for an image of `size`, or of the scene's own.

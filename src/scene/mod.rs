@@ -11,6 +11,7 @@ pub mod motion;
 mod poses;
 pub mod sky;
 pub mod style;
+pub mod volume;
 
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
@@ -37,6 +38,7 @@ use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 use style::Style;
+use volume::Volume;
 
 /// A loaded scene: everything that a frame needs.
 #[derive(Debug, Clone)]
@@ -53,6 +55,8 @@ pub struct Scene {
     pub ambient_occlusion: Option<AmbientOcclusion>,
     /// Environment light; replaces the constant ambient light.
     pub sky: Option<Arc<Sky>>,
+    /// What rays pass through.
+    pub volume: Option<Volume>,
     /// Linear RGB.
     pub background: [f32; 3],
     /// Tone mapping of 8-bit images.
@@ -91,6 +95,7 @@ impl Scene {
             style: Style::default(),
             ambient_occlusion: None,
             sky: None,
+            volume: None,
             background: [0.0; 3],
             tone: Tone::default(),
             depth_range: None,
@@ -176,6 +181,15 @@ impl Scene {
         Ok(())
     }
 
+    /// # Errors
+    /// [`Error::Input`] for a volume together with a mirror or lens.
+    pub fn check_volume(&self, camera: &Camera) -> Result<()> {
+        if self.volume.is_some() && camera.optics.is_some() {
+            return Err(Error::input(VOLUME_AND_OPTICS.join("; ").replace("{camera}", camera.kind)));
+        }
+        Ok(())
+    }
+
     /// Least and greatest corner of the bounding box of all vertices at all times of the frame, world units; `None` without vertices.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.moving_mesh().bounds()
@@ -211,6 +225,12 @@ impl Scene {
         self.mesh.triangles[id as usize].map(at)
     }
 }
+
+/// Why there is no volume with a mirror or lens, and what to do instead; `{camera}` stands for the camera's kind.
+pub const VOLUME_AND_OPTICS: [&str; 2] = [
+    "{camera} reflects or refracts rays, which are not followed through a volume",
+    "remove [volume] or use another camera",
+];
 
 /// Why there are no shadows with alpha masks, and what to do instead.
 pub const SHADOWS_AND_ALPHA_MASKS: [&str; 2] = ["shadow rays do not support alpha masks", "leave either out"];

@@ -51,6 +51,7 @@ pub fn variant(
         samples: wanted.samples(),
         analytic: wanted.analytic && wanted.samples() > 1,
         timed: contents.steps > 1,
+        volume: contents.volume.filter(|_| wanted.needs_volume()),
     };
     let variant = if has.by_tile() { Variant { wide: has.wide, ..variant }.with_tiles() } else { variant };
     if wanted.channels.contains(&Channel::Certified) { variant } else { variant.with_small() }

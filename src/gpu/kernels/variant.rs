@@ -48,6 +48,17 @@ pub enum SurfaceKind {
     Colored,
 }
 
+/// What is seen of a volume.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VolumeKind {
+    /// The light that it sends out and absorbs.
+    Plain,
+    /// The same in the scene's light.
+    Lit,
+    /// The largest value along a ray.
+    Maximum,
+}
+
 /// Which variants of the kernels a scene and an adapter need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
@@ -103,6 +114,8 @@ pub struct Variant {
     pub analytic: bool,
     /// Vertices move while the frame is taken, and each pixel sees them at a moment of its own.
     pub timed: bool,
+    /// Rays pass through a volume.
+    pub volume: Option<VolumeKind>,
 }
 
 impl Variant {
@@ -135,6 +148,7 @@ impl Variant {
         samples: 1,
         analytic: false,
         timed: false,
+        volume: None,
     };
 
     pub fn surfaces(self) -> SurfaceKind {
@@ -194,6 +208,10 @@ impl Variant {
             let seen = timed(RaysKind::Pieces, Some(OpticsKind::Facets));
             list.extend([seen, seen.after_bounce()]);
             list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
+            let kinds = [VolumeKind::Plain, VolumeKind::Lit, VolumeKind::Maximum];
+            for (rays, slabbed) in [(RaysKind::Pieces, more), (RaysKind::Field, false), (curves[2], true)] {
+                list.extend(kinds.map(|kind| Variant { volume: Some(kind), ..variant(rays, slabbed, None) }));
+            }
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
                 list.extend(seen);
