@@ -17,6 +17,7 @@ const SEGMENT: &str = include_str!("../wgsl/shared/segment.wgsl");
 const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
 const OPTICS: &str = include_str!("../wgsl/optics/layout.wgsl");
 const CAUSTICS: &str = include_str!("../wgsl/caustics/layout.wgsl");
+const VOLUME: &str = include_str!("../wgsl/volume/layout.wgsl");
 const RIVALS: &str = include_str!("../wgsl/rivals/layout.wgsl");
 const LAYOUT: &str = include_str!("../src/gpu/layout.rs");
 
@@ -215,6 +216,29 @@ fn host() -> Layouts {
         layout!(CausticTriangle { a, b, c, receiver, pad0, flux, pad1 }),
         layout!(Receiver { columns, rows, first, scale }),
         layout!(ReceiverTriangle { a, ab, ac, receiver, pad0, diffuse, pad1 }),
+        layout!(Medium {
+            x_hi,
+            x0_hi,
+            x_lo,
+            x0_lo,
+            y_hi,
+            y0_hi,
+            y_lo,
+            y0_lo,
+            z_hi,
+            z0_hi,
+            z_lo,
+            z0_lo,
+            last,
+            layers,
+            corner_rate,
+            value_error,
+            place_error,
+            headlight,
+            point,
+            slope,
+            value,
+        }),
         layout!(Shading {
             background,
             ambient,
@@ -374,6 +398,7 @@ fn every_struct_is_the_same_bytes_on_both_sides() {
     kernels.extend(wgsl(BEAMS));
     kernels.extend(wgsl(OPTICS));
     kernels.extend(wgsl(CAUSTICS));
+    kernels.extend(wgsl(VOLUME));
     assert_eq!(differences(&host(), &kernels), [""; 0]);
     assert_eq!(differences(&rivals(), &wgsl(RIVALS)), [""; 0]);
 }

@@ -1,7 +1,7 @@
 // volume: one thread per pixel of the band, once its surface and the lines on it are drawn.
 // Reads the pixel's path up to the surface that the visibility buffer names, and the cells of the grid that it passes, front to back;
 // puts the light of the volume over the colour planes, and adds what it hides to the coverage.
-// Needs: Leg, NONE, Passed, Stretch, Taken, UNCHANGED, has_ray, is_dark, item_index, key_layer, key_t, leg_at, leg_count, passed_light,
+// Needs: Leg, NONE, Passed, Stretch, UNCHANGED, has_ray, is_dark, item_index, key_layer, key_t, leg_at, leg_count, passed_light,
 //   pixel_key, real, real3, stretch_in, stretch_part, take
 // Binds: medium, params, planes
 
@@ -74,7 +74,7 @@ fn through(leg: Leg, before: Passed) -> Passed {
     var planes_at = vec3<f32>(0.0);
     var stretch: Stretch;
     var is_new = true;
-    var from = 0.0;
+    var start_at = 0.0;
     var width = 1.0;
     for (var round = 0u; round < ROUNDS; round++) {
         if is_new {
@@ -86,11 +86,11 @@ fn through(leg: Leg, before: Passed) -> Passed {
             let b = clamp(p + leaves * d - vec3<f32>(cell), vec3<f32>(0.0), vec3<f32>(1.0));
             stretch = stretch_in(cell, a, b, direction);
             is_new = false;
-            from = 0.0;
+            start_at = 0.0;
             width = 1.0;
         }
         let way = width * (leaves - enters) * leg.speed;
-        let taken = take(stretch_part(stretch, from, from + width), way, width <= LEAST_WIDTH, passed);
+        let taken = take(stretch_part(stretch, start_at, start_at + width), way, width <= LEAST_WIDTH, passed);
         if !taken.is_taken {
             width *= 0.5;
             continue;
@@ -99,10 +99,10 @@ fn through(leg: Leg, before: Passed) -> Passed {
         if is_dark(passed) {
             break;
         }
-        from += width;
-        if from < 1.0 {
+        start_at += width;
+        if start_at < 1.0 {
             // parts begin at multiples of their width
-            width *= select(1.0, 2.0, fract(from / (2.0 * width)) == 0.0);
+            width *= select(1.0, 2.0, fract(start_at / (2.0 * width)) == 0.0);
             continue;
         }
         if leaves >= ends.y {

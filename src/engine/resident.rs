@@ -247,9 +247,14 @@ impl Resident {
         Ok(keeps_masks)
     }
 
+    /// Where the volume lies and what it looks like, and how finely the rays of a plan are followed through it.
+    pub fn upload_medium(&mut self, gpu: &Gpu, volume: &Volume, scene: &Scene, plan: &Plan) -> Result<()> {
+        self.shared.upload_uniform(gpu, "medium", &medium(volume, scene, plan))
+    }
+
     /// The volume, and the light at its nodes.
     fn upload_volume(&mut self, gpu: &Gpu, volume: &Volume, scene: &Scene, plan: &Plan) -> Result<()> {
-        self.shared.upload_uniform(gpu, "medium", &medium(volume, scene, plan))?;
+        self.upload_medium(gpu, volume, scene, plan)?;
         let is_there = self.grid.as_ref().is_some_and(|grid| Arc::ptr_eq(grid, &volume.grid));
         if !is_there {
             self.shared.upload(gpu, "voxels", &voxels(volume, scene))?;

@@ -20,11 +20,12 @@ pub struct Key {
 }
 
 /// The sections of a scene file besides the camera that have controls.
-pub const SECTIONS: [(&str, &str); 5] = [
+pub const SECTIONS: [(&str, &str); 6] = [
     ("image", include_str!("../scene/help/image.txt")),
     ("light", include_str!("../scene/help/light.txt")),
     ("ambient_occlusion", include_str!("../scene/help/ambient_occlusion.txt")),
     ("environment", include_str!("../scene/help/environment.txt")),
+    ("volume", include_str!("../scene/help/volume.txt")),
     ("style", include_str!("../scene/help/style.txt")),
 ];
 

@@ -21,11 +21,13 @@ use anamorph::internals::rivals::TECHNIQUES;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::AmbientOcclusion;
 use anamorph::internals::scene::style::{Line, Style};
+use anamorph::internals::scene::volume::Mode;
 use common::file::{camera_of, load};
 use common::gpu::engine_on;
 use common::rng::Rng;
+use common::volumes::{bumps, grid, volume};
 use common::{camera, layered, soup};
-use glam::{DVec3, Vec2};
+use glam::{DQuat, DVec3, Vec2};
 use half::f16;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -179,6 +181,11 @@ impl Case {
                     normals: self.scene.mesh.normals.clone(),
                 };
                 self.scene.steps = TimeSteps::new(vec![0.0, 1.0], vec![at(0.0), at(1.0)]).map(Arc::new);
+            }
+            Feature::Volume => {
+                let points = [[0.0, 1.0, 1.0, 1.0, 0.0], [1.0, 1.0, 1.0, 1.0, 1.0]];
+                let own = grid([3, 3, 3], DQuat::IDENTITY, bumps);
+                self.scene.volume = Some(volume(own, &points, Mode::Composite, false));
             }
             Feature::MovingCamera => {
                 let ends = [camera_of("", SIZE, PINHOLE).unwrap(), camera_of("", SIZE, PINHOLE).unwrap()];

@@ -29,4 +29,5 @@ mod strips;
 mod tessellate;
 mod ties;
 mod twin_reference;
+mod volume;
 mod watertight;

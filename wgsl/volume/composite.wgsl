@@ -1,6 +1,6 @@
 // What a stretch of a ray within a cell adds to the light that comes through to the viewer, where the volume sends out and absorbs light.
 // Provides: Passed, Taken, UNCHANGED, is_dark, passed_light, take
-// Needs: Stretch, colour_error, colour_of, inner, least, look, mean, most, part_of, piece_of, stretch_part
+// Needs: Stretch, colour_error, colour_of, inner, least, look, mean, most, piece_of, stretch_part
 // Binds: medium
 
 // The light that the volume sent out so far, and the share of that from behind that comes through.

@@ -35,9 +35,9 @@ fn stretch_in(cell: vec3<i32>, a: vec3<f32>, b: vec3<f32>, direction: vec3<f32>)
     return Stretch(along(lo[0], hi[0], a, b), along(lo[1], hi[1], a, b), along(lo[2], hi[2], a, b), along(lo[3], hi[3], a, b));
 }
 
-fn stretch_part(stretch: Stretch, from: f32, to: f32) -> Stretch {
+fn stretch_part(stretch: Stretch, start: f32, end: f32) -> Stretch {
     return Stretch(
-        part_of(stretch.value, from, to), part_of(stretch.r, from, to), part_of(stretch.g, from, to), part_of(stretch.b, from, to),
+        part_of(stretch.value, start, end), part_of(stretch.r, start, end), part_of(stretch.g, start, end), part_of(stretch.b, start, end),
     );
 }
 

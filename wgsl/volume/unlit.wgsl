@@ -20,8 +20,8 @@ fn stretch_in(cell: vec3<i32>, a: vec3<f32>, b: vec3<f32>, direction: vec3<f32>)
     return Stretch(along(corners(at, row, slice), corners(at + 1u, row, slice), a, b));
 }
 
-fn stretch_part(stretch: Stretch, from: f32, to: f32) -> Stretch {
-    return Stretch(part_of(stretch.value, from, to));
+fn stretch_part(stretch: Stretch, start: f32, end: f32) -> Stretch {
+    return Stretch(part_of(stretch.value, start, end));
 }
 
 // Bound of four times the error of the colour as a share of what is absorbed, where colours lie in a range and the optical depth is no more

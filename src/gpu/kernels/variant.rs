@@ -209,7 +209,7 @@ impl Variant {
             list.extend([seen, seen.after_bounce()]);
             list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
             let kinds = [VolumeKind::Plain, VolumeKind::Lit, VolumeKind::Maximum];
-            for (rays, slabbed) in [(RaysKind::Pieces, more), (RaysKind::Field, false), (curves[2], true)] {
+            for (rays, slabbed) in [(RaysKind::Pieces, false), (RaysKind::Field, false), (curves[2], true)] {
                 list.extend(kinds.map(|kind| Variant { volume: Some(kind), ..variant(rays, slabbed, None) }));
             }
             for optics in OpticsKind::ALL {
