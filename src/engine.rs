@@ -11,6 +11,7 @@ pub mod combinations;
 mod counts;
 mod encode;
 mod frames;
+mod medium;
 pub mod pages;
 pub mod plan;
 pub mod planned;

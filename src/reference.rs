@@ -13,6 +13,7 @@
 //! * `bounces`: rays through mirrors and lenses, by recursive ray tracing; also judged by samples.
 //! * `caustics`: where a light's photons fall, and the light that this adds to a hit.
 //! * `pictures`: pictures thrown onto surfaces, by the projection of each hit.
+//! * `volume`: what a volume adds to the light along a path, and what it leaves of it.
 //! * `image`, `light`, `explain`: whole frames, comparison of other frames, one pixel as text.
 
 mod answer;
@@ -35,6 +36,7 @@ mod path;
 mod pictures;
 mod sphere;
 mod verdict;
+pub mod volume;
 
 #[cfg(test)]
 mod tests;

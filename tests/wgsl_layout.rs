@@ -18,6 +18,7 @@ const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
 const GRADIENTS: &str = include_str!("../wgsl/gradients/layout.wgsl");
 const OPTICS: &str = include_str!("../wgsl/optics/layout.wgsl");
 const CAUSTICS: &str = include_str!("../wgsl/caustics/layout.wgsl");
+const VOLUME: &str = include_str!("../wgsl/volume/layout.wgsl");
 const RIVALS: &str = include_str!("../wgsl/rivals/layout.wgsl");
 const LAYOUT: &str = include_str!("../src/gpu/layout.rs");
 
@@ -217,6 +218,29 @@ fn host() -> Layouts {
         layout!(CausticTriangle { a, b, c, receiver, pad0, flux, pad1 }),
         layout!(Receiver { columns, rows, first, scale }),
         layout!(ReceiverTriangle { a, ab, ac, receiver, pad0, diffuse, pad1 }),
+        layout!(Medium {
+            x_hi,
+            x0_hi,
+            x_lo,
+            x0_lo,
+            y_hi,
+            y0_hi,
+            y_lo,
+            y0_lo,
+            z_hi,
+            z0_hi,
+            z_lo,
+            z0_lo,
+            last,
+            layers,
+            corner_rate,
+            value_error,
+            place_error,
+            headlight,
+            point,
+            slope,
+            value,
+        }),
         layout!(Shading {
             background,
             ambient,
@@ -381,6 +405,7 @@ fn every_struct_is_the_same_bytes_on_both_sides() {
     kernels.extend(wgsl(GRADIENTS));
     kernels.extend(wgsl(OPTICS));
     kernels.extend(wgsl(CAUSTICS));
+    kernels.extend(wgsl(VOLUME));
     assert_eq!(differences(&host(), &kernels), [""; 0]);
     assert_eq!(differences(&rivals(), &wgsl(RIVALS)), [""; 0]);
 }

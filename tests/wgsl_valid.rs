@@ -27,7 +27,7 @@ fn variants() -> impl Iterator<Item = Variant> {
 }
 
 /// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
-const WIDE: [&str; 18] = [
+const WIDE: [&str; 19] = [
     "exact",
     "small",
     "raster",
@@ -40,6 +40,7 @@ const WIDE: [&str; 18] = [
     "shade",
     "gradient",
     "gradient_edge",
+    "volume",
     "meet",
     "bounce",
     "paste",
@@ -47,6 +48,9 @@ const WIDE: [&str; 18] = [
     "take",
     "unfold",
 ];
+
+/// Kernels that read each pixel's key once.
+const READS_KEYS: [&str; 2] = ["shade", "volume"];
 
 /// What a kernel of `variant` may use beyond plain WGSL: those of [`WIDE`] alone have variants of arithmetic,
 /// and few merge keys.
@@ -60,8 +64,8 @@ fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
         Capabilities::SHADER_INT64_ATOMIC_MIN_MAX,
         variant.atomics64 && (merges || kernel.name == "sample" && !variant.by_tile),
     );
-    // shade reads a key as one number
-    caps.set(Capabilities::SHADER_INT64, !caps.is_empty() || variant.atomics64 && kernel.name == "shade");
+    // these read a key as one number
+    caps.set(Capabilities::SHADER_INT64, !caps.is_empty() || variant.atomics64 && READS_KEYS.contains(&kernel.name));
     let has_lanes = !["allot", "sort", "recheck_samples"].contains(&kernel.name);
     // then each of its threads has a node of its own
     let has_lanes = has_lanes && !((variant.small || variant.wide) && kernel.name == "bin");
@@ -176,9 +180,12 @@ fn every_kernel_is_valid_and_portable() {
     let pictures = 4 * ((8 + 1 + 1) + (8 + 1) + 7 + 8 + (5 + 1) + (10 + 3));
     // and where there are spheres: four cameras of straight rays and three of curves, with rivals each, and a lens with the rays that it bends
     let spheres = 4 * (4 * (4 + 4) + 3 * (3 + 4) + 2 * 6);
+    // and where there is a volume of each of three kinds: cameras of pieces, a field and curves, with rivals each; the first two by tile, and
+    // the first with small
+    let volumes = 4 * (3 * 2 * (3 + 1 + 1 + 4) + 3 * (3 + 1 + 4)) + 2 * 2 * 3 * 2 + 2 * 3 * 2;
     // what an adapter is tested with, and two kernels of gradients
     let alone = 1 + 2;
-    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + pictures + spheres + alone);
+    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + pictures + spheres + volumes + alone);
 }
 
 /// It has the kernel's name and the common workgroup.
@@ -212,7 +219,7 @@ fn every_kernel_does_without_f64_once_it_is_lowered() {
         }
         let module = lowered(&kernel.source()).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
         let mut caps = allowed(kernel, variant).difference(Capabilities::FLOAT64);
-        let reads_keys = variant.atomics64 && kernel.name == "shade";
+        let reads_keys = variant.atomics64 && READS_KEYS.contains(&kernel.name);
         caps.set(Capabilities::SHADER_INT64, caps.contains(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX) || reads_keys);
         let info = validate(&module, caps).unwrap_or_else(|e| panic!("{} {variant:?} with {caps:?}: {e}", kernel.name));
         wgsl::assert_translated(kernel, &module, &info, caps);

@@ -14,6 +14,7 @@ mod time;
 #[cfg(feature = "view")]
 mod view;
 mod views;
+mod volume;
 
 pub use self::batch::Batch;
 pub use self::camera::{Camera, camera_kinds, colmap_images, project};

@@ -125,8 +125,14 @@ fn same_appearance(a: &Scene, b: &Scene) -> bool {
         (None, None) => true,
         _ => false,
     };
+    let is_same_volume = match (&a.volume, &b.volume) {
+        (Some(a), Some(b)) => a.is_same(b),
+        (None, None) => true,
+        _ => false,
+    };
     let appearance = |s: &Scene| (s.style, s.ambient_occlusion, s.background, s.tone);
-    is_same_sky && a.lights == b.lights && a.projector_lights == b.projector_lights && appearance(a) == appearance(b)
+    let has_same_lights = a.lights == b.lights && a.projector_lights == b.projector_lights;
+    is_same_sky && is_same_volume && has_same_lights && appearance(a) == appearance(b)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::engine::rival::Choice;
 use crate::gpu::kernels::RaysKind;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
-use crate::scene::{SHADOWS_AND_ALPHA_MASKS, SPHERES_AND_CAUSTICS, Scene};
+use crate::scene::{SHADOWS_AND_ALPHA_MASKS, SPHERES_AND_CAUSTICS, Scene, VOLUME_AND_OPTICS};
 
 /// Generates the features and their names from one table.
 macro_rules! features {
@@ -58,6 +58,7 @@ features! {
     Chunks, "a scene larger than the adapter's bindings";
     Timed, "things that move while the frame is taken";
     Spheres, "spheres";
+    Volume, "a volume";
     MovingCamera, "a camera that moves while the shutter is open";
     Raster, "`--method raster`";
     Aimed, "`Frames::aim`";
@@ -159,6 +160,8 @@ pub const REFUSALS: &[Refusal] = {
         refusal(&[Spheres, Caustics], SPHERES_AND_CAUSTICS[0], SPHERES_AND_CAUSTICS[1]),
         refusal(&[Spheres, Atlas], "an atlas is of triangles alone", "remove atlas"),
         refusal(&[Spheres, Samples], "with spheres a frame takes 1 sample per pixel, not {samples}", ONE),
+        refusal(&[Volume, Samples], "with a volume a frame takes 1 sample per pixel, not {samples}", ONE),
+        refusal(&[Volume, Optics], VOLUME_AND_OPTICS[0], VOLUME_AND_OPTICS[1]),
         refusal(&[Relit, Caustics], "the light cannot change with caustics", ANEW),
         refusal(&[Certified, Rival], "{rival} cannot certify pixels", "use --engine compute, or leave certified out"),
         refusal(
@@ -261,6 +264,7 @@ impl Feature {
             Feature::Moving => *moving,
             Feature::Timed => scene.steps.is_some(),
             Feature::Spheres => scene.mesh.has_spheres(),
+            Feature::Volume => scene.volume.is_some(),
             Feature::MovingCamera => camera.moving.is_some() && scene.exposure.shutter > 0.0,
             Feature::Raster => *raster,
             Feature::Caustics => scene.caustics.is_some(),

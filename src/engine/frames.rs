@@ -201,6 +201,9 @@ impl Frames {
             )));
         }
         self.resident.aim(&self.gpu, &camera, &plan)?;
+        if let Some(volume) = self.scene.volume.as_ref().filter(|_| plan.variant.volume.is_some()) {
+            self.resident.upload_medium(&self.gpu, volume, &self.scene, &plan)?;
+        }
         self.timed.raster_cost = 0;
         if let Some(rival) = &mut self.rival {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;

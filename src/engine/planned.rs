@@ -3,6 +3,7 @@
 use super::RunOptions;
 use super::changes::{PlannedBy, same_clusters};
 use super::combinations::Asked;
+use super::medium::node_bytes;
 use crate::camera::ray_order::RayOrder;
 use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
@@ -130,6 +131,7 @@ impl Planner {
         check_size(&scene, extent)?;
         scene.check_depth(&wanted.channels)?;
         self.check_normals(&scene)?;
+        self.check_volume(&scene)?;
         let plan = self.plan_of(&scene, &camera, extent, wanted, run, last);
         let clustered = match last.filter(|l| same_clusters(l, &scene, &plan)) {
             Some(last) => last.clustered.clone(),
@@ -151,6 +153,20 @@ impl Planner {
             "the scene has {normals} normals; adapter {name} binds at most {limit} bytes of storage \
              (max_storage_buffer_binding_size), enough for {}; use a coarser mesh or --engine reference",
             limit / NORMAL_BYTES
+        )))
+    }
+
+    /// Refuses a volume of more nodes than one binding holds.
+    fn check_volume(&self, scene: &Scene) -> Result<()> {
+        let Some(volume) = &scene.volume else { return Ok(()) };
+        let (nodes, limit, name) = (volume.grid.values.len(), self.limit, &self.name);
+        let most = limit / node_bytes(volume);
+        if nodes as u64 <= most {
+            return Ok(());
+        }
+        Err(Error::input(format!(
+            "the volume has {nodes} nodes; adapter {name} binds at most {limit} bytes of storage \
+             (max_storage_buffer_binding_size), enough for {most}; use a coarser volume or --engine reference"
         )))
     }
 

@@ -4,6 +4,7 @@ use super::Capacities;
 use super::bounce_tables::BounceTables;
 use super::bounces::{Bounce, bounces};
 use super::buffer_table::{BufferSpec, Bytes, ITEM_BYTES, Sizes, VEC4_BYTES, table};
+use super::medium::{medium, voxels};
 use super::pages::PageStore;
 use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
@@ -18,6 +19,8 @@ use crate::gpu::kernels::{LightsKind, Method};
 use crate::gpu::layout::Params;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
+use crate::scene::volume::{Grid, Volume};
+use std::sync::Arc;
 use wgpu::BufferUsages;
 
 pub struct Resident {
@@ -56,6 +59,8 @@ pub struct Resident {
     facets: usize,
     /// Alpha masks: the images, and how each material uses them.
     alpha_masks: (Pages, Vec<Option<AlphaMask>>),
+    /// The grid whose values alone are on the device.
+    grid: Option<Arc<Grid>>,
 }
 
 /// How an image is wrapped, its cutoff, its page, and its origin there.
@@ -116,6 +121,7 @@ impl Resident {
             pictures: None,
             facets: camera.optics.as_ref().and_then(|o| o.facets()).map_or(0, |f| f.triangles.len()),
             alpha_masks: Default::default(),
+            grid: None,
         };
         resident.upload_scene(gpu, clustered)?;
         if plan.variant.samples_edges() {
@@ -239,11 +245,31 @@ impl Resident {
         self.shared.upload_texels(gpu, "lights", &lights)?;
         self.shared.upload_texels(gpu, "materials", &materials)?;
         self.shared.upload_texels(gpu, "normals", &normals)?;
+        if let Some(volume) = scene.volume.as_ref().filter(|_| plan.variant.volume.is_some()) {
+            self.upload_volume(gpu, volume, scene, plan)?;
+        }
         let masks = materials.iter().map(|m| (m.cutoff > 0.0).then_some((m.texture, m.cutoff, m.page, m.origin)));
         let masks = (pages, masks.collect());
         let keeps_masks = self.alpha_masks.0.has_the_images_of(&masks.0) && self.alpha_masks.1 == masks.1;
         self.alpha_masks = masks;
         Ok(keeps_masks)
+    }
+
+    /// Where the volume lies and what it looks like, and how finely the rays of a plan are followed through it.
+    pub fn upload_medium(&mut self, gpu: &Gpu, volume: &Volume, scene: &Scene, plan: &Plan) -> Result<()> {
+        self.shared.upload_uniform(gpu, "medium", &medium(volume, scene, plan))
+    }
+
+    /// The volume, and the light at its nodes.
+    fn upload_volume(&mut self, gpu: &Gpu, volume: &Volume, scene: &Scene, plan: &Plan) -> Result<()> {
+        self.upload_medium(gpu, volume, scene, plan)?;
+        let is_there = self.grid.as_ref().is_some_and(|grid| Arc::ptr_eq(grid, &volume.grid));
+        if !is_there {
+            self.shared.upload(gpu, "voxels", &voxels(volume, scene))?;
+        }
+        // light may be another one next time
+        self.grid = (!volume.is_lit).then(|| volume.grid.clone());
+        Ok(())
     }
 
     /// The hierarchy of shadow casters, built where there is none.

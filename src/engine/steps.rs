@@ -24,6 +24,7 @@ use super::stage::small::small;
 use super::stage::sort::sort;
 use super::stage::split::split;
 use super::stage::trace::{take_over, trace};
+use super::stage::volume::volume;
 use super::stage::write::write;
 use super::stage::{Dispatch, Pixels};
 use crate::camera::TILE;
@@ -181,6 +182,9 @@ impl StepList<'_> {
             }
             if variant.outlined {
                 self.pass("outline", first, [outline(pixels)]);
+            }
+            if variant.volume.is_some() {
+                self.pass("volume", first, [volume(pixels)]);
             }
             if inputs.plan.srgb8 {
                 self.pass("write", first, [write(pixels)]);

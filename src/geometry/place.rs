@@ -109,7 +109,7 @@ pub fn size_of(place: &DAffine3) -> f64 {
 }
 
 /// Rz Ry Rx for angles in degrees.
-fn rotation_xyz(degrees: DVec3) -> DMat3 {
+pub fn rotation_xyz(degrees: DVec3) -> DMat3 {
     let [(sx, cx), (sy, cy), (sz, cz)] = degrees.to_array().map(sin_cos_deg);
     let about_x = DMat3::from_cols(DVec3::X, DVec3::new(0.0, cx, sx), DVec3::new(0.0, -sx, cx));
     let about_y = DMat3::from_cols(DVec3::new(cy, 0.0, -sy), DVec3::Y, DVec3::new(sy, 0.0, cy));

@@ -14,4 +14,4 @@ mod surfaces;
 mod variant;
 pub use kernel::{Access, Binding, Kernel, Parts, Snippet};
 pub use optics::OpticsKind;
-pub use variant::{LightsKind, Method, RaysKind, SurfaceKind, Variant};
+pub use variant::{LightsKind, Method, RaysKind, SurfaceKind, Variant, VolumeKind};

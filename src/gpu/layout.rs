@@ -336,6 +336,33 @@ pub struct Style {
     pub pad0: u32,
 }
 
+/// How a volume's grid lies and what its values look like, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Medium {
+    pub x_hi: [f32; 3],
+    pub x0_hi: f32,
+    pub x_lo: [f32; 3],
+    pub x0_lo: f32,
+    pub y_hi: [f32; 3],
+    pub y0_hi: f32,
+    pub y_lo: [f32; 3],
+    pub y0_lo: f32,
+    pub z_hi: [f32; 3],
+    pub z0_hi: f32,
+    pub z_lo: [f32; 3],
+    pub z0_lo: f32,
+    pub last: [f32; 3],
+    pub layers: u32,
+    pub corner_rate: f32,
+    pub value_error: f32,
+    pub place_error: f32,
+    pub headlight: u32,
+    pub point: [[f32; 4]; 64],
+    pub slope: [[f32; 4]; 64],
+    pub value: [[f32; 4]; 64],
+}
+
 /// A node of a bounding volume hierarchy: a box around two children, which lie beside each other, or around triangles.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

@@ -10,6 +10,7 @@ use npyz::WriterBuilder;
 use crate::image::file::whole::write_whole;
 use crate::image::size::check_size;
 use crate::input::files;
+use crate::input::limits::memory;
 use crate::input::{Error, Result};
 
 /// Writes `data` in C order as little-endian f64.
@@ -60,10 +61,13 @@ pub fn put_npy_f64(writer: impl Write, shape: &[u64], data: &[f64]) -> io::Resul
 #[derive(Debug, PartialEq)]
 struct Header {
     shape: Vec<u64>,
-    /// Bytes of one number: 4 or 8.
+    /// Bytes of one number: 4 or 8; of whole numbers 1 or 2.
     size: usize,
     big_endian: bool,
 }
+
+/// Why an array of whole numbers is not read where there should be others.
+const WHOLE: &str = "they must be f4 or f8 (float32 or float64)";
 
 /// Reads an f32 or f64 array in C order, shape H x W x `each`, as (width, height, `each` W H numbers).
 ///
@@ -132,6 +136,38 @@ pub fn read_npy_grid(path: &Path) -> Result<Grid> {
     read.map(|(shape, numbers)| Grid { size: size(&shape), numbers })
 }
 
+/// Reads an f32, f64, u8 or u16 array in C order of three sides, 2 to `side_max` each, as f32.
+///
+/// # Errors
+/// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or it ends early.
+pub fn read_npy_volume(path: &Path, side_max: u64) -> Result<([u64; 3], Vec<f32>)> {
+    volume_of(open(path)?, side_max).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+}
+
+fn volume_of(file: File, side_max: u64) -> std::result::Result<([u64; 3], Vec<f32>), String> {
+    let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
+    let mut reader = BufReader::with_capacity(1 << 16, file);
+    let (header, header_bytes) = read_header(&mut reader)?;
+    let shape = match header.shape[..] {
+        [z, y, x] if [z, y, x].iter().all(|side| (2..=side_max).contains(side)) => [z, y, x],
+        _ => {
+            let shape = &header.shape;
+            return Err(format!("the array's shape is {shape:?}; it must have three sides of 2 to {side_max}"));
+        }
+    };
+    let count = shape.iter().product::<u64>();
+    check_length(&header, count, bytes_in_file, header_bytes)?;
+    memory::check(4 * count, format_args!("a volume of {count} numbers"), "use a coarser one")
+        .map_err(|e| e.to_string())?;
+    let number = |bytes: &[u8]| match header.size {
+        1 => f32::from(bytes[0]),
+        2 if header.big_endian => f32::from(u16::from_be_bytes([bytes[0], bytes[1]])),
+        2 => f32::from(u16::from_le_bytes([bytes[0], bytes[1]])),
+        _ => number_from(bytes, header.big_endian) as f32,
+    };
+    Ok((shape, read_numbers(&mut reader, header.size, count as usize, number)?))
+}
+
 /// Reads matrices, row by row, from an f32 or f64 array in C order of shape N x 3 x 4, or N x 4 x 4 with the last row 0, 0, 0, 1.
 ///
 /// # Errors
@@ -177,23 +213,38 @@ fn read_array(
     let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
     let mut reader = BufReader::with_capacity(1 << 16, file);
     let (header, header_bytes) = read_header(&mut reader)?;
-    let count = count(&header.shape)?;
-    let bytes = count * header.size as u64;
-    if bytes_in_file < header_bytes + bytes {
-        return Err(format!("the file ends early: {bytes} bytes of numbers are promised; write it again"));
+    if header.size < 4 {
+        return Err(format!("the numbers are whole, of {} bytes; {WHOLE}", header.size));
     }
-    let numbers = read_numbers(&mut reader, &header, count as usize)?;
+    let count = count(&header.shape)?;
+    check_length(&header, count, bytes_in_file, header_bytes)?;
+    let number = |number: &[u8]| number_from(number, header.big_endian);
+    let numbers = read_numbers(&mut reader, header.size, count as usize, number)?;
     Ok((header.shape, numbers))
 }
 
-/// Reads `count` numbers; that many are known to be in the file.
-fn read_numbers(reader: &mut impl Read, header: &Header, count: usize) -> std::result::Result<Vec<f64>, String> {
+/// A file that holds so many numbers is long enough.
+fn check_length(header: &Header, count: u64, in_file: u64, in_header: u64) -> std::result::Result<(), String> {
+    let bytes = count * header.size as u64;
+    match in_file < in_header + bytes {
+        true => Err(format!("the file ends early: {bytes} bytes of numbers are promised; write it again")),
+        false => Ok(()),
+    }
+}
+
+/// Reads `count` numbers of `size` bytes; that many are known to be in the file.
+fn read_numbers<T>(
+    reader: &mut impl Read,
+    size: usize,
+    count: usize,
+    number: impl Fn(&[u8]) -> T,
+) -> std::result::Result<Vec<T>, String> {
     let mut numbers = Vec::with_capacity(count);
-    let mut bytes = vec![0; header.size * 3 * 1024];
+    let mut bytes = vec![0; size * 3 * 1024];
     while numbers.len() < count {
-        let part = (header.size * (count - numbers.len())).min(bytes.len());
+        let part = (size * (count - numbers.len())).min(bytes.len());
         reader.read_exact(&mut bytes[..part]).map_err(|e| e.to_string())?;
-        numbers.extend(bytes[..part].chunks_exact(header.size).map(|number| number_from(number, header.big_endian)));
+        numbers.extend(bytes[..part].chunks_exact(size).map(&number));
     }
     Ok(numbers)
 }
@@ -234,7 +285,7 @@ fn read_header(reader: &mut impl Read) -> std::result::Result<(Header, u64), Str
     Ok((header, (start.len() + length_bytes + length) as u64))
 }
 
-/// Reads the header's text, a Python dictionary of exactly three known keys, for plain float arrays.
+/// Reads the header's text, a Python dictionary of exactly three known keys, for plain arrays.
 /// (A general parser of Python literals would recurse as deep as a hostile header asks.)
 fn parse_header(text: &str) -> std::result::Result<Header, String> {
     let value = |key: &str| {
@@ -252,7 +303,11 @@ fn parse_header(text: &str) -> std::result::Result<Header, String> {
         ">f8" => (8, true),
         "=f4" => (4, native_big),
         "=f8" => (8, native_big),
-        _ => return Err(format!("the numbers are of type {dtype:?}; they must be f4 or f8 (float32 or float64)")),
+        "|u1" | "<u1" | ">u1" | "=u1" => (1, false),
+        "<u2" => (2, false),
+        ">u2" => (2, true),
+        "=u2" => (2, native_big),
+        _ => return Err(format!("the numbers are of type {dtype:?}; {WHOLE}")),
     };
     if !value("fortran_order")?.starts_with("False") {
         return Err("the array is in Fortran order; save numpy.ascontiguousarray of it".into());
@@ -297,6 +352,13 @@ mod tests {
             assert!(got.contains(why), "{got}");
         }
         assert!(parse_header("{}").unwrap_err().contains("has no descr"));
+    }
+
+    #[test]
+    fn whole_numbers_are_known_by_their_size() {
+        let read = |descr: &str| parse(descr, "False", "(2, 2, 2)").map(|h| (h.size, h.big_endian));
+        assert_eq!(read("'|u1'"), Ok((1, false)));
+        assert_eq!([read("'<u2'"), read("'>u2'")], [Ok((2, false)), Ok((2, true))]);
     }
 
     #[test]

@@ -83,6 +83,7 @@ impl<'e> Backend<'e> {
             Backend::Reference => {
                 scene.check_depth(&wanted.channels)?;
                 scene.check_spheres()?;
+                scene.check_volume(camera)?;
                 if wanted.has_colour() {
                     scene.check_shadows()?;
                 }

@@ -4,6 +4,7 @@ use super::caustics::{caustics, shown_by};
 pub use super::explain::explain;
 use super::lens::own;
 use super::light::{Obstacles, light, normal, painted_albedo};
+use super::volume::{Medium, Passed};
 use super::{Finding, Outcome, Path, Reference};
 use crate::camera::Camera;
 use crate::image::frame::{Channel, Frame, NO_ID, PixelValues, Plane, normalised_depth};
@@ -39,10 +40,13 @@ pub fn image_with_caustics(scene: &Scene, camera: &Camera, channels: &[Channel],
     let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
     let (reference, labels) = (Reference::of_scene(scene), Labels::of(scene));
+    let medium = Medium::of(scene);
     let pixels = each_pixel(camera, |i, j| {
         let path = Path::of_pixel(camera, i, j);
         let reference = reference.at(scene.moment(camera, (i, j)));
-        labels.labelled(pixel(scene, camera, &reference, &reference.shown(camera, path), (i, j), maps))
+        let shown = reference.shown(camera, path);
+        let values = pixel(scene, camera, &reference, &shown, (i, j), maps);
+        labels.labelled(through(medium.as_ref(), &shown, values))
     });
     frame(camera, &pixels, channels)
 }
@@ -55,6 +59,7 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
     let reference = Reference::of_scene(scene);
     let extent = scene.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length());
     let ids = frame_seen.u32(Channel::TriangleId);
+    let medium = Medium::of(scene);
     let judged = each_pixel(camera, |i, j| {
         let path = Path::of_pixel(camera, i, j);
         let reference = reference.at(scene.moment(camera, (i, j)));
@@ -67,7 +72,8 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
             None => Outcome { seen: finding.seen, path, first: None, light: 1.0 },
         };
         let speed = shown.path.speed(shown.seen.as_ref());
-        (pixel(scene, camera, &reference, &shown, (i, j), maps.as_ref()), finding.safe, (extent / speed) as f32, near)
+        let values = pixel(scene, camera, &reference, &shown, (i, j), maps.as_ref());
+        (through(medium.as_ref(), &shown, values), finding.safe, (extent / speed) as f32, near)
     });
     let pixels: Vec<&PixelValues> = judged.iter().map(|j| &j.0).collect();
     Judgement {
@@ -156,6 +162,13 @@ fn pixel(
 fn obstacles<'a>(scene: &Scene, camera: &Camera, reference: &'a Reference<'a>) -> Obstacles<'a> {
     let all = scene.mesh.triangles.len() as u32;
     Obstacles { all: reference, count: camera.optics.as_ref().map_or(all, |o| o.first_id(&scene.mesh)) }
+}
+
+/// What is seen of a pixel through the scene's volume.
+fn through(medium: Option<&Medium>, shown: &Outcome, values: PixelValues) -> PixelValues {
+    let passed = medium.map_or(Passed::UNCHANGED, |medium| medium.along(&shown.path, shown.seen.as_ref()));
+    let coverage = 1.0 - passed.left * (1.0 - values.coverage);
+    PixelValues { colour: passed.over(values.colour), coverage, ..values }
 }
 
 /// The contribution of an outcome to its pixel.

@@ -140,6 +140,11 @@ impl Path {
         [t0, t1]
     }
 
+    /// The camera's range of t.
+    pub fn ends(&self) -> [f64; 2] {
+        self.t_range
+    }
+
     /// `t` in the camera's own range.
     pub fn within(&self, t: f64) -> f64 {
         t.clamp(self.t_range[0], self.t_range[1])

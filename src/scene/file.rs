@@ -18,6 +18,7 @@ use crate::image::size::{MAX_SIDE, check_size};
 use crate::input::load::read_text;
 use crate::input::{keyframes, overrides, parse};
 use crate::scene::caustics::spec::{CausticsSpec, read_caustics};
+use crate::scene::volume::spec::{VolumeSpec, read_volume, read_volume_look};
 
 use super::light::{AmbientOcclusion, Light, Source as LightSource};
 use super::poses;
@@ -41,6 +42,7 @@ pub struct SceneFile {
     pub ambient_occlusion: Option<AmbientOcclusion>,
     pub style: Style,
     pub sky: Option<SkySpec>,
+    pub volume: Option<VolumeSpec>,
     pub camera: CameraSpec,
     /// When the camera's pixels are exposed.
     pub exposure: Exposure,
@@ -233,6 +235,14 @@ pub fn look_of(table: &str, folder: &Path) -> Result<MeshSpec> {
     read_table(table, "mesh", folder, read_look)
 }
 
+/// Where a volume of an array is, and what it looks like: a `[volume]` table without a file.
+///
+/// # Errors
+/// As [`load`].
+pub fn volume_look_of(table: &str, folder: &Path) -> Result<VolumeSpec> {
+    read_table(table, "volume", folder, read_volume_look)
+}
+
 /// Reads a scene from its tree of values. Relative paths start from `dir`.
 fn read_tree(root: Node, path: &Path, dir: &Path) -> Result<SceneFile> {
     let [source, of_camera, of_meshes] = [(); 3].map(|()| Source::new(path, dir));
@@ -253,6 +263,7 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
         "projector_light",
         "environment",
         "ambient_occlusion",
+        "volume",
         "style",
         "camera",
         "caustics",
@@ -277,6 +288,7 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
         ambient_occlusion: table.optional("ambient_occlusion", read_occlusion)?,
         style: table.or("style", Style::default(), style::read_style)?,
         sky: table.optional("environment", read_sky)?,
+        volume: table.optional("volume", read_volume)?,
         camera,
         exposure: Exposure { readout, shutter: image.shutter, is_even: false },
         steps: Vec::new(),

@@ -7,6 +7,7 @@ use crate::scene::caustics::Caustics;
 use crate::scene::light::{AmbientOcclusion, Source};
 use crate::scene::projector_light::{ProjectorLight, Throw};
 use crate::scene::style::Style;
+use crate::scene::volume::Volume;
 use glam::DVec3;
 
 /// The EXR attribute with the [`scene_hash`], in hexadecimal.
@@ -29,7 +30,7 @@ impl Fnv {
     }
 }
 
-/// A hash of triangles, spheres and how they move, normals, colours of vertices, materials, alpha masks, lights, background, image size and rays, however the scene file spells them. It is
+/// A hash of triangles, spheres and how they move, normals, colours of vertices, materials, alpha masks, lights, the volume, background, image size and rays, however the scene file spells them. It is
 /// the same on all machines. Images that only colour triangles are left out, because they are not read if no colour is asked for.
 pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     let mut h = Fnv(0xcbf2_9ce4_8422_2325);
@@ -101,6 +102,9 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     if let Some(caustics) = &scene.caustics {
         light(&mut h, caustics);
     }
+    if let Some(volume) = &scene.volume {
+        medium(&mut h, volume);
+    }
     if let Some(steps) = &scene.steps {
         let vertices = 0..mesh.positions.len() as u32;
         let all = vertices.flat_map(|v| (0..steps.count()).map(move |step| (v, step)));
@@ -118,6 +122,17 @@ fn projector_light(h: &mut Fnv, light: &ProjectorLight) {
     image(h, &light.picture);
     light.camera.t_range.iter().for_each(|t| h.number(*t));
     rays(h, &light.camera);
+fn medium(h: &mut Fnv, volume: &Volume) {
+    let Volume { grid, transfer, mode, is_lit } = volume;
+    grid.sides.iter().for_each(|n| h.word(u64::from(*n)));
+    grid.values.iter().for_each(|v| h.word(u64::from(v.to_bits())));
+    grid.to_world.to_cols_array().into_iter().for_each(|x| h.number(x));
+    for point in transfer {
+        let numbers = point.colour.iter().chain([&point.value, &point.extinction]);
+        numbers.for_each(|x| h.number(f64::from(*x)));
+    }
+    h.word(*mode as u64);
+    h.word(u64::from(*is_lit));
 }
 
 fn style(h: &mut Fnv, style: &Style) {

@@ -18,6 +18,9 @@ use crate::input::files::{Inputs, note_all, noted};
 use crate::input::{Error, Result};
 use crate::scene::caustics::Caustics;
 use crate::scene::caustics::spec::CausticsSpec;
+use crate::scene::volume::load::load_grid;
+use crate::scene::volume::spec::{GridSpec, VolumeSpec};
+use crate::scene::volume::{Grid, Volume};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -33,6 +36,7 @@ pub struct Library {
     /// All meshes of a scene in world space, merged.
     merged: Shelf<(Vec<MeshSpec>, ImagesRead), Merged>,
     skies: Shelf<SkySpec, Sky>,
+    volumes: Shelf<GridSpec, Grid>,
     caustics: Shelf<CausticsSpec, (Arc<Caustics>, Arc<Mesh>)>,
     cameras: Shelf<CameraKey, (Arc<Camera>, Around)>,
 }
@@ -127,6 +131,7 @@ impl Library {
         self.meshes.next_scene();
         self.merged.next_scene();
         self.skies.next_scene();
+        self.volumes.next_scene();
         self.caustics.next_scene();
         self.cameras.next_scene();
         let mut images = Images::of(read);
@@ -161,6 +166,7 @@ impl Library {
         // where no colour is asked for
         let given = if read == ImagesRead::All { &file.projector_lights[..] } else { &[] };
         let projector_lights = given.iter().enumerate().map(thrown).collect::<Result<_>>()?;
+        let volume = file.volume.map(|spec| self.volume(spec)).transpose()?;
         Ok(Scene {
             mesh: mesh.clone(),
             objects,
@@ -169,6 +175,7 @@ impl Library {
             ambient_occlusion: file.ambient_occlusion,
             style: file.style,
             sky,
+            volume,
             background: file.image.background,
             tone: file.image.tone,
             depth_range: file.image.depth_range,
@@ -181,6 +188,12 @@ impl Library {
             camera_steps,
             output: file.output,
         })
+    }
+
+    fn volume(&self, spec: VolumeSpec) -> Result<Volume> {
+        let VolumeSpec { grid, transfer, mode, is_lit } = spec;
+        let grid = self.volumes.get(&grid, !self.is_for_once, |_| true, || load_grid(&grid, None))?;
+        Ok(Volume { grid, transfer, mode, is_lit })
     }
 
     /// The scene's camera for an image of `size`, or of the scene's own.

@@ -13,6 +13,7 @@ mod poses;
 pub mod projector_light;
 pub mod sky;
 pub mod style;
+pub mod volume;
 
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
@@ -40,6 +41,7 @@ use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 use style::Style;
+use volume::Volume;
 
 /// A loaded scene: everything that a frame needs.
 #[derive(Debug, Clone)]
@@ -58,6 +60,8 @@ pub struct Scene {
     pub ambient_occlusion: Option<AmbientOcclusion>,
     /// Environment light; replaces the constant ambient light.
     pub sky: Option<Arc<Sky>>,
+    /// What rays pass through.
+    pub volume: Option<Volume>,
     /// Linear RGB.
     pub background: [f32; 3],
     /// Tone mapping of 8-bit images.
@@ -97,6 +101,7 @@ impl Scene {
             style: Style::default(),
             ambient_occlusion: None,
             sky: None,
+            volume: None,
             background: [0.0; 3],
             tone: Tone::default(),
             depth_range: None,
@@ -201,6 +206,15 @@ impl Scene {
         Ok(())
     }
 
+    /// # Errors
+    /// [`Error::Input`] for a volume together with a mirror or lens.
+    pub fn check_volume(&self, camera: &Camera) -> Result<()> {
+        if self.volume.is_some() && camera.optics.is_some() {
+            return Err(Error::input(VOLUME_AND_OPTICS.join("; ").replace("{camera}", camera.kind)));
+        }
+        Ok(())
+    }
+
     /// Least and greatest corner of the bounding box of all vertices and spheres at all times of the frame, world units; `None` without vertices.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.moving_mesh().bounds()
@@ -239,6 +253,12 @@ impl Scene {
 
 /// Why there are no caustics with spheres, and what to do instead.
 pub const SPHERES_AND_CAUSTICS: [&str; 2] = ["caustics fall on triangles alone", "remove [caustics] or [[spheres]]"];
+
+/// Why there is no volume with a mirror or lens, and what to do instead; `{camera}` stands for the camera's kind.
+pub const VOLUME_AND_OPTICS: [&str; 2] = [
+    "{camera} reflects or refracts rays, which are not followed through a volume",
+    "remove [volume] or use another camera",
+];
 
 /// Why there are no shadows with alpha masks, and what to do instead.
 pub const SHADOWS_AND_ALPHA_MASKS: [&str; 2] = ["shadow rays do not support alpha masks", "leave either out"];

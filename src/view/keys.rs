@@ -26,6 +26,7 @@ pub const SECTIONS: [(&str, &str); 6] = [
     ("projector_light", include_str!("../scene/help/projector_light.txt")),
     ("ambient_occlusion", include_str!("../scene/help/ambient_occlusion.txt")),
     ("environment", include_str!("../scene/help/environment.txt")),
+    ("volume", include_str!("../scene/help/volume.txt")),
     ("style", include_str!("../scene/help/style.txt")),
 ];
 

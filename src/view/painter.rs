@@ -109,6 +109,7 @@ impl Loader {
             style: if scene.style == Style::default() { base.style } else { scene.style },
             ambient_occlusion: scene.ambient_occlusion.or(base.ambient_occlusion),
             sky: scene.sky.or_else(|| base.sky.clone()),
+            volume: scene.volume.or_else(|| base.volume.clone()),
             background: if is_black { base.background } else { scene.background },
             tone: if scene.tone == Tone::default() { base.tone } else { scene.tone },
             caustics: scene.caustics.or_else(|| base.caustics.clone()),

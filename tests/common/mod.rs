@@ -12,6 +12,7 @@ pub mod layered;
 pub mod needs;
 pub mod projection;
 pub mod rng;
+pub mod volumes;
 pub mod written;
 
 use anamorph::internals::camera::Camera;
@@ -39,6 +40,7 @@ pub fn scene(mesh: Mesh) -> Scene {
         ambient_occlusion: None,
         style: Default::default(),
         sky: None,
+        volume: None,
         background: [0.1, 0.2, 0.3],
         tone: Default::default(),
         depth_range: Some([0.5, 20.0]),

@@ -22,11 +22,13 @@ use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::AmbientOcclusion;
 use anamorph::internals::scene::projector_light::{ProjectorLight, Throw};
 use anamorph::internals::scene::style::{Line, Style};
+use anamorph::internals::scene::volume::Mode;
 use common::file::{camera_of, load};
 use common::gpu::engine_on;
 use common::rng::Rng;
+use common::volumes::{bumps, grid, volume};
 use common::{camera, layered, soup};
-use glam::{DVec3, Vec2};
+use glam::{DQuat, DVec3, Vec2};
 use half::f16;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -198,6 +200,11 @@ impl Case {
                 mesh.triangles[0] = [centre; 3];
                 mesh.radii = vec![0.0; mesh.triangles.len()];
                 mesh.radii[0] = 0.25;
+            }
+            Feature::Volume => {
+                let points = [[0.0, 1.0, 1.0, 1.0, 0.0], [1.0, 1.0, 1.0, 1.0, 1.0]];
+                let own = grid([3, 3, 3], DQuat::IDENTITY, bumps);
+                self.scene.volume = Some(volume(own, &points, Mode::Composite, false));
             }
             Feature::MovingCamera | Feature::CameraInMotion => {
                 let ends = [camera_of("", SIZE, PINHOLE).unwrap(), camera_of("", SIZE, PINHOLE).unwrap()];

@@ -31,4 +31,5 @@ mod strips;
 mod tessellate;
 mod ties;
 mod twin_reference;
+mod volume;
 mod watertight;

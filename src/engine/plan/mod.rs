@@ -26,11 +26,12 @@ use crate::camera::{Camera, Rays};
 use crate::geometry::mesh::Material;
 use crate::geometry::time_steps::Moment;
 use crate::gpu::device::AdapterFeatures;
-use crate::gpu::kernels::{RaysKind, Variant};
+use crate::gpu::kernels::{RaysKind, Variant, VolumeKind};
 use crate::gpu::layout::{self, BRANCH};
 use crate::image::frame::Channel;
 use crate::scene::Scene;
 use crate::scene::light::Light;
+use crate::scene::volume::Mode;
 use curves::{CurveTable, RayTable};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
@@ -80,6 +81,8 @@ pub struct SceneContents {
     pub has_outlines: bool,
     /// Time steps of each vertex; 1: nothing moves while the frame is taken.
     pub steps: u32,
+    /// Rays pass through a volume.
+    pub volume: Option<VolumeKind>,
 }
 
 impl SceneContents {
@@ -93,6 +96,11 @@ impl SceneContents {
             has_style: scene.style.is_on_surfaces() || mesh.has_patterns(),
             has_outlines: scene.style.is_between_pixels(),
             steps: scene.moving_mesh().count(),
+            volume: scene.volume.as_ref().map(|volume| match (volume.mode, volume.is_lit) {
+                (Mode::Maximum, _) => VolumeKind::Maximum,
+                (Mode::Composite, true) => VolumeKind::Lit,
+                (Mode::Composite, false) => VolumeKind::Plain,
+            }),
             triangles: mesh.triangles.len(),
             has_spheres: mesh.has_spheres(),
             has_normals: !mesh.normals.is_empty(),
@@ -178,6 +186,11 @@ impl Wanted {
     /// Colours of vertices are part of it.
     fn is_colored(&self, of: SceneContents) -> bool {
         of.has_colors && self.needs_appearance()
+    }
+
+    /// What a volume changes is part of it.
+    fn needs_volume(&self) -> bool {
+        self.has_colour() || self.channels.contains(&Channel::A)
     }
 
     /// Object or material ids are wanted.
@@ -520,6 +533,11 @@ fn left_out(
     }
     if !wanted.srgb8 {
         say("write", "no 8-bit picture asked for".into());
+    }
+    match (contents.volume, wanted.needs_volume()) {
+        (None, _) => say("volume", "the scene has none".into()),
+        (Some(_), false) => say("volume", "no colour and no coverage asked for".into()),
+        (Some(_), true) => {}
     }
     if contents.steps <= 1 {
         say("time steps", "nothing moves while the frame is taken".into());

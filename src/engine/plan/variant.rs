@@ -55,6 +55,7 @@ pub fn variant(
         analytic: wanted.analytic && wanted.samples() > 1,
         timed: contents.steps > 1,
         spheres: contents.has_spheres,
+        volume: contents.volume.filter(|_| wanted.needs_volume()),
     };
     let variant = if has.by_tile() { Variant { wide: has.wide, ..variant }.with_tiles() } else { variant };
     if wanted.channels.contains(&Channel::Certified) { variant } else { variant.with_small() }

@@ -6,9 +6,9 @@
 //!
 //! Where the camera has a mirror or a lens, [`reach`] comes first, [`meet`] beside raster, and after shade `forget -> bounce -> fit` and all
 //! of it again, or [`paste`] from an atlas that was rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow
-//! recheck and [`resolve`] follows shade; [`outline`] draws lines over what they came to. Caustics are added up by [`deposit`] before the
-//! first frame and shown by [`gather`] after shade. [`sift`] is not part of a frame: it finds the parts of an image that may see a point; nor is
-//! [`gradient`], which follows a frame that was read back.
+//! recheck and [`resolve`] follows shade; [`outline`] draws lines over what they came to, and [`volume`] puts a volume over that. Caustics are
+//! added up by [`deposit`] before the first frame and shown by [`gather`] after shade. [`sift`] is not part of a frame: it finds the parts of
+//! an image that may see a point; nor is [`gradient`], which follows a frame that was read back.
 
 pub mod args;
 pub mod bin;
@@ -37,6 +37,7 @@ pub mod small;
 pub mod sort;
 pub mod split;
 pub mod trace;
+pub mod volume;
 pub mod write;
 
 use crate::gpu::Gpu;
@@ -106,6 +107,7 @@ kernels! {
     Fit, |v, _| v.bounces_rays() && v.rasters(), |v, _| fit::kernel(v);
     Paste, |v, _| v.optics == Some(OpticsKind::Atlas), paste::kernel;
     Outline, |v, _| v.outlined, |_, planes| outline::kernel(planes);
+    Volume, |v, _| v.volume.is_some(), volume::kernel;
     Write, |_, _| true, |_, planes| write::kernel(planes);
 }
 

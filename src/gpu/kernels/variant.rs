@@ -48,6 +48,17 @@ pub enum SurfaceKind {
     Colored,
 }
 
+/// What is seen of a volume.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VolumeKind {
+    /// The light that it sends out and absorbs.
+    Plain,
+    /// The same in the scene's light.
+    Lit,
+    /// The largest value along a ray.
+    Maximum,
+}
+
 /// Which variants of the kernels a scene and an adapter need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
@@ -107,6 +118,8 @@ pub struct Variant {
     pub timed: bool,
     /// There are spheres beside triangles.
     pub spheres: bool,
+    /// Rays pass through a volume.
+    pub volume: Option<VolumeKind>,
 }
 
 impl Variant {
@@ -141,6 +154,7 @@ impl Variant {
         analytic: false,
         timed: false,
         spheres: false,
+        volume: None,
     };
 
     pub fn surfaces(self) -> SurfaceKind {
@@ -216,6 +230,10 @@ impl Variant {
             let seen = variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)).after_bounce();
             let samples = Variant { samples: 4, ..variant(RaysKind::Pieces, false, None) };
             list.extend([timed(RaysKind::Pieces, None), seen, samples].map(thrown));
+            let kinds = [VolumeKind::Plain, VolumeKind::Lit, VolumeKind::Maximum];
+            for (rays, slabbed) in [(RaysKind::Pieces, false), (RaysKind::Field, false), (curves[2], true)] {
+                list.extend(kinds.map(|kind| Variant { volume: Some(kind), ..variant(rays, slabbed, None) }));
+            }
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
                 list.extend(seen);

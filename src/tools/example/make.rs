@@ -289,3 +289,30 @@ fn flock(count: usize) -> String {
     }
     text
 }
+
+/// `plume.npy`: smoke that rises, swings to and fro, widens and thins; how dense it is, at nodes along z, y (upwards) and x.
+pub fn plume() -> Vec<(&'static str, Part)> {
+    const NODES: [u64; 3] = [32, 96, 32];
+    /// Of 1, at the top.
+    const THINNED: f64 = 0.75;
+    const DIGITS: f64 = 1e4;
+    let place = |k: u64, count: u64| k as f64 / (count - 1) as f64;
+    let density = |x: f64, height: f64, z: f64| {
+        let axis = DVec2::new(0.9 * height * (6.0 * height).sin(), 0.35 * (9.0 * height + 1.0).cos() * height);
+        let off = DVec2::new(2.5 * x, 2.5 * z) - axis;
+        let radius = 0.28 + 0.95 * height;
+        let swirl = (9.0 * off.x + 14.0 * height).sin() * (8.0 * off.y - 17.0 * height).cos()
+            + 0.6 * (19.0 * off.x - 23.0 * height).cos() * (21.0 * off.y + 11.0 * height).sin();
+        // billows move its border to and fro
+        let inside = 1.0 - off.length() / (radius * (1.0 + 0.22 * swirl));
+        let ends = (12.0 * height).min(6.0 * (1.0 - height)).clamp(0.0, 1.0);
+        (1.0 - THINNED * height) * ends * (1.8 * inside).clamp(0.0, 1.0)
+    };
+    let [depth, rows, columns] = NODES;
+    let nodes = (0..depth).flat_map(|k| (0..rows).flat_map(move |j| (0..columns).map(move |i| (i, j, k))));
+    let number = |(i, j, k)| {
+        let exact = density(2.0 * place(i, columns) - 1.0, place(j, rows), 2.0 * place(k, depth) - 1.0);
+        (DIGITS * exact).round() / DIGITS
+    };
+    vec![("plume.npy", Part::Numbers { shape: NODES, numbers: nodes.map(number).collect() })]
+}

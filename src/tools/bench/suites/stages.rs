@@ -3,7 +3,7 @@
 use crate::engine::Method;
 use crate::tools::bench::case::{Arm, Case};
 
-const EXAMPLES: [&str; 8] = [
+const EXAMPLES: [&str; 9] = [
     "city-cross-slit",
     "cow-panorama",
     "city-cylinder",
@@ -12,6 +12,7 @@ const EXAMPLES: [&str; 8] = [
     "terrain-top-down",
     "twist-curved",
     "glass-ball",
+    "smoke",
 ];
 
 pub fn cases() -> Vec<Case> {
