@@ -100,7 +100,12 @@ impl Reference<'_> {
     /// Every visible hit of curves of one degree, each in its range; each meeting of a triangle by itself. They are
     /// searched together, which is fast if they are close. `visit` takes a curve's index and returns the largest t still of
     /// interest to it.
-    fn each_hit_of_curves(&self, curves: &[Curve], ranges: &[[f64; 2]], mut visit: impl FnMut(usize, Hit) -> f64) {
+    pub(super) fn each_hit_of_curves(
+        &self,
+        curves: &[Curve],
+        ranges: &[[f64; 2]],
+        mut visit: impl FnMut(usize, Hit) -> f64,
+    ) {
         let Some(sweep) = Sweep::around(curves) else { return };
         let start = ranges.iter().fold(f64::INFINITY, |m, r| m.min(r[0]));
         let mut limits: Vec<f64> = ranges.iter().map(|r| r[1]).collect();
