@@ -1,7 +1,8 @@
 // bounce: one thread per pixel of the band that may have a ray.
-// Reads the visibility buffer, the pixel's ray, its path state and the first surface hit; writes the bounced ray and its path
+// Reads the visibility buffer, the pixel's ray or curve, its path state and the first surface hit; writes the bounced ray and its path
 // state, or zeros where the ray misses the optics; and lists the tiles that have a ray.
-// Needs: NONE, PathState, TILE, bounce_at, key_id, norm, piece_of, pixel_at, ray_bundle, real, real3, round_to_f32
+// Needs: NONE, PathState, SLABBED, TILE, arrival_at, bounce_at, key_id, key_layer, key_t, norm, piece_of, pixel_at, real, real3,
+//   round_to_f32, segment_length
 // Binds: bounced_hi, bounced_live, bounced_lo, bounced_paths, optic, params, paths, visibility
 
 // Maximum squared length of a direction: corners' rays are scaled to 64 times unit length at most.
@@ -54,11 +55,11 @@ fn bounce(
 
     // reflect or refract its ray
     list_tile((y / TILE) * params.tiles_x + x / TILE);
-    let b = ray_bundle(0u, x, y, 0.0);
-    let p = b.p / b.h;
     let path = paths[pixel];
     let surface = id - optic.first_id;
-    var next = bounce_at(surface, p, b.d / b.h, path.last);
+    let layer = key_layer(~won);
+    let arrival = arrival_at(surface, layer, x, y, key_t(~won));
+    var next = bounce_at(surface, arrival.p, arrival.d, path.last);
     // interpolated corners' rays may cancel, or be NaN where they cannot be scaled: no ray then
     let size = f32(dot(next.d, next.d));
     if !(size > 0.0 && size < SIZE_MAX) {
@@ -68,7 +69,10 @@ fn bounce(
     store_vector(at + 3u, next.d);
     let first = select(path.first, surface, path.first == NONE);
     let piece = select(path.piece, piece_of(surface), path.first == NONE);
-    let length = path.length + f32(norm(next.place - p));
+    var length = path.length + arrival.length + f32(norm(next.place - arrival.p));
+    for (var k = 0u; SLABBED && k < layer; k++) {
+        length += segment_length(k, x, y);
+    }
     let light = path.light * optic.tint * optic.scale * f32(next.share);
     bounced_paths[pixel] = PathState(light, length, first, id, piece, 0u);
 }

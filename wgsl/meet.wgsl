@@ -1,7 +1,7 @@
 // meet: one thread per pixel of the band that may have a ray.
-// Reads the pixel's ray and path state; merges the visibility key of the nearest smooth surface that the ray meets. Ids of smooth
-// surfaces follow those of all triangles.
-// Needs: NONE, Root, has_ray, meeting_with, merge, pixel_at, ray_bundle, real, visibility_key
+// Reads the pixel's ray, or the rays of its layers, and its path state; merges the visibility key of the nearest smooth surface that
+// they meet. Ids of smooth surfaces follow those of all triangles.
+// Needs: NONE, Root, SLABBED, has_ray, meeting_with, merge, pixel_at, ray_bundle, real, visibility_key
 // Binds: optic, params, paths
 
 @compute @workgroup_size(64)
@@ -18,24 +18,29 @@ fn meet(
     let x = place.x;
     let y = place.y;
     let pixel = y * params.width + x;
-    if !has_ray(0u, x, y) || (optic.bounces > 0u && optic.sees_itself == 0u) {
+    if optic.bounces > 0u && optic.sees_itself == 0u {
         return;
     }
 
-    // find the nearest surface
-    let b = ray_bundle(0u, x, y, 0.0);
-    let p = b.p / b.h;
-    let d = b.d / b.h;
+    // find the nearest surface in the lowest layer that meets one
+    let layers = select(1u, params.tiles_y / max(params.slab_rows * params.spans, 1u), SLABBED);
     var nearest = Root(real(0.0), false);
     var id = NONE;
-    for (var k = 0u; k < optic.count; k++) {
-        let root = meeting_with(k, p, d, paths[pixel].last);
-        if root.found && (!nearest.found || root.t < nearest.t) {
-            nearest = root;
-            id = optic.first_id + k;
+    for (var layer = 0u; layer < layers && !nearest.found; layer++) {
+        if has_ray(layer, x, y) {
+            let b = ray_bundle(layer, x, y, 0.0);
+            let p = b.p / b.h;
+            let d = b.d / b.h;
+            for (var k = 0u; k < optic.count; k++) {
+                let root = meeting_with(k, p, d, paths[pixel].last);
+                if root.found && (!nearest.found || root.t < nearest.t) {
+                    nearest = root;
+                    id = optic.first_id + k;
+                }
+            }
+            if nearest.found {
+                merge(pixel, ~visibility_key(layer, nearest.t, id));
+            }
         }
-    }
-    if nearest.found {
-        merge(pixel, ~visibility_key(0u, nearest.t, id));
     }
 }

@@ -1,7 +1,7 @@
-// reach: one thread per tile of the band.
-// Reads its node; writes the list of tiles of which a ray may meet the box around the optics.
-// Needs: item_index, level_height, level_width, node_index, node_meets
-// Binds: live, nodes, optic
+// reach: one thread per tile of the band, in each slab.
+// Reads its node; writes the list of tiles of which a ray may meet the box around the optics, each once.
+// Needs: SLABBED, TILE, item_index, level_height, level_width, node_index, node_meets, tile_corner
+// Binds: live, nodes, optic, params
 
 @compute @workgroup_size(64)
 fn reach(
@@ -15,6 +15,10 @@ fn reach(
         return;
     }
     if node_meets(nodes[node_index(0u, tile % width, tile / width)], optic.box_centre, optic.box_half) {
-        atomicStore(&live[1u + 2u * atomicAdd(&live[0], 1u)], tile);
+        let corner = tile_corner(tile);
+        let of_band = corner.y / TILE * params.tiles_x + corner.x / TILE;
+        if !SLABBED || atomicExchange(&live[2u + 2u * of_band], 1u) == 0u {
+            atomicStore(&live[1u + 2u * atomicAdd(&live[0], 1u)], of_band);
+        }
     }
 }

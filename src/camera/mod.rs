@@ -211,6 +211,11 @@ impl Camera {
         self.layers.iter().any(|l| matches!(l, Rays::Curves(_)))
     }
 
+    /// Its rays are curved, or run through several layers.
+    pub fn is_curved_or_layered(&self) -> bool {
+        self.is_curved() || self.layers.len() > 1
+    }
+
     /// The piece of a layer that owns pixel `(i, j)`, numbered through all layers, and its bundle centred there; `None`:
     /// no ray, or a curved one.
     pub fn pixel(&self, layer: usize, i: u32, j: u32) -> Option<(u32, Bundle)> {

@@ -53,6 +53,7 @@ features! {
     Optics, "a mirror or lens";
     Bounces, "a mirror or lens without an atlas";
     Atlas, "a mirror or lens with an atlas";
+    LayeredOptics, "a mirror or lens seen along curves, or along layers of rays";
     Incoherent, "unrelated rays in neighbouring pixels";
     Bands, "an image larger than the adapter's bindings";
     Chunks, "a scene larger than the adapter's bindings";
@@ -238,6 +239,16 @@ pub const REFUSALS: &[Refusal] = {
         refusal(&[Aimed, Optics], "Frames::aim does not support {camera}: it reflects or refracts rays", ANEW),
         refusal(&[InSequence, Caustics], "a sequence does not support caustics", ALONE),
         refusal(
+            &[LayeredOptics, Raster],
+            "{camera} sees a mirror or lens along curved or layered rays, which are traced",
+            "leave out --method raster",
+        ),
+        refusal(
+            &[LayeredOptics, AlphaMasks],
+            "{camera} sees a mirror or lens along curved or layered rays, which are traced, without alpha masks",
+            "remove the alpha masks, or use an eye of straight rays",
+        ),
+        refusal(
             &[InSequence, Optics],
             "a sequence does not support {camera}: reflected or refracted rays need buffers of their own",
             ALONE,
@@ -277,6 +288,7 @@ impl Feature {
             Feature::Optics => camera.optics.is_some(),
             Feature::Bounces => camera.optics.as_ref().is_some_and(|o| o.atlas.is_none()),
             Feature::Atlas => camera.optics.as_ref().is_some_and(|o| o.atlas.is_some()),
+            Feature::LayeredOptics => camera.optics.is_some() && camera.is_curved_or_layered(),
             Feature::Incoherent => is_incoherent(camera),
             Feature::Bands => planned.is_some_and(|(plan, _)| plan.bands.len() > 1),
             Feature::Chunks => planned.is_some_and(|(_, chunks)| chunks > 1),

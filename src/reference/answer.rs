@@ -64,7 +64,7 @@ impl Reference<'_> {
         for (path, answer) in paths.iter().zip(&mut answers) {
             let Some(seen) = answer.seen else { continue };
             answer.ties.retain(|id| !self.hides_twin(seen.hit.triangle, *id));
-            answer.touches = self.touches(path, &seen);
+            answer.touches = self.touches(path.of(&seen), &seen.hit);
         }
         answers
     }
@@ -91,13 +91,13 @@ impl Reference<'_> {
         self.mask_of(seen).is_none() && same_size && self.corners(seen).v == self.corners(other).v
     }
 
-    /// The curve crosses the visible triangle's plane at so small an angle that t is uncertain by more than [`super::GAP`].
-    fn touches(&self, path: &Path, seen: &Seen) -> bool {
-        match path.of(seen) {
+    /// A curve crosses the surface of a hit at so small an angle that t is uncertain by more than [`super::GAP`].
+    pub(super) fn touches(&self, segment: &Segment, hit: &Hit) -> bool {
+        match segment {
             Segment::Straight(_) => false,
-            Segment::Curved(c) => match self.sphere(seen.hit.triangle) {
-                Some(sphere) => sphere.is_flat(c, seen.hit.t),
-                None => is_flat(c, &self.corners(seen.hit.triangle), seen.hit.t),
+            Segment::Curved(c) => match self.sphere(hit.triangle) {
+                Some(sphere) => sphere.is_flat(c, hit.t),
+                None => is_flat(c, &self.corners(hit.triangle), hit.t),
             },
         }
     }
@@ -105,7 +105,12 @@ impl Reference<'_> {
     /// Every visible hit of curves of one degree, each in its range; each meeting of a triangle by itself. They are
     /// searched together, which is fast if they are close. `visit` takes a curve's index and returns the largest t still of
     /// interest to it.
-    fn each_hit_of_curves(&self, curves: &[Curve], ranges: &[[f64; 2]], mut visit: impl FnMut(usize, Hit) -> f64) {
+    pub(super) fn each_hit_of_curves(
+        &self,
+        curves: &[Curve],
+        ranges: &[[f64; 2]],
+        mut visit: impl FnMut(usize, Hit) -> f64,
+    ) {
         let Some(sweep) = Sweep::around(curves) else { return };
         let start = ranges.iter().fold(f64::INFINITY, |m, r| m.min(r[0]));
         let mut limits: Vec<f64> = ranges.iter().map(|r| r[1]).collect();

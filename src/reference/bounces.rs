@@ -10,13 +10,17 @@ use crate::camera::optics::bounce::{Split, after, at_facet};
 use crate::camera::optics::meeting::first_meeting;
 use crate::camera::optics::{Branch, Optics, Surface};
 use glam::DVec3;
+use std::cmp::Ordering;
 
 /// Where a pixel's path ends, and what it shows.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// The camera's path. With optics: the camera's ray and the bounced ones, each but the last ending at t = 1.
+    /// The camera's path. After a bounce: its segments up to the optics and the bounced rays, each but the last ending at t = 1.
     pub path: Path,
     pub seen: Option<Seen>,
+    pub bounces: u32,
+    /// A curve touches a surface there: t is uncertain.
+    touches: bool,
     /// The first surface hit: facet or smooth part.
     pub first: Option<u32>,
     /// The share of the light that the path carries, without the tint.
@@ -31,11 +35,12 @@ impl Reference<'_> {
     pub fn shown(&self, camera: &Camera, path: Path) -> Outcome {
         match &camera.optics {
             Some(optics) => self.outcome(optics, path),
-            None => Outcome { seen: self.first(&path), path, first: None, light: 1.0 },
+            None => Outcome::of_eye(self.first(&path), path),
         }
     }
 
-    /// Follows `path`, one straight ray, through optics whose facets are the last triangles of the mesh.
+    /// Follows `path` through optics whose facets are the last triangles of the mesh. A curve goes on as its tangent (Brosz et al. 2007,
+    /// section 6.1).
     pub fn outcome(&self, optics: &Optics, path: Path) -> Outcome {
         self.outcomes(optics, path).0
     }
@@ -45,23 +50,16 @@ impl Reference<'_> {
         let tilts = optics.tilts();
         let mut all = Vec::new();
         for tilt in &tilts {
-            let start = Outcome { path: path.clone(), seen: None, first: None, light: 1.0 / tilts.len() as f64 };
+            let start = Outcome { light: 1.0 / tilts.len() as f64, ..Outcome::of_eye(None, path.clone()) };
             let mut todo = vec![(start, None)];
             while let Some((outcome, last)) = todo.pop() {
-                let layer = outcome.path.segments.len() - 1;
-                let next = outcome.path.segments[layer].and_then(|(piece, segment)| match segment {
-                    Segment::Straight(bundle) => Some((piece, bundle)),
-                    Segment::Curved(_) => None,
-                });
-                let hits = next.map(|(_, bundle)| self.hits(optics, &bundle, &outcome, last));
-                let first = hits.and_then(|hits| hits.into_iter().fold(None, nearer));
-                let (Some((piece, bundle)), Some(hit)) = (next, first) else {
+                let meetings = self.meetings(optics, &outcome, last);
+                let Some(first) = meetings.into_iter().reduce(sooner) else {
                     all.push(outcome);
                     continue;
                 };
                 let branches = optics.branches().iter().rev();
-                let steps = branches
-                    .map(|b| self.step(optics, &outcome, piece, &bundle, hit, Split { branch: *b, tilt: *tilt }));
+                let steps = branches.map(|b| self.step(optics, &outcome, first, Split { branch: *b, tilt: *tilt }));
                 for step in steps {
                     match step {
                         Step::Bounced(outcome, last) => todo.push((outcome, Some(last))),
@@ -77,10 +75,10 @@ impl Reference<'_> {
         all
     }
 
-    /// Follows `path`, one straight ray, through the optics, whose facets are the last triangles of the mesh. Also returns the
-    /// outcomes of the paths that tie with it.
+    /// Follows `path` through the optics, whose facets are the last triangles of the mesh. Also returns the outcomes of the paths
+    /// that tie with it.
     fn outcomes(&self, optics: &Optics, path: Path) -> (Outcome, Vec<Outcome>) {
-        let mut todo = vec![(Outcome { path, seen: None, first: None, light: 1.0 }, None)];
+        let mut todo = vec![(Outcome::of_eye(None, path), None)];
         let mut done = Vec::new();
         while let Some((outcome, last)) = todo.pop() {
             let fork = self.go_on(optics, outcome, last);
@@ -97,73 +95,92 @@ impl Reference<'_> {
         (done.remove(0), others)
     }
 
-    /// Follows one more ray of a path: its first hit, and the hits that tie with it.
+    /// Follows a path to its next hit, and to the hits that tie with it.
     fn go_on(&self, optics: &Optics, outcome: Outcome, last: Option<u32>) -> Fork {
-        let layer = outcome.path.segments.len() - 1;
-        let Some((piece, Segment::Straight(bundle))) = outcome.path.segments[layer] else {
+        if outcome.seen.is_some() {
             return Fork { main: Step::Ended(outcome), others: Vec::new() };
-        };
-        let hits = self.hits(optics, &bundle, &outcome, last);
-        let Some(main) = hits.iter().copied().fold(None, nearer) else {
+        }
+        let meetings = self.meetings(optics, &outcome, last);
+        let Some(main) = meetings.iter().copied().reduce(sooner) else {
             return Fork { main: Step::Ended(outcome), others: Vec::new() };
         };
         let split = Split { branch: Branch::Main, tilt: optics.tilts()[0] };
-        let step = |hit: &Hit| self.step(optics, &outcome, piece, &bundle, *hit, split);
-        let ties = hits.iter().filter(|h| h.triangle != main.triangle && !clears(main.t, h.t));
+        let step = |meeting: &Meeting| self.step(optics, &outcome, *meeting, split);
+        let ties = meetings.iter().filter(|m| m.hit.triangle != main.hit.triangle && !clears(main.t(), m.t()));
         let others = ties
-            .map(|h| match step(h) {
+            .map(|m| match step(m) {
                 Step::Bounced(outcome, last) => (outcome, Some(last)),
-                // an ended path has no ray left to follow
-                Step::Ended(outcome) => (outcome.ended(), None),
+                Step::Ended(outcome) => (outcome, None),
             })
             .collect();
         Fork { main: step(&main), others }
     }
 
-    /// All hits of a path's last ray that may be the first.
-    fn hits(&self, optics: &Optics, bundle: &Bundle, outcome: &Outcome, last: Option<u32>) -> Vec<Hit> {
-        let bounced = outcome.path.segments.len() > 1;
-        let range = if bounced { [0.0, f64::INFINITY] } else { outcome.path.range(0) };
+    /// All hits that may be the first: of the eye's segments, or of the last bounced ray.
+    fn meetings(&self, optics: &Optics, outcome: &Outcome, last: Option<u32>) -> Vec<Meeting> {
+        let bounced = outcome.bounces > 0;
+        let segments = &outcome.path.segments;
+        let from = if bounced { segments.len() - 1 } else { 0 };
         let (first, sees) = (optics.first_id(self.mesh), !bounced || optics.sees_itself());
-        let mut hits = Vec::new();
+        let mut meetings: Vec<Meeting> = Vec::new();
+        // of t through all layers
         let mut limit = f64::INFINITY;
-        self.each_hit_of_ray(bundle, range, |hit| {
-            if Some(hit.triangle) != last && (sees || hit.triangle < first) {
-                limit = limit.min(beyond(hit.t));
-                hits.push(hit);
+        for layer in from..segments.len() {
+            let Some((piece, segment)) = &segments[layer] else { continue };
+            let base = if bounced { 0.0 } else { layer as f64 };
+            let [t0, t1] = if bounced { [0.0, f64::INFINITY] } else { outcome.path.range(layer) };
+            let range = [t0, t1.min(limit - base)];
+            if range[0] > range[1] {
+                break;
             }
-            limit
-        });
-        if let (Surface::Smooth(smooth), true) = (&optics.surface, sees) {
+            let mut take = |hit: Hit| {
+                if Some(hit.triangle) != last && (sees || hit.triangle < first) {
+                    limit = limit.min(beyond(base + hit.t));
+                    meetings.push(Meeting { layer, piece: *piece, base, hit });
+                }
+                limit - base
+            };
+            match segment {
+                Segment::Straight(bundle) => self.each_hit_of_ray(bundle, range, take),
+                Segment::Curved(curve) => self.each_hit_of_curves(&[*curve], &[range], |_, hit| take(hit)),
+            }
+            let (Segment::Straight(bundle), Surface::Smooth(smooth), true) = (segment, &optics.surface, sees) else {
+                continue;
+            };
             let ray = bundle.ray(0.0, 0.0);
             for part in 0..smooth.count() {
                 let triangle = first + part as u32;
-                let t = first_meeting((smooth, part), &ray, last == Some(triangle), range);
-                hits.extend(t.map(|t| Hit { t, triangle, bary: [0.0; 2] }));
+                if let Some(t) = first_meeting((smooth, part), &ray, last == Some(triangle), [t0, t1]) {
+                    limit = limit.min(beyond(base + t));
+                    meetings.push(Meeting { layer, piece: *piece, base, hit: Hit { t, triangle, bary: [0.0; 2] } });
+                }
             }
         }
-        hits
+        meetings
     }
 
     /// The path after a hit: bounced or ended.
-    fn step(&self, optics: &Optics, outcome: &Outcome, piece: u32, bundle: &Bundle, hit: Hit, split: Split) -> Step {
-        let layer = outcome.path.segments.len() - 1;
+    fn step(&self, optics: &Optics, outcome: &Outcome, meeting: Meeting, split: Split) -> Step {
+        let Meeting { layer, piece, hit, .. } = meeting;
         let mut outcome = outcome.clone();
+        let Some((_, segment)) = outcome.path.segments[layer] else { return Step::Ended(outcome) };
+        outcome.touches |= self.touches(&segment, &hit);
         let surface = hit.triangle.checked_sub(optics.first_id(self.mesh));
-        let Some(surface) = surface.filter(|_| layer < optics.depth as usize) else {
-            outcome.seen = Some(Seen { layer, piece, hit: Hit { t: outcome.path.within_layer(layer, hit.t), ..hit } });
+        let Some(surface) = surface.filter(|_| outcome.bounces < optics.depth) else {
+            let t = if outcome.bounces > 0 { hit.t } else { outcome.path.within(hit.t) };
+            outcome.seen = Some(Seen { layer, piece, hit: Hit { t, ..hit } });
             return Step::Ended(outcome);
         };
         outcome.first = outcome.first.or(Some(surface));
-        let ray = bundle.ray(0.0, 0.0);
+        let arriving = segment.direction(hit.t);
         let (place, (direction, share)) = match &optics.surface {
             Surface::Facets { facets, law } => {
-                at_facet((optics, split), *law, &facets.facet(surface as usize), ray.direction, hit.bary)
+                at_facet((optics, split), *law, &facets.facet(surface as usize), arriving, hit.bary)
             }
             Surface::Smooth(smooth) => {
-                let place = ray.origin + hit.t * ray.direction;
+                let place = segment.point(hit.t);
                 let normal = smooth.normal(surface as usize, place);
-                (place, after((optics, split), ray.direction, normal, normal))
+                (place, after((optics, split), arriving, normal, normal))
             }
         };
         let straight = |p: DVec3, d: DVec3| {
@@ -173,9 +190,18 @@ impl Reference<'_> {
                 h: [1.0, 0.0, 0.0],
             })
         };
-        outcome.path.segments[layer] = Some((piece, straight(ray.origin, place - ray.origin)));
+        let to_place = match segment {
+            Segment::Straight(bundle) => {
+                let origin = bundle.ray(0.0, 0.0).origin;
+                straight(origin, place - origin)
+            }
+            Segment::Curved(curve) => Segment::Curved(curve.span([0.0, hit.t])),
+        };
+        outcome.path.segments.truncate(layer);
+        outcome.path.segments.push(Some((piece, to_place)));
         let goes_on = direction.is_finite() && direction != DVec3::ZERO;
         outcome.light *= share;
+        outcome.bounces += 1;
         outcome.path.segments.push(goes_on.then(|| (piece, straight(optics.environment.unwrap_or(place), direction))));
         Step::Bounced(outcome, hit.triangle)
     }
@@ -188,10 +214,10 @@ impl Reference<'_> {
         let Some((centre, ties)) = all.next() else {
             return Finding { seen: None, safe: true, candidates: Vec::new(), may_miss: true };
         };
-        let what = |o: &Outcome| (o.path.segments.len(), o.seen.map(|s| s.hit.triangle));
+        let what = |o: &Outcome| (o.bounces, o.seen.map(|s| (s.layer, s.hit.triangle)));
         let mut finding = Finding { seen: centre.seen, safe: true, candidates: Vec::new(), may_miss: false };
         let mut add = |o: &Outcome| {
-            finding.safe &= what(o) == what(&centre);
+            finding.safe &= what(o) == what(&centre) && !o.touches;
             match o.seen {
                 Some(seen) => finding.candidates.push(seen.hit.triangle),
                 None => finding.may_miss = true,
@@ -209,6 +235,37 @@ impl Reference<'_> {
     }
 }
 
+/// A hit on a path.
+#[derive(Debug, Clone, Copy)]
+struct Meeting {
+    /// The index of the segment in the path.
+    layer: usize,
+    piece: u32,
+    /// The t of the whole path where that of the segment is 0; 0 after a bounce.
+    base: f64,
+    /// t is the segment's own.
+    hit: Hit,
+}
+
+impl Meeting {
+    /// Through all layers of the eye.
+    fn t(&self) -> f64 {
+        self.base + self.hit.t
+    }
+}
+
+/// The one in the lower layer; there the nearer one.
+fn sooner(a: Meeting, b: Meeting) -> Meeting {
+    match a.layer.cmp(&b.layer) {
+        Ordering::Less => a,
+        Ordering::Greater => b,
+        Ordering::Equal => match nearer(Some(a.hit), b.hit) {
+            Some(hit) => Meeting { hit, ..a },
+            None => a,
+        },
+    }
+}
+
 /// A path after one more hit.
 enum Step {
     Ended(Outcome),
@@ -223,9 +280,8 @@ struct Fork {
 }
 
 impl Outcome {
-    /// The same path with an empty last segment.
-    fn ended(mut self) -> Outcome {
-        self.path.segments.push(None);
-        self
+    /// What the eye's own path shows.
+    pub fn of_eye(seen: Option<Seen>, path: Path) -> Outcome {
+        Outcome { path, seen, bounces: 0, touches: false, first: None, light: 1.0 }
     }
 }

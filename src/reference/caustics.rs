@@ -47,8 +47,7 @@ fn photon(caustics: &Caustics, first_id: u32, shown: &Outcome) -> Photon {
     if shown.first.is_none() {
         return Photon { fate: Fate::Direct, left: [1.0; 3] };
     }
-    let bounces = shown.path.segments.len() as u32 - 1;
-    let left = caustics.optics.tint.map(|tint| f64::from(tint).powi(bounces as i32));
+    let left = caustics.optics.tint.map(|tint| f64::from(tint).powi(shown.bounces as i32));
     let fate = match shown.seen {
         None => Fate::Missed,
         Some(seen) if seen.hit.triangle >= first_id => Fate::Absorbed,
@@ -60,7 +59,7 @@ fn photon(caustics: &Caustics, first_id: u32, shown: &Outcome) -> Photon {
             let receiver = p.and_then(|p| Some((caustics.receivers.iter().position(|r| is_in_plane(r, p))?, p)));
             receiver.map_or(Fate::Missed, |(k, p)| {
                 let place = caustics.receivers[k].texels_of(p);
-                Fate::OnReceiver { receiver: k as u32, bounces, place }
+                Fate::OnReceiver { receiver: k as u32, bounces: shown.bounces, place }
             })
         }
     };

@@ -69,7 +69,7 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
         // a chain's verdict knows what is seen better than a second look
         let shown = match camera.optics {
             Some(_) => reference.shown(camera, path),
-            None => Outcome { seen: finding.seen, path, first: None, light: 1.0 },
+            None => Outcome::of_eye(finding.seen, path),
         };
         let speed = shown.path.speed(shown.seen.as_ref());
         let values = pixel(scene, camera, &reference, &shown, (i, j), maps.as_ref());
@@ -140,7 +140,7 @@ fn pixel(
         view: -segment.view(seen.hit.t),
         depth: scene.depth_range.map_or([1.0; 2], |range| normalised_depth(z, range)),
         // t of a bounced path is that of its last ray
-        t: if camera.optics.is_some() { seen.hit.t } else { seen.t() },
+        t: if shown.bounces > 0 { seen.hit.t } else { seen.t() },
         bary: seen.hit.bary,
         triangle: id,
         piece: piece(seen.piece),
@@ -200,8 +200,7 @@ fn beyond(scene: &Scene, path: &Path) -> [f32; 3] {
 
 /// The share of the light that the tints of all bounces leave.
 fn light_left(camera: &Camera, outcome: &Outcome) -> [f64; 3] {
-    let bounces = outcome.path.segments.len() as i32 - 1;
-    let tint = |k: usize| camera.optics.as_ref().map_or(1.0, |o| f64::from(o.tint[k]).powi(bounces));
+    let tint = |k: usize| camera.optics.as_ref().map_or(1.0, |o| f64::from(o.tint[k]).powi(outcome.bounces as i32));
     [0, 1, 2].map(|k| outcome.light * tint(k))
 }
 

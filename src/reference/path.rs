@@ -150,11 +150,6 @@ impl Path {
         t.clamp(self.t_range[0], self.t_range[1])
     }
 
-    /// `t` of a hit on segment `layer`: in the camera's range on the first, as it is behind it.
-    pub(super) fn within_layer(&self, layer: usize, t: f64) -> f64 {
-        if layer == 0 { self.within(t) } else { t }
-    }
-
     pub(super) fn segment(&self, layer: usize) -> Option<&Segment> {
         self.segments.get(layer)?.as_ref().map(|s| &s.1)
     }

@@ -119,8 +119,14 @@ impl Case {
         let many = features.iter().any(|f| matches!(f, Feature::Samples | Feature::ManySamples));
         let few = features.iter().any(|f| matches!(f, NoSamples | OneSample));
         let counts = [many, features.contains(&NoSamples), features.contains(&OneSample)];
-        let kinds =
-            [Feature::Curves, Feature::Incoherent, Feature::Atlas, Feature::MovingCamera, Feature::CameraInMotion];
+        let kinds = [
+            Feature::Curves,
+            Feature::Incoherent,
+            Feature::Atlas,
+            Feature::LayeredOptics,
+            Feature::MovingCamera,
+            Feature::CameraInMotion,
+        ];
         let cameras = features.iter().filter(|f| kinds.contains(f)).count()
             + usize::from(features.iter().any(|f| matches!(f, Feature::Optics | Feature::Bounces)));
         // what an image larger than the bindings needs of a scene is caustics' own affair
@@ -179,6 +185,11 @@ impl Case {
             Feature::Atlas => {
                 self.camera = camera_of("", SIZE, &format!("{MIRROR}\nfacets = \"normals\"\natlas = 8")).unwrap();
                 self.has.insert(Feature::Optics);
+            }
+            Feature::LayeredOptics => {
+                let optics = camera_of("", SIZE, &format!("{MIRROR}\nfacets = \"normals\"")).unwrap().optics;
+                self.camera = Camera { optics, ..layered::wavy(2, 0.5, false, SIZE) };
+                self.has.extend([Feature::Optics, Feature::Bounces, Feature::Curves]);
             }
             Feature::Incoherent => self.camera = camera_of("", SIZE, DISPLAY).unwrap(),
             Feature::Bands => self.limit = self.limit.min(1 << 14),

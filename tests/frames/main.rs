@@ -22,6 +22,7 @@ mod layered_reference;
 mod memory;
 mod methods;
 mod optics;
+mod optics_along_curves;
 mod overflow;
 mod plan;
 mod random_frames;

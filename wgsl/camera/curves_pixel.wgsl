@@ -1,5 +1,5 @@
 // Curved rays pixel by pixel: at a hit a curve is its tangent.
-// Provides: has_ray, piece_number, pixel_curve, pixel_ray, point_at, ray_bundle, ray_differential, reached, segment_length
+// Provides: curve_length, has_ray, piece_number, pixel_curve, pixel_ray, point_at, ray_bundle, ray_differential, reached, segment_length
 // Needs: Bundle, Curve, DEGREE, NONE, Ray, RayDifferential, both_sides, curve_place, curve_point, curve_stored, curve_tangent, pixel_cell,
 //   real, real3, size3
 // Binds: cells, params

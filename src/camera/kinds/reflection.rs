@@ -1,14 +1,15 @@
-//! `reflection` and `refraction`: a central camera that looks at a mirror, or at and through a lens.
+//! `reflection` and `refraction`: a camera that looks at a mirror, or at and through a lens.
 //!
-//! Hou, Wei, Shum and Guo 2006, sections 3.1 and 3.2; Yu, Yu and McMillan 2009, section 5.2.
+//! Hou, Wei, Shum and Guo 2006, sections 3.1 and 3.2; Yu, Yu and McMillan 2009, section 5.2; for curved eyes Brosz et al. 2007, section
+//! 6.1.
 
 use super::values::length;
+use crate::camera::Camera;
 use crate::camera::optics::facet_error::error_px;
 use crate::camera::optics::shape::{COUNT_MAX, Shape};
 use crate::camera::optics::{Atlas, Bounce, Facets, Law, Optics, Surface};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::spec::{CameraSpec, read_camera};
-use crate::camera::{Camera, Rays};
 use crate::geometry::load::load_mesh;
 use crate::geometry::spec::{MeshSpec, read_mesh};
 use crate::geometry::texture::Images;
@@ -209,11 +210,7 @@ impl Source {
 impl Recipe for Optical {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let eye = Camera::in_setting(&self.eye, setting).map_err(|e| e.at("camera.eye"))?;
-        let one_layer = matches!(eye.layers.as_slice(), [Rays::Pieces(_) | Rays::Field(_)]) && eye.optics.is_none();
-        if !one_layer {
-            let kind = eye.kind;
-            return Err(Error::input(format!("camera.eye: {kind} has no one straight ray a pixel; use another kind")));
-        }
+        self.check_eye(&eye, setting)?;
         let central = || centre(&eye);
         let Common { rays, depth, .. } = self.optics;
         if rays > 1 {
@@ -238,16 +235,54 @@ impl Recipe for Optical {
                 (Surface::Facets { facets, law }, note)
             }
         };
+        // curves and layers end where they end
+        let t_range = eye.is_curved_or_layered().then_some(eye.t_range);
         let atlas = self.optics.atlas.map(|texels| Ok::<_, Error>(Atlas { texels, eye: central()? })).transpose()?;
         let optics = self.optics.with(surface, atlas);
         let notes = [eye.notes, vec![note]].concat();
         let size = (eye.width, eye.height);
         let (optics, unfulfilled) = (Some(Arc::new(optics)), eye.unfulfilled);
-        Ok(Built { size, layers: eye.layers, t_range: None, optics, notes, unfulfilled })
+        Ok(Built { size, layers: eye.layers, t_range, optics, notes, unfulfilled })
     }
 }
 
 impl Optical {
+    /// Refuses what a mirror or lens cannot do for this eye.
+    fn check_eye(&self, eye: &Camera, setting: &Setting) -> Result<()> {
+        let kind = eye.kind;
+        let refused = |key: &str, why: String| Err(Error::input(format!("camera.{key}: {why}")));
+        if eye.optics.is_some() {
+            return refused(
+                "eye",
+                format!("{kind} looks at a mirror or lens itself; use a camera that looks at the scene"),
+            );
+        }
+        if !eye.is_curved_or_layered() {
+            return Ok(());
+        }
+        let rays = if eye.is_curved() { "curved rays" } else { "several layers of rays" };
+        if setting.t_range != [0.0, f64::INFINITY] {
+            return refused("t_range", format!("the {rays} of {kind} end where they end; leave it out"));
+        }
+        match self {
+            Optical { facets: Mode::Exact, .. } if eye.is_curved() => refused(
+                "facets",
+                format!("{kind} has {rays}, which meet facets but not the exact surface; use facets = \"normals\""),
+            ),
+            Optical { facets: Mode::Flat, .. } => {
+                refused("facets", format!("flat facets need an eye in one point; {kind} has {rays}; use \"normals\""))
+            }
+            Optical { optics: Common { atlas: Some(_), .. }, .. } => {
+                refused("atlas", format!("an atlas needs an eye in one point; {kind} has {rays}; leave it out"))
+            }
+            Optical { facets_error: Some(_), .. } => refused(
+                "facets_error",
+                format!("it is measured for one straight ray a pixel; {kind} has {rays}; use count"),
+            ),
+            _ => Ok(()),
+        }
+    }
+
     /// The facets with the normals of the coarser copy, if any; and a note on it.
     fn matched(&self, facets: Facets) -> Result<(Facets, String)> {
         let Some(count) = self.cameras else { return Ok((facets, String::new())) };

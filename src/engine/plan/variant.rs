@@ -76,6 +76,9 @@ pub fn method(
         _ if run.rival.is_some() => (RASTER, ""),
         _ if contents.steps > 1 => (Method::Trace, "things move while the frame is taken"),
         _ if contents.has_spheres => (Method::Trace, "the scene has spheres"),
+        _ if camera.optics.is_some() && camera.is_curved_or_layered() => {
+            (Method::Trace, "a mirror or lens is seen along curved or layered rays")
+        }
         _ if run.method == RASTER => (RASTER, "asked for"),
         _ if wanted.samples() > 1 => (RASTER, "samples are taken of pairs of triangles and tiles"),
         _ if wanted.channels.contains(&Channel::Certified) => (RASTER, "proofs take pairs of triangles and tiles"),

@@ -21,7 +21,7 @@ pub fn kernel(variant: Variant) -> Kernel {
     bindings.extend(variant.pixel_rays());
     bindings.push(live());
     let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_LAYOUT, REFRACT];
-    let own = [variant.camera(), LIVE_PIXELS, snippets!("bounce.wgsl")];
+    let own = [variant.camera(), LIVE_PIXELS, variant.arrival(), snippets!("bounce.wgsl")];
     let mut kernel =
         Kernel::new("bounce", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = variant.constants();

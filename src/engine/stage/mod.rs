@@ -101,7 +101,7 @@ kernels! {
     Shade, |_, _| true, shade::kernel;
     Resolve, |v, _| v.samples_edges(), resolve::kernel;
     Gather, |_, _| true, gather::kernel;
-    Reach, |v, _| v.bounces_rays(), |_, _| reach::kernel();
+    Reach, |v, _| v.bounces_rays(), |v, _| reach::kernel(v);
     Forget, |v, _| v.bounces_rays(), |_, _| forget::kernel();
     Bounce, |v, _| v.bounces_rays(), |v, _| bounce::kernel(v);
     Fit, |v, _| v.bounces_rays() && v.rasters(), |v, _| fit::kernel(v);

@@ -78,6 +78,14 @@ impl Variant {
         }
     }
 
+    /// How rays arrive at the surface. Only straight ones meet a smooth one.
+    pub(crate) fn arrival(self) -> Parts {
+        match self.rays {
+            RaysKind::Curves { .. } if !self.meets() => snippets!("optics/arrive_curved.wgsl"),
+            _ => snippets!("optics/arrive_straight.wgsl"),
+        }
+    }
+
     /// The surface of the optics: its structs, and how rays meet it and go on from there.
     pub(crate) fn surface(self) -> (Binding, &'static [Parts]) {
         const SMOOTH: Parts = snippets!("optics/smooth.wgsl");

@@ -240,7 +240,11 @@ impl Variant {
                 list.extend(seen[0].bounces_rays().then(|| seen[0].after_bounce()));
                 let traced = Variant { method: Method::Trace, ..seen[0] };
                 list.extend(traced.bounces_rays().then(|| traced.after_bounce()));
+                let layers = [RaysKind::Pieces, curves[0]].map(|rays| Variant { rays, slabbed: true, ..traced });
+                list.extend(layers.into_iter().filter(|v| v.bounces_rays()));
             }
+            let curved = |rays| Variant { method: Method::Trace, ..variant(rays, true, Some(OpticsKind::Facets)) };
+            list.extend(curves[1..].iter().map(|rays| curved(*rays)));
         }
         list
     }

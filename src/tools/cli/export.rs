@@ -154,7 +154,15 @@ fn segments(camera: &Camera) -> usize {
 
 /// Writes every pixel's rays, H x W x [`pixel_shape`]; NaN where a pixel, or a layer of it, has none. With optics, rays run from
 /// bounce to bounce for t in [0, 1]; the last one is unbounded. Other triangles are ignored.
+///
+/// # Errors
+/// [`Error::Input`] for optics that are seen along curves, or along several layers of rays.
 pub fn write_rays(path: &FilePath, camera: &Camera) -> Result<()> {
+    if camera.optics.is_some() && camera.is_curved_or_layered() {
+        return Err(Error::input(
+            "--rays: a mirror or lens is seen along curved or layered rays, which this file has no place for; use an eye of straight rays",
+        ));
+    }
     let shape = pixel_shape(camera);
     let (each, straight): (usize, bool) = (shape.iter().product(), shape.last() == Some(&6));
     let width = camera.width as usize;
