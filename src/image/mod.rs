@@ -19,7 +19,8 @@ pub use file::place::{folder_of, identity, identity_of_new, real_path};
 pub use file::unfinished::remove_unfinished;
 pub use file::whole::{check_writable, clear_up, is_full, open_to_append, write_lines, write_text};
 pub use npy::{
-    Grid, put_npy_f64, read_npy_affines, read_npy_columns, read_npy_grid, read_npy_rows, read_npy_volume, write_npy, write_npy_f64,
+    Grid, put_npy_f64, read_npy_affines, read_npy_columns, read_npy_grid, read_npy_rows, read_npy_volume, write_npy,
+    write_npy_f64,
 };
 pub use ply::write_ply;
 pub use png::{png_bytes, rgb8, srgb8, toned8, write_png, write_png_strips};

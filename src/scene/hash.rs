@@ -122,6 +122,8 @@ fn projector_light(h: &mut Fnv, light: &ProjectorLight) {
     image(h, &light.picture);
     light.camera.t_range.iter().for_each(|t| h.number(*t));
     rays(h, &light.camera);
+}
+
 fn medium(h: &mut Fnv, volume: &Volume) {
     let Volume { grid, transfer, mode, is_lit } = volume;
     grid.sides.iter().for_each(|n| h.word(u64::from(*n)));
