@@ -20,7 +20,7 @@ pub struct Key {
 }
 
 /// The sections of a scene file besides the camera that have controls.
-pub const SECTIONS: [(&str, &str); 6] = [
+pub const SECTIONS: [(&str, &str); 7] = [
     ("image", include_str!("../scene/help/image.txt")),
     ("light", include_str!("../scene/help/light.txt")),
     ("projector_light", include_str!("../scene/help/projector_light.txt")),

@@ -386,6 +386,7 @@ mod tests {
             objects: Vec::new(),
             lights: Vec::new(),
             projector_lights: Vec::new(),
+            volume: None,
             ambient_occlusion: None,
             style: Default::default(),
             sky: None,
