@@ -43,7 +43,7 @@ fn sphere_hit(path: Path, stretch: Stretch, triangle: vec4<u32>) -> Seen {
     let spans = real(f32(params.spans));
     let from_t = real(f32(stretch.number)) / spans;
     let to_t = real(f32(stretch.number + 1u)) / spans;
-    let root = first_root(height_of(c, sphere_of(triangle)), from_t, to_t, (triangle.w & ONE_SIDED) == 0u);
+    let root = first_crossing(height_of(c, sphere_of(triangle)), from_t, to_t, (triangle.w & ONE_SIDED) == 0u);
     let is_met = root.is_there && path.start != id && !is_excluded(id);
     let t = f32(root.t);
     let key = ~visibility_key(tile_layer(tile), root.t, id);
@@ -115,13 +115,13 @@ fn in_front(p: Sextic, share: real) -> Sextic {
     return reversed(behind(reversed(p), 1.0 - share));
 }
 
-struct Root {
+struct Crossing {
     t: real,
     is_there: bool,
 }
 
 // Steps towards a root at most: near one they are Newton's.
-const ROOT_STEPS: u32 = 64u;
+const CLIP_STEPS: u32 = 64u;
 
 // Past a root that does not count, the share of what is left at which it goes on.
 const PAST: real = 1.0 / 16777216.0;
@@ -140,16 +140,16 @@ fn way_to(p: Sextic, k: u32, side: real) -> real {
 // or layer begins there. The graph of a polynomial lies in the hull of its coefficients: before the steepest way to one of these comes
 // to 0 there is no root. So the interval loses its front, and what lies behind a first change of sign; where rounding says that it has
 // lost the root too, that is there.
-fn first_root(h: Height, from_t: real, to_t: real, two_sided: bool) -> Root {
+fn first_crossing(h: Height, from_t: real, to_t: real, two_sided: bool) -> Crossing {
     var p = in_front(behind(h.p, from_t), (to_t - from_t) / (1.0 - from_t));
     if abs(p.b[0]) <= h.zero && (two_sided || p.b[1] < p.b[0]) {
-        return Root(from_t, true);
+        return Crossing(from_t, true);
     }
     let is_at_end = abs(p.b[6]) <= h.zero && (two_sided || p.b[6] < p.b[5]);
     var lo = from_t;
     var hi = to_t;
     var side = select(real(-1.0), real(1.0), p.b[0] > 0.0);
-    for (var k = 0u; k < ROOT_STEPS; k++) {
+    for (var k = 0u; k < CLIP_STEPS; k++) {
         let steep = steepest(p, side);
         let is_there = side * p.b[0] <= 0.0;
         if steep == 0.0 && !is_there {
@@ -158,7 +158,7 @@ fn first_root(h: Height, from_t: real, to_t: real, two_sided: bool) -> Root {
         var share = select(side * p.b[0] / (6.0 * steep), 0.0, is_there);
         let is_close = share * (hi - lo) <= REAL_UNIT;
         if is_close && (side > 0.0 || two_sided) {
-            return Root(lo + share * (hi - lo), true);
+            return Crossing(lo + share * (hi - lo), true);
         }
         share = select(share, min(2.0 * share + PAST, 0.5), is_close);
         p = behind(p, share);
@@ -172,5 +172,5 @@ fn first_root(h: Height, from_t: real, to_t: real, two_sided: bool) -> Root {
             hi = lo + ahead * (hi - lo);
         }
     }
-    return Root(to_t, is_at_end);
+    return Crossing(to_t, is_at_end);
 }
