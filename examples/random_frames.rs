@@ -1,6 +1,7 @@
-//! Random small scenes against the reference: `cargo run --features internals --release --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving]`.
+//! Random small scenes against the reference: `cargo run --features internals --release --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving] [spheres]`.
 //! Each is one of `any`'s scenes in 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end. Without 64-bit
-//! atomics, raster bounds t in f32 as it does on GPUs without f64. With `moving` everything moves while the frame is taken.
+//! atomics, raster bounds t in f32 as it does on GPUs without f64. With `moving` everything moves while the frame is taken, and with `spheres`
+//! there are spheres between the triangles.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -41,8 +42,10 @@ struct Seen {
 fn main() -> ExitCode {
     let less = |what: &str| std::env::args().any(|a| a == what);
     let options = GpuOptions { no_int64: less("no-int64"), no_f64: less("no-f64"), ..GpuOptions::default() };
-    let mut numbers =
-        std::env::args().skip(1).filter(|a| !a.starts_with("no-") && a != "moving").map(|n| n.parse::<u64>());
+    let mut numbers = std::env::args()
+        .skip(1)
+        .filter(|a| !a.starts_with("no-") && a != "moving" && a != "spheres")
+        .map(|n| n.parse::<u64>());
     let (Some(Ok(count)), first) = (numbers.next(), numbers.next().transpose().unwrap_or(None).unwrap_or(0)) else {
         eprintln!("error: give how many scenes, and the first one's number; as in random_frames 1000 0");
         return ExitCode::from(2);
@@ -52,16 +55,18 @@ fn main() -> ExitCode {
         return ExitCode::from(1);
     };
     let mut engine = Engine::new(gpu);
-    // what moves is not certified
-    let certified = if less("moving") { None } else { Some(Channel::Certified) };
+    // what moves is not certified, nor are spheres
+    let is_traced = less("moving") || less("spheres");
+    let certified = if is_traced { None } else { Some(Channel::Certified) };
     let channels: Vec<Channel> = [Channel::T, Channel::TriangleId].into_iter().chain(certified).collect();
     let wanted = Wanted::of(channels);
     let mut all = Seen::default();
     for number in first..first + count {
         let rng = &mut common::rng::Rng(number);
-        let (scene, camera) = match less("moving") {
-            true => common::any::any_moving(rng, SIZE),
-            false => common::any::any(rng, SIZE),
+        let (scene, camera) = match (less("moving"), less("spheres")) {
+            (true, _) => common::any::any_moving(rng, SIZE),
+            (false, true) => common::any::any_with_spheres(rng, SIZE),
+            (false, false) => common::any::any(rng, SIZE),
         };
         let frame = match engine.render(&scene, &camera, &wanted, &RunOptions::default()) {
             Ok(rendered) => rendered.frame,
@@ -102,7 +107,7 @@ fn main() -> ExitCode {
         // t may be rounded to the f32 beside
         let own_t = has.f64 && (!has.by_tile() || has.software && has.atomics64);
         let (counts, gap) = (|k: usize| judged.safe[k] || !own_t, u32::from(own_t));
-        let ways: &[Method] = if less("moving") { &[Method::Trace] } else { &[Method::Raster, Method::Trace] };
+        let ways: &[Method] = if is_traced { &[Method::Trace] } else { &[Method::Raster, Method::Trace] };
         let differ: u64 =
             ways.iter().map(|m| differing(&mut engine, &scene, &camera, *m, &frame, (&counts, gap))).sum();
         if differ > 0 {

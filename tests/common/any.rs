@@ -12,9 +12,12 @@ use anamorph::internals::camera::kinds::orthographic::Orthographic;
 use anamorph::internals::camera::kinds::pinhole::Pinhole;
 use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::geometry::mesh::{Material, Mesh};
+use anamorph::internals::geometry::place;
+use anamorph::internals::geometry::spheres::spheres_of;
 use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
 use anamorph::internals::scene::Scene;
 use glam::DVec3;
+use std::sync::Arc;
 
 type Triangle = [DVec3; 3];
 
@@ -48,6 +51,43 @@ pub fn any_moving(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
     scene.exposure = Exposure { readout: Readout::Lines(lines), shutter: rng.unit(), is_even: rng.below(2) == 0 };
     camera.sample = (rng.below(2) == 0).then_some(Sample { number: 1, count: 3 });
     (scene, camera)
+}
+
+/// Such a scene with spheres between its triangles.
+#[allow(dead_code)] // not of all programs that have this module
+pub fn any_with_spheres(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
+    let (mut scene, camera) = any(rng, size);
+    with_spheres(rng, &mut scene);
+    (scene, camera)
+}
+
+/// Adds spheres to a random scene: in it and around it, tiny and huge, two in one place, and with a common centre.
+#[allow(dead_code)] // not of all programs that have this module
+pub fn with_spheres(rng: &mut Rng, scene: &mut Scene) {
+    let (lo, hi) = scene.bounds().unwrap_or((-DVec3::ONE, DVec3::ONE));
+    let extent = (hi - lo).length().max(1e-9).min(1e9 * (hi - lo).length().max(1.0));
+    let mut list: Vec<(DVec3, f64)> = Vec::new();
+    for _ in 0..1 + rng.below(40) {
+        let centre = match rng.below(5) {
+            0 => scene.mesh.positions[rng.below(scene.mesh.positions.len())],
+            1 if !list.is_empty() => list[rng.below(list.len())].0,
+            _ => lo + 0.5 * (rng.vector() + 1.0) * (hi - lo),
+        };
+        let radius = match rng.below(6) {
+            0 => extent * 10f64.powf(-8.0 * rng.unit()),
+            1 if !list.is_empty() => list[rng.below(list.len())].1,
+            _ => 0.1 * extent * rng.unit() + 1e-3 * extent,
+        };
+        list.push((centre, radius));
+    }
+    let (centres, radii) = list.into_iter().unzip();
+    let mut own = spheres_of(centres, radii, None).unwrap();
+    own.materials[0].two_sided = rng.below(3) > 0;
+    let mut all = vec![(*scene.mesh).clone(), own];
+    if rng.below(2) == 0 {
+        all.swap(0, 1);
+    }
+    scene.mesh = Arc::new(place::merge(all).unwrap());
 }
 
 /// The camera, and whether it is where `place` says.

@@ -2,7 +2,7 @@
 // degree, in recheck arithmetic.
 // Provides: with_primitive
 // Needs: BvhTriangle, Curve, DEGREE, LEAST, ONE_SIDED, Path, REAL_UNIT, Seen, Sphere, Stretch, TILE, UNIT, curve_place, curve_stored,
-//   is_excluded, is_sphere, real, real3, size3, sphere_of, tile_corner, tile_layer, triangle_at, triangle_id, visibility_key, with_triangle
+//   is_excluded, is_sphere, real, size3, sphere_of, tile_corner, tile_layer, triangle_at, triangle_id, visibility_key, with_triangle
 // Binds: params
 
 fn with_primitive(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> Seen {
@@ -43,139 +43,134 @@ fn sphere_hit(path: Path, stretch: Stretch, triangle: vec4<u32>) -> Seen {
     let spans = real(f32(params.spans));
     let from_t = real(f32(stretch.number)) / spans;
     let to_t = real(f32(stretch.number + 1u)) / spans;
-    let root = first_root(height_of(c, sphere_of(triangle)), from_t, to_t, (triangle.w & ONE_SIDED) == 0u);
+    let root = first_crossing(height_of(c, sphere_of(triangle)), from_t, to_t, (triangle.w & ONE_SIDED) == 0u);
     let is_met = root.is_there && path.start != id && !is_excluded(id);
     let t = f32(root.t);
     let key = ~visibility_key(tile_layer(tile), root.t, id);
     return Seen(select(vec2<u32>(0u), key, is_met), t + 2.0 * UNIT * abs(t));
 }
 
-// |X(t) - c|^2 - r^2 in Bernstein form, and how far from 0 its values may be where it is 0.
-struct Height {
+// A polynomial of degree 6 in Bernstein form.
+struct Sextic {
     b: array<real, 7>,
+}
+
+// |X(t) - c|^2 - r^2, and how far from 0 its values may be where it is 0.
+struct Height {
+    p: Sextic,
     zero: real,
 }
 
-// Bernstein polynomials of degree m times each other are those of degree 2m times a ratio of binomials.
+// Curves of lower degrees are cubics too. The products of two cubics' Bernstein polynomials are those of degree 6 times a ratio of binomials.
 fn height_of(c: Curve, s: Sphere) -> Height {
-    let o = array<real3, 4>(c.c0 - s.centre, c.c1 - s.centre, c.c2 - s.centre, c.c3 - s.centre);
-    var h: Height;
-    for (var j = 0u; j <= 2u * DEGREE; j++) {
-        var sum = real(0.0);
-        for (var i = 0u; i <= DEGREE; i++) {
-            if i <= j && j - i <= DEGREE {
-                sum += real(choose(DEGREE, i) * choose(DEGREE, j - i)) * dot(o[i], o[j - i]);
-            }
-        }
-        h.b[j] = sum / real(choose(2u * DEGREE, j)) - s.radius * s.radius;
+    let o0 = c.c0 - s.centre;
+    var o1 = c.c1 - s.centre;
+    var o2 = c.c2 - s.centre;
+    let o3 = c.c3 - s.centre;
+    if DEGREE == 1u {
+        o1 = o0 + (o3 - o0) / 3.0;
+        o2 = o3 + (o0 - o3) / 3.0;
+    } else if DEGREE == 2u {
+        let middle = o1;
+        o1 = (o0 + 2.0 * middle) / 3.0;
+        o2 = (o3 + 2.0 * middle) / 3.0;
     }
+    let square = s.radius * s.radius;
+    var p: Sextic;
+    p.b[0] = dot(o0, o0) - square;
+    p.b[1] = dot(o0, o1) - square;
+    p.b[2] = (2.0 * dot(o0, o2) + 3.0 * dot(o1, o1)) / 5.0 - square;
+    p.b[3] = (dot(o0, o3) + 9.0 * dot(o1, o2)) / 10.0 - square;
+    p.b[4] = (2.0 * dot(o1, o3) + 3.0 * dot(o2, o2)) / 5.0 - square;
+    p.b[5] = dot(o2, o3) - square;
+    p.b[6] = dot(o3, o3) - square;
     // an offset is off by 2 units of what was subtracted, its square by 4 of that, and a sum of squares and r^2 by as many
     let sizes = size3(s.centre) + s.radius + max(max(size3(c.c0), size3(c.c1)), max(size3(c.c2), size3(c.c3)));
-    h.zero = 16.0 * REAL_UNIT * sizes * sizes;
-    return h;
+    return Height(p, 16.0 * REAL_UNIT * sizes * sizes);
 }
 
-fn choose(n: u32, k: u32) -> f32 {
-    var c = 1.0;
-    for (var j = 0u; j < k; j++) {
-        c = c * f32(n - j) / f32(j + 1u);
-    }
-    return c;
+// A step of de Casteljau's construction: the first `count` coefficients move to the next ones by a share.
+fn halfway(p: Sextic, count: u32, share: real) -> Sextic {
+    var q = p;
+    q.b[0] += share * (p.b[1] - p.b[0]);
+    if count > 1u { q.b[1] += share * (p.b[2] - p.b[1]); }
+    if count > 2u { q.b[2] += share * (p.b[3] - p.b[2]); }
+    if count > 3u { q.b[3] += share * (p.b[4] - p.b[3]); }
+    if count > 4u { q.b[4] += share * (p.b[5] - p.b[4]); }
+    if count > 5u { q.b[5] += share * (p.b[6] - p.b[5]); }
+    return q;
 }
 
-// The coefficients over a part of [0, 1]: blossoms, each with the one end as often as the other is not.
-fn over_part(b: array<real, 7>, from_t: real, to_t: real) -> array<real, 7> {
-    var part: array<real, 7>;
-    for (var k = 0u; k <= 2u * DEGREE; k++) {
-        var row = b;
-        for (var n = 2u * DEGREE; n > 0u; n--) {
-            let t = select(from_t, to_t, n <= k);
-            for (var j = 0u; j < n; j++) {
-                row[j] += t * (row[j + 1u] - row[j]);
-            }
-        }
-        part[k] = row[0];
-    }
-    return part;
+// The part behind a share of the interval. Without loops, of whose rounds software adapters have a limited number for all that a pixel does.
+fn behind(p: Sextic, share: real) -> Sextic {
+    return halfway(halfway(halfway(halfway(halfway(halfway(p, 6u, share), 5u, share), 4u, share), 3u, share), 2u, share), 1u, share);
 }
 
-struct Root {
+fn reversed(p: Sextic) -> Sextic {
+    return Sextic(array<real, 7>(p.b[6], p.b[5], p.b[4], p.b[3], p.b[2], p.b[1], p.b[0]));
+}
+
+// The part before it.
+fn in_front(p: Sextic, share: real) -> Sextic {
+    return reversed(behind(reversed(p), 1.0 - share));
+}
+
+struct Crossing {
     t: real,
     is_there: bool,
 }
 
-// Halvings of a span at most. A pair of roots nearer to each other than this is none: the curve touches the sphere at most.
-const HALVINGS: u32 = 24u;
+// Steps towards a root at most: near one they are Newton's.
+const CLIP_STEPS: u32 = 64u;
 
-// Parts looked at, at most: of a polynomial of degree 6 no more than seven can be neither without a root nor monotone at each level.
-const PARTS: u32 = 400u;
+// Past a root that does not count, the share of what is left at which it goes on.
+const PAST: real = 1.0 / 16777216.0;
 
-// The first root where the sphere is entered, or left and its back seen. A root within rounding of an end counts as on it, as the next span
-// or layer begins there. Parts are halved until the coefficients keep off 0, or are all in order: then there is one root or none.
-fn first_root(h: Height, from_t: real, to_t: real, two_sided: bool) -> Root {
-    var depth = 0u;
-    var number = 0u;
-    var is_over = false;
-    for (var k = 0u; k < PARTS; k++) {
-        let width = (to_t - from_t) / real(f32(1u << depth));
-        let lo = from_t + real(f32(number)) * width;
-        let part = over_part(h.b, lo, lo + width);
-        var least = part[0];
-        var most = part[0];
-        var falls = true;
-        var rises = true;
-        for (var j = 1u; j <= 2u * DEGREE; j++) {
-            least = min(least, part[j]);
-            most = max(most, part[j]);
-            falls = falls && part[j] <= part[j - 1u];
-            rises = rises && part[j] >= part[j - 1u];
-        }
-        let first = part[0];
-        let last = part[2u * DEGREE];
-        if number == 0u && abs(first) <= h.zero && (two_sided || last < first) {
-            return Root(from_t, true);
-        }
-        let keeps_off = least > 0.0 || most < 0.0;
-        if !keeps_off && !falls && !rises && depth < HALVINGS {
-            depth++;
-            number *= 2u;
-            continue;
-        }
-        let enters = first > 0.0 && last <= 0.0;
-        let leaves = first < 0.0 && last >= 0.0;
-        if !keeps_off && (enters || (leaves && two_sided)) {
-            return Root(root_of(h.b, lo, lo + width, leaves), true);
-        }
-        // the next part that does not begin one of those before it
-        number++;
-        while depth > 0u && (number & 1u) == 0u {
-            number >>= 1u;
-            depth--;
-        }
-        if depth == 0u && number > 0u {
-            return Root(to_t, abs(last) <= h.zero && (two_sided || last < first));
-        }
-    }
-    return Root(to_t, false);
+// The steepest way, for a step of a sixth, from the first coefficient to one on the other side of 0; 0: all are on one side.
+fn steepest(p: Sextic, side: real) -> real {
+    let one = max(way_to(p, 1u, side), max(way_to(p, 2u, side), way_to(p, 3u, side)));
+    return max(one, max(way_to(p, 4u, side), max(way_to(p, 5u, side), way_to(p, 6u, side))));
 }
 
-// Halving takes a part of [0, 1] to the last bit.
-const ROOT_HALVINGS: u32 = 56u;
+fn way_to(p: Sextic, k: u32, side: real) -> real {
+    return select(0.0, side * (p.b[0] - p.b[k]) / real(f32(k)), side * p.b[k] < 0.0);
+}
 
-fn root_of(b: array<real, 7>, from_t: real, to_t: real, rises: bool) -> real {
+// The first root where the sphere is entered, or left and its back seen. A root within rounding of an end counts as on it, as the next span
+// or layer begins there. The graph of a polynomial lies in the hull of its coefficients: before the steepest way to one of these comes
+// to 0 there is no root. So the interval loses its front, and what lies behind a first change of sign; where rounding says that it has
+// lost the root too, that is there.
+fn first_crossing(h: Height, from_t: real, to_t: real, two_sided: bool) -> Crossing {
+    var p = in_front(behind(h.p, from_t), (to_t - from_t) / (1.0 - from_t));
+    if abs(p.b[0]) <= h.zero && (two_sided || p.b[1] < p.b[0]) {
+        return Crossing(from_t, true);
+    }
+    let is_at_end = abs(p.b[6]) <= h.zero && (two_sided || p.b[6] < p.b[5]);
     var lo = from_t;
     var hi = to_t;
-    for (var k = 0u; k < ROOT_HALVINGS; k++) {
-        let t = 0.5 * (lo + hi);
-        var row = b;
-        for (var n = 2u * DEGREE; n > 0u; n--) {
-            for (var j = 0u; j < n; j++) {
-                row[j] += t * (row[j + 1u] - row[j]);
-            }
+    var side = select(real(-1.0), real(1.0), p.b[0] > 0.0);
+    for (var k = 0u; k < CLIP_STEPS; k++) {
+        let steep = steepest(p, side);
+        let is_there = side * p.b[0] <= 0.0;
+        if steep == 0.0 && !is_there {
+            break;
         }
-        let is_before = (row[0] < 0.0) == rises;
-        lo = select(lo, t, is_before);
-        hi = select(t, hi, is_before);
+        var share = select(side * p.b[0] / (6.0 * steep), 0.0, is_there);
+        let is_close = share * (hi - lo) <= REAL_UNIT;
+        if is_close && (side > 0.0 || two_sided) {
+            return Crossing(lo + share * (hi - lo), true);
+        }
+        share = select(share, min(2.0 * share + PAST, 0.5), is_close);
+        p = behind(p, share);
+        lo += share * (hi - lo);
+        side = select(side, select(real(-1.0), real(1.0), p.b[0] > 0.0), is_close);
+        // as far again, and as much
+        let ahead = min(2.0 * share / (1.0 - share), 0.5);
+        let front = in_front(p, ahead);
+        if side * front.b[6] < 0.0 {
+            p = front;
+            hi = lo + ahead * (hi - lo);
+        }
     }
-    return 0.5 * (lo + hi);
+    return Crossing(to_t, is_at_end);
 }

@@ -58,7 +58,7 @@ pub const SUITES: [Suite; 7] = [
     },
     Suite {
         name: "glc",
-        asks: "how the time grows with pieces, triangles and pixels",
+        asks: "how the time grows with pieces, triangles, pixels and spheres",
         plot: Plot::Scaling,
         cases: glc::cases,
         quick: glc::quick,
