@@ -1,6 +1,6 @@
 // A straight ray is one leg in each layer.
 // Provides: Leg, leg_at, leg_count
-// Needs: Bundle, ray_bundle, real3
+// Needs: ray_bundle, real3
 // Binds: params
 
 // A straight part of a pixel's path: p + t d for t in [first, last].

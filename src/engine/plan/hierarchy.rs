@@ -330,6 +330,7 @@ mod tests {
             objects: Vec::new(),
             lights: Vec::new(),
             ambient_occlusion: None,
+            volume: None,
             style: Default::default(),
             sky: None,
             background: [0.0; 3],
