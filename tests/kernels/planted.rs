@@ -430,13 +430,19 @@ const PLANTED: [Planted; 55] = [
         Dispatching::ByPair,
         outlined,
     ),
-    // steps ten times too coarse: errors go by their squares
+    // steps ten times too coarse: errors go by their squares; and a hundred times, or none, where bounds are loose
     ("volume/composite.wgsl", "f32 = 1.0 / 512.0;", "f32 = 100.0 / 512.0;", Dispatching::ByPair, glowing),
-    ("volume/composite.wgsl", "<= medium.corner_rate", "<= 100.0 * medium.corner_rate", Dispatching::ByPair, glowing),
+    (
+        "volume/composite.wgsl",
+        "<= medium.corner_rate",
+        "<= 1000000.0 * medium.corner_rate",
+        Dispatching::ByPair,
+        glowing,
+    ),
     (
         "volume/curved_legs.wgsl",
         "0.125 * bend / medium.place_error",
-        "0.00125 * bend / medium.place_error",
+        "0.0000125 * bend / medium.place_error",
         Dispatching::ByPair,
         glowing_along_curves,
     ),
@@ -448,7 +454,13 @@ const PLANTED: [Planted; 55] = [
         largest_within,
     ),
     ("volume/cubic.wgsl", "0.45 * next.y", "0.4 * next.y", Dispatching::ByPair, glowing),
-    ("volume/transfer.wgsl", "medium.value[j + 1u].y", "medium.value[j + 2u].y", Dispatching::ByPair, glowing),
+    (
+        "volume/transfer.wgsl",
+        "(value - medium.value[j].x)",
+        "(value - 0.9 * medium.value[j].x)",
+        Dispatching::ByPair,
+        largest_within,
+    ),
     (
         "volume/straight_legs.wgsl",
         "length(vec3<f32>(d)));",
