@@ -1,8 +1,9 @@
 // volume: one thread per pixel of the band, once its surface and the lines on it are drawn.
 // Reads the pixel's path up to the surface that the visibility buffer names, and the cells of the grid that it passes, front to back;
 // puts the light of the volume over the colour planes, and adds what it hides to the coverage.
-// Needs: Leg, NONE, Passed, Stretch, UNCHANGED, has_ray, is_dark, item_index, key_layer, key_t, leg_at, leg_count, passed_light,
-//   pixel_key, real, real3, stretch_in, stretch_part, take
+// Provides: grid_direction, grid_place
+// Needs: Leg, NONE, Passed, Stretch, UNCHANGED, has_ray, is_dark, item_index, key_layer, key_t, leg_at, legs_of, passed_light, pixel_key,
+//   real, real3, stretch_in, stretch_part, take
 // Binds: medium, params, planes
 
 // Below and above all t.
@@ -142,12 +143,12 @@ fn volume(
             continue;
         }
         let t_end = select(params.t_max.x, key_t(~won), is_hit && layer == last);
-        let count = leg_count(layer, x, y, t_end);
-        for (var k = 0u; k < count; k++) {
+        let legs = legs_of(layer, x, y, t_end);
+        for (var k = 0u; k < legs.count; k++) {
             if is_dark(passed) {
                 break;
             }
-            passed = through(leg_at(layer, x, y, t_end, k, count), passed);
+            passed = through(leg_at(legs, k), passed);
         }
     }
 

@@ -122,6 +122,10 @@ class Scene:
         """
         Gives an object other vertices.
         """
+    def set_volume(self, /, values: Incomplete | None, table: str, folder: str | PathLike[str]) -> None:
+        """
+        Gives the scene a volume of these numbers (z, y, x) with the keys of a `[volume]` table, or none.
+        """
     @property
     def triangle_count(self, /) -> int: ...
 

@@ -219,6 +219,22 @@ class Scene:
             raise ValueError(f"times: an array of shape (H, W) is needed, not {table.shape}")
         self._native.set_exposure(line_time, line_order, table, shutter)
 
+    def set_volume(self, values: Numbers | None, **keys: Value) -> None:
+        """Gives the scene a volume, in place of one that it has: a grid of numbers in space that glow and absorb light.
+
+        Args:
+            values: (Z, Y, X), as f32; ``None``: the scene then has no volume.
+            keys: the keys of a scene file's ``[volume]`` but those of its file: ``min`` and ``max``, or ``origin`` and ``spacing``;
+                ``transfer``, a list of [value, red, green, blue, extinction]; ``rotate``, ``mode`` and ``lit``.
+
+        Raises:
+            ValueError: a key or a value is wrong, or a number is not finite. The scene is unchanged.
+        """
+        grid = None if values is None else np.ascontiguousarray(values, dtype=np.float32)
+        if grid is not None and grid.ndim != 3:
+            raise ValueError(f"values: an array of shape (Z, Y, X) is needed, not {grid.shape}")
+        self._native.set_volume(grid, table(keys), os.getcwd())
+
     @property
     def camera(self) -> Camera | None:
         """The scene file's camera; ``None`` if the scene has none."""

@@ -226,6 +226,27 @@ impl Scene {
         self.now().projector_light_count()
     }
 
+    /// Gives the scene a volume of these numbers (z, y, x) with the keys of a `[volume]` table, or none.
+    fn set_volume(
+        &self,
+        py: Python<'_>,
+        values: Option<PyReadonlyArray3<'_, f32>>,
+        table: String,
+        folder: PathBuf,
+    ) -> PyResult<()> {
+        let values = values.map(|values| {
+            let shape = values.as_array().raw_dim();
+            ([shape[0], shape[1], shape[2]], values.as_array().iter().copied().collect::<Vec<f32>>())
+        });
+        self.change(py, move |scene| match values {
+            Some((shape, numbers)) => scene.set_volume(shape, numbers, &table, folder),
+            None => {
+                scene.remove_volume();
+                Ok(())
+            }
+        })
+    }
+
     #[getter]
     fn has_camera(&self) -> bool {
         self.now().has_camera()

@@ -281,3 +281,24 @@ def test_spheres_of_arrays(pinhole) -> None:
     ]:
         with pytest.raises(ValueError):
             scene.add_spheres(**wrong)
+
+
+def test_a_volume_of_an_array() -> None:
+    scene = am.Scene()
+    look = {"min": [-1, -1, -1], "max": [1, 1, 1], "transfer": [[0, 1, 1, 1, 0], [1, 1, 0.5, 0, 0.7]]}
+    scene.set_volume(np.ones((2, 3, 4)), **look)
+    camera = am.camera.orthographic(eye=[0, 0, 5], target=[0, 0, 0], height=1)
+    seen = am.render(scene, camera, size=(8, 8), channels=["R", "G", "B", "A"])
+    hidden = 1 - np.exp(-1.4)
+    assert np.allclose(seen["A"], hidden, atol=1 / 512) and np.allclose(seen["G"], hidden / 2, atol=1 / 512)
+    scene.set_volume(None)
+    assert not am.render(scene, camera, size=(8, 8), channels=["A"]).any()
+    for values, keys, says in [
+        (np.ones((2, 2)), look, "an array of shape"),
+        (np.ones((2, 2, 1)), look, "three sides of 2 to 4096"),
+        (np.full((2, 2, 2), np.nan), look, "is NaN"),
+        (np.ones((2, 2, 2)), {**look, "max": [1, -1, 1]}, "above that of min"),
+        (np.ones((2, 2, 2)), {**look, "file": "a.npy"}, "unknown key"),
+    ]:
+        with pytest.raises(ValueError, match=says):
+            scene.set_volume(values, **keys)

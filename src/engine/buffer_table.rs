@@ -139,7 +139,8 @@ pub fn table() -> Vec<BufferSpec> {
         uploaded("shading", size_of::<layout::Shading>(), &[Shade, Resolve, Write]),
         uploaded("style", size_of::<layout::Style>(), &[Shade, Resolve, Outline]),
         uploaded("medium", size_of::<layout::Medium>(), &[Volume]),
-        uploaded("voxels", 4, &[Volume]),
+        // of a volume that is not lit 4
+        uploaded("voxels", 16, &[Volume]),
         uploaded("receiver_triangle_of", 4, &[Gather]),
         uploaded("receiver_triangles", size_of::<layout::ReceiverTriangle>(), &[Gather]),
         uploaded("receivers", size_of::<layout::Receiver>(), &[Gather]),

@@ -162,6 +162,8 @@ impl<'a> Medium<'a> {
 
     /// Through one cell, front to back.
     fn stretch(&self, segment: &Segment, ends: [f64; 2], mut passed: Passed) -> Passed {
+        let middle = segment.point(0.5 * (ends[0] + ends[1]));
+        let steepest = self.steepest(self.to_grid.transform_point3(middle));
         let mut todo = vec![(ends, LEVELS)];
         while let Some(([a, b], levels)) = todo.pop() {
             if passed.left < DARK {
@@ -170,7 +172,7 @@ impl<'a> Medium<'a> {
             let m = 0.5 * (a + b);
             let whole = self.step(segment, [a, b]);
             let halves = self.step(segment, [a, m]).then(&self.step(segment, [m, b]));
-            let has_corner = self.has_corner(segment, [a, b]);
+            let has_corner = self.has_corner(segment, [a, b], steepest);
             let absorbed = self.volume.extinction_max() * (segment.point(b) - segment.point(a)).length();
             let agree = whole.is_near(&halves) && (!has_corner || absorbed <= CORNER);
             if agree || levels == 0 {
@@ -211,15 +213,33 @@ impl<'a> Medium<'a> {
         ([0, 1, 2].map(|k| colour[k] * factor[k]), extinction * segment.direction(t).length())
     }
 
-    /// The step goes from one piece of the transfer function to another.
-    fn has_corner(&self, segment: &Segment, [a, b]: [f64; 2]) -> bool {
-        let piece = |share: f64| {
-            let x = self.to_grid.transform_point3(segment.point(a + share * (b - a)));
-            let value = self.value(x);
-            self.volume.transfer.partition_point(|p| f64::from(p.value) <= value)
+    /// The step may meet a corner of the transfer function: a control point lies between the values at five places, or no farther from
+    /// them than the value can change between two of these.
+    fn has_corner(&self, segment: &Segment, [a, b]: [f64; 2], steepest: DVec3) -> bool {
+        let place = |share: f64| self.to_grid.transform_point3(segment.point(a + share * (b - a)));
+        let places = [0.0, 0.25, 0.5, 0.75, 1.0].map(place);
+        let values = places.map(|x| self.value(x));
+        let (lo, hi) = values.iter().fold((f64::MAX, f64::MIN), |(lo, hi), v| (lo.min(*v), hi.max(*v)));
+        let between = places.windows(2).map(|x| (x[1] - x[0]).abs().dot(steepest)).fold(0.0, f64::max);
+        let (lo, hi) = (lo - between, hi + between);
+        let rounding = ROUNDED * lo.abs().max(hi.abs());
+        let mut corners = self.volume.transfer.iter().map(|p| f64::from(p.value));
+        corners.any(|corner| lo + rounding < corner && corner < hi - rounding)
+    }
+
+    /// How much the value changes at most along each axis of the cell that holds a place, per node.
+    fn steepest(&self, x: DVec3) -> DVec3 {
+        let grid = &self.volume.grid;
+        let cell = [0, 1, 2].map(|axis| x[axis].floor().clamp(0.0, f64::from(grid.sides[axis] - 2)) as u32);
+        let value = |n: u32| {
+            let node = [cell[0] + (n & 1), cell[1] + (n >> 1 & 1), cell[2] + (n >> 2)];
+            f64::from(grid.values[grid.index(node)])
         };
-        let first = piece(0.0);
-        [0.25, 0.5, 0.75, 1.0].iter().any(|share| piece(*share) != first)
+        let along = |bit: u32| {
+            let edges = (0..8).filter(|n| n & bit == 0).map(|n| (value(n | bit) - value(n)).abs());
+            edges.fold(0.0, f64::max)
+        };
+        DVec3::new(along(1), along(2), along(4))
     }
 
     /// The largest value in one cell.
@@ -322,6 +342,9 @@ impl<'a> Medium<'a> {
         (0..normals.len()).into_par_iter().map(lit).collect()
     }
 }
+
+/// Values this near a control point are taken for it, relative to their size: where all nodes have its value, interpolation rounds them.
+const ROUNDED: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// How far outside of the grid its border may be found by rounding, cells.
 const BORDER: f64 = 1e-6;

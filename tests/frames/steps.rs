@@ -13,7 +13,7 @@ use anamorph::internals::engine::stage::{Dispatch, KernelId, Number, Threads};
 use anamorph::internals::engine::steps::{FrameInputs, Step, StepScope, passes, steps};
 use anamorph::internals::engine::{Method, RunOptions};
 use anamorph::internals::gpu::device::AdapterFeatures;
-use anamorph::internals::gpu::kernels::{Access, Kernel, Variant};
+use anamorph::internals::gpu::kernels::{Access, Kernel, Variant, VolumeKind};
 use anamorph::internals::image::frame::Channel;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
@@ -118,6 +118,11 @@ fn cases() -> Vec<Case> {
         }
         if camera.optics.is_none() {
             add("certified", plain, all.clone());
+            for kind in [VolumeKind::Plain, VolumeKind::Lit, VolumeKind::Maximum] {
+                let shown = Channel::every().filter(|c| *c != Channel::Certified).collect();
+                let contents = SceneContents { volume: Some(kind), ..rich };
+                add(&format!("volume, {kind:?}"), contents, Wanted { channels: shown, ..all.clone() });
+            }
         }
         if camera.optics.is_none() && !camera.is_curved() {
             add("samples", plain, Wanted { samples: 4, ..all.clone() });

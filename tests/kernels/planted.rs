@@ -6,6 +6,7 @@ use crate::common::gpu::{engine_on, ids};
 use crate::common::layered;
 use crate::common::needs::skip;
 use crate::common::rng::Rng;
+use crate::common::volumes::{grid, volume};
 use crate::common::{FORWARD, camera, mesh, scene, soup};
 use crate::stages::slab_on_rays;
 use anamorph::internals::camera::Camera;
@@ -21,7 +22,8 @@ use anamorph::internals::reference::image::{image, judge};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
 use anamorph::internals::scene::style::{Line, Outline, Style};
-use glam::{DVec3, Vec2};
+use anamorph::internals::scene::volume::Mode;
+use glam::{DQuat, DVec3, Vec2};
 use half::f16;
 use std::sync::Arc;
 
@@ -313,7 +315,7 @@ enum Dispatching {
 /// A snippet, its text, what is planted, and what notices it.
 type Planted = (&'static str, &'static str, &'static str, Dispatching, Check);
 
-const PLANTED: [Planted; 45] = [
+const PLANTED: [Planted; 55] = [
     ("shared/nearest_bounded.wgsl", "share = 1.0 / across;", "share = 1.0 / abs(across);", Dispatching::Bounded, seen),
     (
         "shared/nearest_bounded.wgsl",
@@ -428,6 +430,59 @@ const PLANTED: [Planted; 45] = [
         Dispatching::ByPair,
         outlined,
     ),
+    // steps ten times too coarse: errors go by their squares; and a hundred times, or none, where bounds are loose
+    ("volume/composite.wgsl", "f32 = 1.0 / 512.0;", "f32 = 100.0 / 512.0;", Dispatching::ByPair, glowing),
+    (
+        "volume/composite.wgsl",
+        "<= medium.corner_rate",
+        "<= 1000000.0 * medium.corner_rate",
+        Dispatching::ByPair,
+        glowing,
+    ),
+    (
+        "volume/curved_legs.wgsl",
+        "0.125 * bend / medium.place_error",
+        "0.0000125 * bend / medium.place_error",
+        Dispatching::ByPair,
+        glowing_along_curves,
+    ),
+    (
+        "volume/maximum.wgsl",
+        "largest + medium.value_error",
+        "largest + 100.0 * medium.value_error",
+        Dispatching::ByPair,
+        largest_within,
+    ),
+    ("volume/cubic.wgsl", "0.45 * next.y", "0.4 * next.y", Dispatching::ByPair, glowing),
+    (
+        "volume/transfer.wgsl",
+        "(value - medium.value[j].x)",
+        "(value - 0.9 * medium.value[j].x)",
+        Dispatching::ByPair,
+        largest_within,
+    ),
+    (
+        "volume/straight_legs.wgsl",
+        "length(vec3<f32>(d)));",
+        "0.98 * length(vec3<f32>(d)));",
+        Dispatching::ByPair,
+        glowing,
+    ),
+    ("volume/unlit.wgsl", "voxels[at + slice + row]", "voxels[at + slice]", Dispatching::ByPair, glowing),
+    (
+        "volume/lit.wgsl",
+        "inner(stretch.g, extinctions)",
+        "inner(stretch.r, extinctions) * 1.05",
+        Dispatching::ByPair,
+        lit_within,
+    ),
+    (
+        "volume.wgsl",
+        "select(params.t_max.x, key_t(~won), is_hit",
+        "select(params.t_max.x, key_t(~won), !is_hit",
+        Dispatching::ByPair,
+        glowing,
+    ),
     ("mip.wgsl", "sum += covered.x * covered.y *", "sum += covered.x *", Dispatching::ByPair, averaged),
     ("paste.wgsl", "texel = vec2<u32>(last) - texel;", "texel = texel;", Dispatching::ByPair, pasted),
     (
@@ -438,6 +493,41 @@ const PLANTED: [Planted; 45] = [
         pasted,
     ),
 ];
+
+/// Random numbers in a few large cells, through which everything changes much.
+fn clouded(engine: &mut Engine, camera: &Camera, mode: Mode, is_lit: bool) -> Result<(), String> {
+    let rng = std::cell::RefCell::new(Rng(4));
+    let noise = grid([4, 3, 4], DQuat::from_rotation_y(0.4), |_| rng.borrow_mut().unit());
+    let points = [[0.1, 0.0, 0.2, 1.0, 0.0], [0.5, 1.0, 0.1, 0.0, 5.0], [0.9, 0.1, 1.0, 0.3, 1.0]];
+    let seen_through = Some(volume(noise, &points, mode, is_lit));
+    let scene = Scene { volume: seen_through, lights: vec![Light::distant(DVec3::new(-1.0, -2.0, -0.5))], ..crowd() };
+    let channels = [Channel::R, Channel::G, Channel::B, Channel::A, Channel::TriangleId];
+    let seen = frame(engine, &scene, camera, &centres(&channels)).frame;
+    let truth = image(&scene, camera, &channels);
+    let same = |k: &usize| ids(&seen)[*k] == ids(&truth)[*k];
+    let off = |channel: &Channel| {
+        let (a, b) = (seen.f32(*channel).unwrap(), truth.f32(*channel).unwrap());
+        (0..a.len()).filter(same).map(|k| (a[k] - b[k]).abs()).fold(0.0, f32::max)
+    };
+    let worst = channels[..4].iter().map(off).fold(0.0, f32::max);
+    demand(worst <= 1.0 / 512.0, &format!("colours are off by {worst}"))
+}
+
+fn glowing(engine: &mut Engine) -> Result<(), String> {
+    clouded(engine, &eye(), Mode::Composite, false)
+}
+
+fn glowing_along_curves(engine: &mut Engine) -> Result<(), String> {
+    clouded(engine, &layered::wavy(3, 2.0, false, SIZE), Mode::Composite, false)
+}
+
+fn lit_within(engine: &mut Engine) -> Result<(), String> {
+    clouded(engine, &eye(), Mode::Composite, true)
+}
+
+fn largest_within(engine: &mut Engine) -> Result<(), String> {
+    clouded(engine, &eye(), Mode::Maximum, false)
+}
 
 /// An engine whose kernels have this in place of a snippet; `None` where the adapter has not what it takes.
 fn engine(by: Dispatching, replaced: Option<&'static Snippet>) -> Option<Engine> {

@@ -1,5 +1,5 @@
 // What a stretch of a ray within a cell adds to the light that comes through to the viewer, where the volume sends out and absorbs light.
-// Provides: Passed, Taken, UNCHANGED, is_dark, passed_light, take
+// Provides: Passed, UNCHANGED, is_dark, passed_light, take
 // Needs: Stretch, colour_error, colour_of, inner, least, look, mean, most, piece_of, stretch_part
 // Binds: medium
 

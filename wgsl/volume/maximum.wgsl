@@ -1,6 +1,6 @@
 // The largest value along a ray.
-// Provides: Passed, Taken, UNCHANGED, is_dark, passed_light, take
-// Needs: Stretch, least, look, most, piece_of
+// Provides: Passed, UNCHANGED, is_dark, passed_light, take
+// Needs: Stretch, look, most, piece_of
 // Binds: medium
 
 struct Passed {
