@@ -2,7 +2,7 @@
 // Reads the pixel's ray, how it changes along a direction, and the corners of its triangle; writes to `changes`, for each direction, the
 // changes of t, Z, the position (3) and the weights (3), 0 where nothing is hit. The hit stays in the triangle's plane, so that all
 // follow from the change of t.
-// Needs: GradientParams, NONE, corner, corner_rate, item_index, ray_rate, ray_vector, real, real3, side
+// Needs: NONE, corner, corner_rate, item_index, ray_rate, ray_vector, real3, side
 // Binds: changes, gradient_params, slots
 
 const HIT_NUMBERS: u32 = 8u;

@@ -2,7 +2,7 @@
 // Reads the rays of a pixel and of the four around it, how the pixel's own changes along a direction, and their triangles; finds the
 // nearest edge at which a triangle ends between two of them. Writes to `edges` the coverage of the triangle, its slot, and the
 // pixels inside and outside; and to `changes`, for each direction, the change of the coverage.
-// Needs: GradientParams, NONE, corner, corner_rate, item_index, ray_rate, ray_vector, real, real3, side
+// Needs: NONE, corner, corner_rate, item_index, ray_rate, ray_vector, real, real3, side
 // Binds: changes, edges, gradient_params, slots
 
 // An edge of a triangle between two pixels.

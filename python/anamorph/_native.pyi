@@ -57,6 +57,10 @@ class Renderer:
         """
         The adapter's name; `None`: the reference renders.
         """
+    def gradients(self, /, scene: Scene, camera: Camera, quantities: SupportsGetItem[int, str], of: SupportsGetItem[int, str]) -> tuple[list[tuple[str, Any]], list[tuple[str, float, float, float, float]]]:
+        """
+        Arrays of gradients by their names; and of each number of the camera its name, value, step, and errors of origins and directions.
+        """
     def render(self, /, scene: Scene, camera: Camera, names: SupportsGetItem[int, str], color: bool, samples: SupportsIndex, analytic: bool) -> tuple[list[tuple[str, Any]], Incomplete | None, str]:
         """
         The planes of the channels, 8-bit sRGB colour (H, W, 4) where it is wanted, and the report as JSON.

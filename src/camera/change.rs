@@ -101,8 +101,9 @@ fn put(numbers: &mut [f64], p: DVec3, d: DVec3) {
     numbers[3..].copy_from_slice(&d.to_array());
 }
 
-/// Directions turn by about so much between the two ends of the largest step, radians: the sixth power of a quarter of it is 2^-48.
-const TURN: f64 = 1.0 / 64.0;
+/// Directions turn by about so much between the two ends of the largest step, radians. What is left is of the sixth power of a part of it, and below
+/// the rounding of rays over the step.
+const TURN: f64 = 1.0 / 256.0;
 
 /// Steps that are tried before a camera is given up, each at least half the one before; and by how much a step may grow at once.
 const TRIES: usize = 64;

@@ -127,11 +127,6 @@ pub const REFUSALS: &[Refusal] = {
         refusal(&[Gradients, CameraInMotion], "gradients are of a camera that stands still", MOVES),
         refusal(&[Gradients, Rival], "{rival} has no gradients", "use --engine compute"),
         refusal(
-            &[CoverageGradients, Incoherent],
-            "gradients of coverage compare neighbouring pixels, whose rays are unrelated in {camera}",
-            "leave coverage out of the gradients",
-        ),
-        refusal(
             &[CoverageGradients, AlphaMasks],
             "gradients of coverage are of edges of triangles, not of alpha masks",
             "leave coverage out of the gradients",
