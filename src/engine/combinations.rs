@@ -50,6 +50,7 @@ features! {
     Shadows, "shadows or ambient occlusion";
     Pictures, "pictures thrown onto surfaces";
     Curves, "curved rays, or layers of rays";
+    Layers, "several layers of pieces";
     Optics, "a mirror or lens";
     Bounces, "a mirror or lens without an atlas";
     Atlas, "a mirror or lens with an atlas";
@@ -122,6 +123,12 @@ pub const REFUSALS: &[Refusal] = {
             "{camera} has curved or layered rays, which have no gradients",
             WITHOUT_GRADIENTS,
         ),
+        refusal(
+            &[Gradients, Layers],
+            "{camera} has several layers of rays, which have no gradients",
+            WITHOUT_GRADIENTS,
+        ),
+        refusal(&[Gradients, Spheres], "gradients are of triangles alone", WITHOUT_GRADIENTS),
         refusal(&[Gradients, Optics], "{camera} reflects or refracts rays, which have no gradients", WITHOUT_GRADIENTS),
         refusal(&[Gradients, Timed], "gradients are of one time", MOVES),
         refusal(&[Gradients, CameraInMotion], "gradients are of a camera that stands still", MOVES),
@@ -280,6 +287,7 @@ impl Feature {
             }
             Feature::Pictures => !scene.projector_lights.is_empty(),
             Feature::Curves => matches!(kind(camera), RaysKind::Curves { .. }),
+            Feature::Layers => camera.layers.len() > 1 && kind(camera) == RaysKind::Pieces,
             Feature::Optics => camera.optics.is_some(),
             Feature::Bounces => camera.optics.as_ref().is_some_and(|o| o.atlas.is_none()),
             Feature::Atlas => camera.optics.as_ref().is_some_and(|o| o.atlas.is_some()),

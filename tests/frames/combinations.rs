@@ -120,6 +120,7 @@ impl Case {
         let few = features.iter().any(|f| matches!(f, NoSamples | OneSample));
         let counts = [many, features.contains(&NoSamples), features.contains(&OneSample)];
         let kinds = [
+            Feature::Layers,
             Feature::Curves,
             Feature::Incoherent,
             Feature::Atlas,
@@ -177,6 +178,7 @@ impl Case {
             Feature::AlphaMasks => mask(&mut self.scene),
             Feature::Shadows => self.scene.ambient_occlusion = Some(AmbientOcclusion { rays: 4, reach: 1.0 }),
             Feature::Pictures => self.scene.projector_lights = vec![picture()],
+            Feature::Layers => self.camera = layered::chain(8, 2, (3, 2), Default::default(), SIZE),
             Feature::Curves => self.camera = layered::wavy(2, 0.5, false, SIZE),
             Feature::Optics | Feature::Bounces => {
                 self.camera = camera_of("", SIZE, MIRROR).unwrap();

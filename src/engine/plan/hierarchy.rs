@@ -388,7 +388,6 @@ mod tests {
             projector_lights: Vec::new(),
             volume: None,
             ambient_occlusion: None,
-            volume: None,
             style: Default::default(),
             sky: None,
             background: [0.0; 3],
