@@ -3,7 +3,8 @@
     python fit_fisheye.py
 
 Every step compares the image with a rendered one and follows the gradients of its edges (Levenberg and Marquardt). Edges pull only as far as a
-pixel, so that it begins with small images, in which all are near.
+pixel, so that it begins with small images, in which all are near. The image has 64 rays a pixel, whose mean differs a little from the
+coverage that the gradients are of: the lens is found to about a tenth of a pixel of the last size.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ def squares() -> am.Scene:
 
 def lens(values: np.ndarray, folder: pathlib.Path) -> am.Camera:
     """The camera with these focal lengths and coefficients."""
-    fx, fy, *k = values
+    fx, fy, *k = values.tolist()
     centre = (SIDE - 1) / 2
     matrix = f"{fx!r}, 0., {centre}, 0., {fy!r}, {centre}, 0., 0., 1."
     (folder / "lens.yml").write_text(
@@ -91,7 +92,7 @@ def fit(photo: np.ndarray, values: np.ndarray, scene: am.Scene, folder: pathlib.
             damping /= 10
         else:
             damping *= 10
-        if np.abs(step / values).max() < 1e-9:
+        if damping > 1e6 or np.abs(step / values).max() < 1e-6:
             break
     return values
 

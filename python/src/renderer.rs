@@ -73,8 +73,8 @@ impl Renderer {
     ) -> PyResult<(Vec<(String, Bound<'py, PyAny>)>, Vec<(String, f64, f64, f64, f64)>)> {
         let (renderer, scene, camera) = (self.renderer.clone(), scene.now(), camera.camera.clone());
         let found = run(py, move || {
-            let names = |list: &'_ [String]| list.iter().map(String::as_str).collect::<Vec<_>>();
-            lock(&renderer)?.gradients(&scene, &camera, &names(&quantities), &names(&of))
+            let [quantities, of] = [&quantities, &of].map(|names| names.iter().map(String::as_str).collect::<Vec<_>>());
+            lock(&renderer)?.gradients(&scene, &camera, &quantities, &of)
         })?;
         let array = |array: anamorph::GradientArray| {
             let numbers = match array.numbers {
