@@ -370,7 +370,7 @@ const PLANTED: [Planted; 55] = [
     ("sort.wgsl", "+ ranks[index]]", "+ ranks[index] / 2u]", Dispatching::ByTile, sampled),
     (
         "recheck.wgsl",
-        "merge_hits(cell, slot, triangle, whole, v, own);",
+        "merge_hits(cell, slot, triangle, whole, v, bit_mask(bit));",
         "merge_hits(cell, slot, triangle, whole, v, bit_mask(0u));",
         Dispatching::ByPair,
         no_holes_at_centres,

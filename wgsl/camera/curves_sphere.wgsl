@@ -120,28 +120,37 @@ struct Crossing {
     is_there: bool,
 }
 
-// Steps towards a root at most: near one they are Newton's.
+// Steps towards a root at most; most take four.
 const CLIP_STEPS: u32 = 64u;
 
-// Past a root that does not count, the share of what is left at which it goes on.
+// Past a root that does not count, the share of the span behind which it goes on.
 const PAST: real = 1.0 / 16777216.0;
 
-// The steepest way, for a step of a sixth, from the first coefficient to one on the other side of 0; 0: all are on one side.
+// The steepest way, for a step of a sixth, from the first coefficient to another, where some are on the other side of 0; else 0.
 fn steepest(p: Sextic, side: real) -> real {
-    let one = max(way_to(p, 1u, side), max(way_to(p, 2u, side), way_to(p, 3u, side)));
-    return max(one, max(way_to(p, 4u, side), max(way_to(p, 5u, side), way_to(p, 6u, side))));
+    let ways = max(way_to(p, 1u, side), max(way_to(p, 2u, side), way_to(p, 3u, side)));
+    let least = min(side * p.b[1], min(side * p.b[2], side * p.b[3]));
+    let farther = min(side * p.b[4], min(side * p.b[5], side * p.b[6]));
+    let steep = max(ways, max(way_to(p, 4u, side), max(way_to(p, 5u, side), way_to(p, 6u, side))));
+    return select(0.0, steep, min(least, farther) < 0.0);
 }
 
 fn way_to(p: Sextic, k: u32, side: real) -> real {
-    return select(0.0, side * (p.b[0] - p.b[k]) / real(f32(k)), side * p.b[k] < 0.0);
+    return side * (p.b[0] - p.b[k]) / real(f32(k));
+}
+
+// Of [0, 1], the part between two t.
+fn over_part(p: Sextic, from_t: real, to_t: real) -> Sextic {
+    return in_front(behind(p, from_t), (to_t - from_t) / (1.0 - from_t));
 }
 
 // The first root where the sphere is entered, or left and its back seen. A root within rounding of an end counts as on it, as the next span
-// or layer begins there. The graph of a polynomial lies in the hull of its coefficients: before the steepest way to one of these comes
-// to 0 there is no root. So the interval loses its front, and what lies behind a first change of sign; where rounding says that it has
-// lost the root too, that is there.
+// or layer begins there. The graph of a polynomial lies in the hull of its coefficients, and so does not come to 0 before the steepest
+// line from its start to one of these does: up to there the interval is cut off; where rounding says that this has cut off the root too, it
+// is there. Then a part in front is looked at: if its ends have different signs, the rest is cut off, and if it keeps off 0, it is itself;
+// else a smaller one is looked at next.
 fn first_crossing(h: Height, from_t: real, to_t: real, two_sided: bool) -> Crossing {
-    var p = in_front(behind(h.p, from_t), (to_t - from_t) / (1.0 - from_t));
+    var p = over_part(h.p, from_t, to_t);
     if abs(p.b[0]) <= h.zero && (two_sided || p.b[1] < p.b[0]) {
         return Crossing(from_t, true);
     }
@@ -149,27 +158,41 @@ fn first_crossing(h: Height, from_t: real, to_t: real, two_sided: bool) -> Cross
     var lo = from_t;
     var hi = to_t;
     var side = select(real(-1.0), real(1.0), p.b[0] > 0.0);
+    var reach = real(0.5);
     for (var k = 0u; k < CLIP_STEPS; k++) {
         let steep = steepest(p, side);
         let is_there = side * p.b[0] <= 0.0;
         if steep == 0.0 && !is_there {
             break;
         }
-        var share = select(side * p.b[0] / (6.0 * steep), 0.0, is_there);
-        let is_close = share * (hi - lo) <= REAL_UNIT;
-        if is_close && (side > 0.0 || two_sided) {
-            return Crossing(lo + share * (hi - lo), true);
-        }
-        share = select(share, min(2.0 * share + PAST, 0.5), is_close);
-        p = behind(p, share);
+        let share = select(side * p.b[0] / (6.0 * steep), 0.0, is_there);
         lo += share * (hi - lo);
-        side = select(side, select(real(-1.0), real(1.0), p.b[0] > 0.0), is_close);
-        // as far again, and as much
-        let ahead = min(2.0 * share / (1.0 - share), 0.5);
-        let front = in_front(p, ahead);
+        if share * (hi - lo) <= REAL_UNIT {
+            if side > 0.0 || two_sided {
+                return Crossing(lo, true);
+            }
+            lo += PAST * (to_t - from_t);
+            hi = to_t;
+            if lo >= to_t {
+                break;
+            }
+            p = over_part(h.p, lo, to_t);
+            side = select(real(-1.0), real(1.0), p.b[0] > 0.0);
+            reach = 0.5;
+            continue;
+        }
+        p = behind(p, share);
+        let front = in_front(p, reach);
         if side * front.b[6] < 0.0 {
             p = front;
-            hi = lo + ahead * (hi - lo);
+            hi = lo + reach * (hi - lo);
+            reach = 0.5;
+        } else if steepest(front, side) == 0.0 {
+            p = behind(p, reach);
+            lo += reach * (hi - lo);
+            reach = 0.5;
+        } else {
+            reach *= 0.5;
         }
     }
     return Crossing(to_t, is_at_end);
