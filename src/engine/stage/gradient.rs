@@ -208,12 +208,12 @@ fn finite(rays: &[PixelRay]) -> Vec<PixelRay> {
 /// NaN for changes of pixels whose ray has no derivative.
 fn mark_unknown(rates: &[PixelRay], first: usize, pixels: usize, (seen, all): (&Seen, &mut Changes)) {
     let is_unknown = |rate: &[f64]| rate.iter().any(|n| n.is_nan());
-    for pixel in first..first + pixels {
-        if seen.ids[pixel] != NONE && is_unknown(&rates[pixel][..6]) {
+    for (pixel, rate) in rates.iter().enumerate().skip(first).take(pixels) {
+        if seen.ids[pixel] != NONE && is_unknown(&rate[..6]) {
             all.hits[HIT_NUMBERS * pixel..][..HIT_NUMBERS].fill(f32::NAN);
         }
         let coverage = all.edges.coverage.get(pixel).copied().unwrap_or(1.0);
-        if coverage > 0.0 && coverage < 1.0 && is_unknown(&rates[pixel]) {
+        if coverage > 0.0 && coverage < 1.0 && is_unknown(rate) {
             all.coverage[pixel] = f32::NAN;
         }
     }
