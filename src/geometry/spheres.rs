@@ -18,10 +18,12 @@ pub struct SpheresSpec {
     pub colors: Option<ColorsSpec>,
 }
 
+/// A centre, and a radius if one is given.
+type Given = (DVec3, Option<f64>);
+
 #[derive(Debug, Clone, PartialEq)]
 pub enum SpheresSource {
-    /// Centres, and the radius of each if one is given.
-    Given(Arc<[(DVec3, Option<f64>)]>),
+    Given(Arc<[Given]>),
     /// A .ply, .npy, .csv, .txt or .xyz file, already relative to the working directory.
     File(PathBuf),
 }
@@ -69,7 +71,7 @@ pub(super) fn read(table: &Table) -> Result<SpheresSpec> {
     Ok(SpheresSpec { source, radius, colors: table.optional("colors", colors)? })
 }
 
-fn read_centers(field: &Field) -> Result<Arc<[(DVec3, Option<f64>)]>> {
+fn read_centers(field: &Field) -> Result<Arc<[Given]>> {
     let one = |item: Field| {
         let expected = "a centre, as [x, y, z], or a centre and a radius, as [x, y, z, r]";
         let numbers: Vec<Field> = item.items(expected)?.collect();
@@ -119,8 +121,8 @@ impl SpheresSpec {
 }
 
 /// Of a list all have a radius of their own, or the default.
-fn given(list: &[(DVec3, Option<f64>)], default: Option<f64>) -> Result<Points> {
-    let radius = |(k, (_, own)): (usize, &(DVec3, Option<f64>))| {
+fn given(list: &[Given], default: Option<f64>) -> Result<Points> {
+    let radius = |(k, (_, own)): (usize, &Given)| {
         own.or(default).ok_or_else(|| {
             Error::input(format!("spheres: center {k} has no radius; add radius = 0.1, or a fourth number"))
         })

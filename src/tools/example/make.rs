@@ -211,7 +211,7 @@ pub fn helix() -> Vec<(&'static str, Part)> {
         let base = (k * k + 3 * k / 2) % BASES.len();
         for (strand, color) in STRANDS.into_iter().enumerate() {
             let on_strand = |j: usize| place(k as f64 + j as f64 / STRAND_ATOMS as f64, strand);
-            let radius = |j: usize| if j % 2 == 0 { 0.17 } else { 0.12 };
+            let radius = |j: usize| if j.is_multiple_of(2) { 0.17 } else { 0.12 };
             atoms.extend((0..STRAND_ATOMS).map(|j| (on_strand(j), radius(j), color)));
         }
         let ends = [place(k as f64, 0), place(k as f64, 1)];
