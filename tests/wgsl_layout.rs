@@ -382,7 +382,7 @@ fn host_constants() -> Constants {
 }
 
 /// Constants of `layout` that the kernels declare in another file than `params.wgsl`, or in another form.
-const DECLARED_ELSEWHERE: [&str; 5] = ["CULL_QUEUES", "ID_BITS_MAX", "ID_MASK", "ORDER_SHIFT", "ONE_SIDED"];
+const DECLARED_ELSEWHERE: [&str; 6] = ["CULL_QUEUES", "ID_BITS_MAX", "ID_MASK", "ORDER_SHIFT", "ONE_SIDED", "SPHERE"];
 
 /// What two maps do not agree on, one line each, missing keys on either side included.
 fn differences<V: PartialEq + std::fmt::Debug>(a: &BTreeMap<String, V>, b: &BTreeMap<String, V>) -> Vec<String> {

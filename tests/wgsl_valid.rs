@@ -183,9 +183,13 @@ fn every_kernel_is_valid_and_portable() {
     // and where there is a volume of each of three kinds: cameras of pieces, a field and curves, with rivals each; the first two by tile, and
     // the first with small
     let volumes = 4 * (3 * 2 * (3 + 1 + 1 + 4) + 3 * (3 + 1 + 4)) + 2 * 2 * 3 * 2 + 2 * 3 * 2;
+    // and where optics are seen along layers: of pieces and of other straight rays, before four kinds of optics, three of them smooth; and along
+    // curves of degree 2 and 3, before facets
+    let layered_optics = 4 * ((4 * 5 + 3) + (4 * 4 + 3) + 2 * 4);
     // what an adapter is tested with, and two kernels of gradients
     let alone = 1 + 2;
-    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + pictures + spheres + volumes + alone);
+    let more = pictures + spheres + volumes + layered_optics + alone;
+    assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + more);
 }
 
 /// It has the kernel's name and the common workgroup.

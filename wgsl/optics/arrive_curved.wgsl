@@ -1,5 +1,5 @@
 // How a curve arrives at a facet: along its tangent there (Brosz et al. 2007, section 6.1).
-// Provides: Arrival, arrival_at
+// Provides: arrival_at
 // Needs: curve_length, curve_point, curve_tangent, facet_place, facet_weights, pixel_curve, real, real3
 
 // A line p + s d along which a curve meets a facet, and the length of the curve before p.

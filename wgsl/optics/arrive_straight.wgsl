@@ -1,5 +1,5 @@
 // How a straight ray arrives at a surface.
-// Provides: Arrival, arrival_at
+// Provides: arrival_at
 // Needs: ray_bundle, real3
 
 // A line p + s d along which a ray meets a surface, and the length of the ray before p.
