@@ -1420,7 +1420,7 @@ def reflection(
 ) -> Camera:
     """A camera that looks at a mirror and at the scene in it.
 
-      eye      {...}      the camera that looks: any kind with one straight ray per pixel, its own keys in a table
+      eye      {...}      the camera that looks: any kind but these two, its own keys in a table. Curved rays meet facets only
       mirror   {...}      the surface, see below
       facets   "exact"    the surface itself, where it is a shape (default there)
                "normals"  facets with normals interpolated between their corners (default for a mesh)
@@ -1457,7 +1457,7 @@ def reflection(
     looks up the points of the copy found for the corners, all as in the paper.
 
     A ray P + t D of the eye whose first hit is the surface goes on from there, D' = d - 2 (d . n) n with d = D / |D| and the normal n;
-    both faces reflect. n is the surface's own; or the sum of the corners' normals with the barycentric weights of the place on the
+    both faces reflect. A curve goes on as its tangent, D = X'(t); of several layers the one with the hit counts (Brosz et al., 6.1). n is the surface's own; or the sum of the corners' normals with the barycentric weights of the place on the
     facet (Hou et al., section 3.1). If this normal, or one tilted by roughness, sends D' through the surface, the surface's plane reflects
     it again. With flat facets D' is the weighted sum of the corners' reflected rays, scaled to one height over the facet (Yu et al.,
     section 5.2), or to unit length where one of them leaves it at less than 1/64.
@@ -1488,7 +1488,7 @@ def refraction(
 ) -> Camera:
     """A camera that looks at a lens and at the scene through it.
 
-      eye      {...}      the camera that looks: any kind with one straight ray per pixel, its own keys in a table
+      eye      {...}      the camera that looks: any kind but these two, its own keys in a table. Curved rays meet facets only
       lens     {...}      the surface, as the mirror of reflection: see anamorph camera --help reflection
       ior      n          index of refraction inside the surface; outside it is 1
       facets_error  px    as for reflection

@@ -292,7 +292,7 @@ def test_a_volume_of_an_array() -> None:
     hidden = 1 - np.exp(-1.4)
     assert np.allclose(seen["A"], hidden, atol=1 / 512) and np.allclose(seen["G"], hidden / 2, atol=1 / 512)
     scene.set_volume(None)
-    assert not am.render(scene, camera, size=(8, 8), channels=["A"]).any()
+    assert not am.render(scene, camera, size=(8, 8), channels=["A"])["A"].any()
     for values, keys, says in [
         (np.ones((2, 2)), look, "an array of shape"),
         (np.ones((2, 2, 1)), look, "three sides of 2 to 4096"),
