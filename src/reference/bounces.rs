@@ -125,8 +125,8 @@ impl Reference<'_> {
         let mut meetings: Vec<Meeting> = Vec::new();
         // of t through all layers
         let mut limit = f64::INFINITY;
-        for layer in from..segments.len() {
-            let Some((piece, segment)) = &segments[layer] else { continue };
+        for (layer, of_layer) in segments.iter().enumerate().skip(from) {
+            let Some((piece, segment)) = of_layer else { continue };
             let base = if bounced { 0.0 } else { layer as f64 };
             let [t0, t1] = if bounced { [0.0, f64::INFINITY] } else { outcome.path.range(layer) };
             let range = [t0, t1.min(limit - base)];
