@@ -164,7 +164,7 @@ fn curves_are_reflected_as_their_tangents() {
             let length: f64 = (0..steps).map(|n| (at(n + 1) - at(n)).length()).sum();
             assert!((Segment::Curved(to_floor).length(1.0) - length).abs() < 1e-7 * length);
         }
-        assert!(met > 100, "{met}");
+        assert!(met > 50, "{met}");
     }
 }
 
@@ -227,7 +227,7 @@ const EYES: [&str; 9] = [
     r#"kind = "street", from = [-2.1, 0.2, 5], to = [1.9, 0.2, 5], facade = 4, far = 10, views = [{ at = 0.5, width = 0.5 }]"#,
     r#"kind = "top_down", eye = [0.3, 3, 7], target = [0, 0, 0], vfov = 42, foreground = true, regions = [{ rect = [0.3, 0.3, 0.7, 0.7], eye = [0, 4, 5] }]"#,
     r#"kind = "composite", cameras = [
-    { camera = { kind = "pinhole", eye = [0.3, 1.1, 6], vfov = 42 }, region = { rect = [0, 0, 0.5, 1] } },
+    { camera = { kind = "pinhole", eye = [0.3, 1.1, 6], target = [0, 0, 0], vfov = 42 }, region = { rect = [0, 0, 0.5, 1] } },
     { camera = { kind = "twist", eye = [0.3, 1.1, 6], vfov = 42, degree = 3, angle = 60 }, region = { rect = [0.5, 0, 1, 1] } }]"#,
 ];
 
