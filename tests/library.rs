@@ -535,7 +535,7 @@ fn gradients_are_arrays_by_their_names() {
     assert!(refused(&["depth"], &["vfov"]).contains("camera.vfov"));
     assert!(refused(&["depth"], &["camera.fov"]).contains("it has eye.0, eye.1, eye.2, target.0"));
     let rays = vec![[0.0, 0.0, 1.0]; 4];
-    let of_rays = Camera::of_rays((2, 2), &rays, &vec![[0.0, 0.0, -1.0]; 4], [0.0, 9.0]).unwrap();
+    let of_rays = Camera::of_rays((2, 2), &rays, &[[0.0, 0.0, -1.0]; 4], [0.0, 9.0]).unwrap();
     assert!(renderer.gradients(&scene, &of_rays, &["t"], &["vertices"]).is_ok());
     assert!(
         renderer.gradients(&scene, &of_rays, &["t"], &["camera.x"]).unwrap_err().to_string().contains("has no keys")

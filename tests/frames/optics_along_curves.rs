@@ -217,7 +217,7 @@ fn layers_of_straight_rays_see_what_one_layer_sees() {
 }
 
 /// Kinds of a scene file whose rays are curved or layered.
-const EYES: [&str; 9] = [
+const EYES: [&str; 8] = [
     r#"kind = "curved_convergence", eye = [0.3, 1.1, 6], vfov = 42, near = 2, far = 14, bend = [0.3, 0.1]"#,
     r#"kind = "occlusion", eye = [0.3, 1.1, 6], vfov = 42, near = 4, far = 8"#,
     r#"kind = "occlusion", eye = [0.3, 1.1, 6], vfov = 42, near = 4, far = 8, join = "bezier""#,
@@ -226,9 +226,6 @@ const EYES: [&str; 9] = [
     r#"kind = "ortho_to_perspective", eye = [0.3, 1.1, 6], vfov = 30"#,
     r#"kind = "street", from = [-2.1, 0.2, 5], to = [1.9, 0.2, 5], facade = 4, far = 10, views = [{ at = 0.5, width = 0.5 }]"#,
     r#"kind = "top_down", eye = [0.3, 3, 7], target = [0, 0, 0], vfov = 42, foreground = true, regions = [{ rect = [0.3, 0.3, 0.7, 0.7], eye = [0, 4, 5] }]"#,
-    r#"kind = "composite", cameras = [
-    { camera = { kind = "pinhole", eye = [0.3, 1.1, 6], target = [0, 0, 0], vfov = 42 }, region = { rect = [0, 0, 0.5, 1] } },
-    { camera = { kind = "twist", eye = [0.3, 1.1, 6], vfov = 42, degree = 3, angle = 60 }, region = { rect = [0.5, 0, 1, 1] } }]"#,
 ];
 
 /// A mirror in a scene file, with a floor and things around it.

@@ -71,7 +71,8 @@ fn image(renderer: &mut Renderer, scene: &Scene, camera: &Camera) -> (Vec<f64>, 
 fn solved(mut m: [[f64; 4]; 4], mut b: Numbers) -> Numbers {
     for k in 0..4 {
         let largest = (k..4).max_by(|i, j| m[*i][k].abs().total_cmp(&m[*j][k].abs())).unwrap();
-        (m.swap(k, largest), b.swap(k, largest));
+        m.swap(k, largest);
+        b.swap(k, largest);
         for i in (0..4).filter(|i| *i != k) {
             let share = m[i][k] / m[k][k];
             (0..4).for_each(|n| m[i][n] -= share * m[k][n]);
