@@ -388,6 +388,7 @@ fn what_is_left_out_is_said() {
             "separate bounds per cell",
             "bounce, fit and meet",
             "bands",
+            "volume",
             "time steps",
             "second depth dispatch"
         ]
