@@ -48,8 +48,10 @@ fn before(optics: Optics, camera: Camera) -> Camera {
     Camera { optics: Some(Arc::new(optics)), ..camera }
 }
 
+type Named = Vec<(String, Camera)>;
+
 /// Eyes of several layers of straight rays, and curved ones.
-fn eyes() -> (Vec<(String, Camera)>, Vec<(String, Camera)>) {
+fn eyes() -> (Named, Named) {
     let plain = MeshShape::default();
     let chain = |layers, shape| layered::chain(8, layers, (5, 4), shape, SIZE);
     let straight = vec![
@@ -66,7 +68,7 @@ fn eyes() -> (Vec<(String, Camera)>, Vec<(String, Camera)>) {
 }
 
 /// Mirrors and lenses before each eye, with their names.
-fn cases() -> Vec<(String, Camera)> {
+fn cases() -> Named {
     let (straight, curved) = eyes();
     let glass = Bounce::Refract { ior: 1.5 };
     let mut list = Vec::new();
