@@ -99,7 +99,7 @@ fn show() -> Throw {
 #[test]
 fn a_wall_shows_the_picture_where_its_camera_saw_it() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
-    let texels = picture((8, 6), |a, b| [a, b, if (8.0 * a) as u32 % 2 == 0 { 1.0 } else { 0.0 }]);
+    let texels = picture((8, 6), |a, b| [a, b, if ((8.0 * a) as u32).is_multiple_of(2) { 1.0 } else { 0.0 }]);
     let scene = with(&scene_of(WALL), vec![thrown(BEFORE, &texels, show())]);
     let camera = scene.camera().unwrap();
     let exact = Texture { wrap: [Wrap::Clamp; 2], ..Texture::new(texels) };

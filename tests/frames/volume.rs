@@ -287,12 +287,10 @@ fn a_volume_far_away_looks_the_same() {
 #[test]
 fn adapters_without_f64_agree_with_the_reference() {
     let scene = scene_of(volume(grid([17, 15, 13], DQuat::IDENTITY, bumps), &SHELLS, Mode::Composite, false));
-    for name in ["pinhole", "curves of degree 2, bent by 0.5"] {
-        let camera = cameras().into_iter().find(|c| c.0 == name).unwrap().1;
-        let Some(seen) = render_with(&scene, &camera, Without::F64, &RunOptions::default()) else { return };
-        let error = largest_difference(&seen.frame, &image(&scene, &camera, &wanted().channels));
-        assert!(error <= ERROR, "{name}: {error}");
-    }
+    let camera = cameras().into_iter().find(|c| c.0 == "pinhole").unwrap().1;
+    let Some(seen) = render_with(&scene, &camera, Without::F64, &RunOptions::default()) else { return };
+    let error = largest_difference(&seen.frame, &image(&scene, &camera, &wanted().channels));
+    assert!(error <= ERROR, "{error}");
 }
 
 /// Many samples a pixel are frames whose volumes are averaged too: `at_once` says that one frame does not take them.
