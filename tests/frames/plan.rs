@@ -363,6 +363,7 @@ fn what_is_left_out_is_said() {
             has_gloss: true,
             has_sky: true,
             has_shadows: true,
+            has_pictures: true,
             has_style: true,
             has_outlines: true,
             ..of(9)
@@ -388,6 +389,7 @@ fn what_is_left_out_is_said() {
             "separate bounds per cell",
             "bounce, fit and meet",
             "bands",
+            "spheres",
             "volume",
             "time steps",
             "second depth dispatch"
@@ -411,6 +413,7 @@ fn what_is_left_out_is_said() {
         "gloss",
         "sky",
         "shadows",
+        "pictures",
         "styles",
         "outline",
         "write",

@@ -497,6 +497,9 @@ fn left_out(
     if !absent.is_empty() {
         say("channels", format!("not asked for: {}", absent.join(", ")));
     }
+    if !contents.has_spheres {
+        say("spheres", "the scene has none".into());
+    }
     if !contents.has_normals {
         say("smooth normals", "the scene has none".into());
     }
@@ -516,6 +519,9 @@ fn left_out(
     }
     if !contents.has_shadows {
         say("shadows", "no light casts shadows".into());
+    }
+    if !contents.has_pictures {
+        say("pictures", "no projector light throws one onto surfaces".into());
     }
     if !contents.has_style {
         say("styles", "no patterns, wires or strokes are drawn on surfaces".into());
