@@ -11,6 +11,7 @@ use crate::gpu::buffers::PendingRead;
 use crate::image::frame::{Channel, Frame, NO_ID, Plane, normalised_depth};
 use crate::input::Result;
 use crate::scene::labels::Labels;
+use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -168,9 +169,11 @@ impl FrameLayout {
     /// Pieces of a composite are its cameras.
     fn number_pieces(&self, pieces: &mut [u32]) {
         let (width, first) = (self.camera.width, self.wanted.rows.map_or(0, |rows| rows.first));
-        for (piece, k) in pieces.iter_mut().zip(0..) {
+        pieces.par_iter_mut().enumerate().for_each(|(k, piece)| {
+            // an image has fewer than 2^32 pixels
+            let k = k as u32;
             *piece = self.camera.piece_number(*piece, (k % width, first + k / width));
-        }
+        });
     }
 
     /// Adds the label planes, computed from the triangle ids.
