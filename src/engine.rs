@@ -8,6 +8,7 @@ mod caustics;
 pub mod changes;
 pub mod clusters;
 pub mod combinations;
+mod composition;
 mod counts;
 mod encode;
 mod frames;
@@ -165,6 +166,10 @@ impl Engine {
         wanted: &Wanted,
         run: &RunOptions,
     ) -> Result<Rendered> {
+        let camera: Arc<Camera> = camera.into();
+        if let Some(rendered) = self.render_composed(scene, &camera, wanted, run) {
+            return rendered;
+        }
         let mut frames = self.prepare(scene, camera, wanted, run)?;
         for _ in 0..run.repeat {
             frames.frame()?;
@@ -187,6 +192,9 @@ impl Engine {
         run: &RunOptions,
     ) -> Result<Frames> {
         let camera: Arc<Camera> = camera.into();
+        if camera.layered().is_some() {
+            return Err(Error::input("frames of this composite are composed of several; call Engine::render"));
+        }
         let planned = self.planner().plan(scene, camera.clone(), wanted, run, None)?;
         let mut frames = self.upload(planned, run)?;
         match frames.warm_up() {

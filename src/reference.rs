@@ -21,6 +21,7 @@ mod beam;
 mod bounces;
 mod bvh;
 pub mod caustics;
+mod composed;
 mod cover;
 mod curve;
 mod explain;

@@ -1561,11 +1561,14 @@ def lidar(
 def composite(
     *,
     cameras: Value | None = None,
+    master: Value | None = None,
 ) -> Camera:
-    """Several cameras in one image, each in a region of its own.
+    """Several cameras in one image, each in a region of its own or with objects of its own.
 
       cameras  [{ camera = { kind = "pinhole", ... }, region = { ... }, frame = "image", priority = 0 }, ...]
                1 to 256 tables; a pixel shows the first camera whose region holds it, background without one
+      master   N  the number of a camera, from 0. All cameras whose regions hold a pixel are then seen there: those of the highest
+               priority that hit something; of these, the hit that is nearest along this camera's ray
 
     Keys of each table:
         camera    {...}    a camera of any kind with one layer of rays, straight or curved, and no mirror or lens
@@ -1575,13 +1578,17 @@ def composite(
                   { kind = "mask", file = "F.png" }                       white texels of an image of any size, over all of this one
         frame     "image"  the camera's own image is the whole image (default), or "region": the box around its region
         priority  N        a whole number; higher ones come first, equal ones in the order of the list (default 0)
+        feather   PX       width of the strip along the border of a rectangle or polygon in which colours are blended, px (default 0)
+        objects   [...]    names of the objects that it shows; "*" stands for any letters; needs master (default: all that no camera
+                  names; if each camera names some, the master shows the others too)
 
     The border of a rectangle or polygon belongs to it. A texel is white where R + G + B >= 3/2 and opacity >= 1/2. Where the
     camera that shows has no ray, the background is seen. t is each camera's own if all rays are straight and all cameras have
-    the same t_range; else t from 0 to 1 is each camera's t_range, which must have two ends. Samples belong to the region of
-    their own place. Agrawala, Zorin and Munzner 2000, Artistic Multiprojection Rendering; Brosz et al. 2007, section 6.1.
+    the same t_range, or with a master; else t from 0 to 1 is each camera's t_range, which must have two ends. Samples belong to
+    the region of their own place. piece.id is the number of the camera. Agrawala, Zorin and Munzner 2000, Artistic
+    Multiprojection Rendering; Brosz et al. 2007, section 6.1.
     """
-    return Camera("composite", {"cameras": cameras})
+    return Camera("composite", {"cameras": cameras, "master": master})
 
 
 def rays(origins: Numbers, directions: Numbers, t_range: tuple[float, float] = (0.0, np.inf)) -> Camera:

@@ -37,10 +37,11 @@ pub mod view;
 pub mod volume;
 
 use crate::camera::exposure::Sample;
+use crate::camera::kinds::composite::composition::Composition;
 use crate::camera::optics::Optics;
 use crate::camera::spec::CameraSpec;
 use crate::geometry::mesh::Mesh;
-use crate::image::frame::Channel;
+use crate::image::frame::{Channel, NO_ID};
 use crate::input::{Error, Result};
 pub use bundle::{Bundle, Ray};
 pub use curve::{Curve, CurveMap, Curves};
@@ -84,6 +85,9 @@ pub struct Camera {
     pub pixel_order: Option<Arc<[u32]>>,
     /// Where it is at several times, if it moves while an image is taken.
     pub moving: Option<Arc<Moving>>,
+    /// The cameras of a composite. If it [is layered](Composition::is_layered), `layers` are the rays of its master, or of the camera that
+    /// regions alone would show.
+    pub composition: Option<Arc<Composition>>,
 }
 
 /// Clones the camera.
@@ -121,7 +125,7 @@ impl Camera {
 
     fn build(spec: &CameraSpec, setting: &Setting) -> Result<Camera> {
         let kind = spec.kind.name;
-        let Built { size: (width, height), layers, t_range, optics, notes, unfulfilled } =
+        let Built { size: (width, height), layers, t_range, optics, notes, unfulfilled, composition } =
             spec.kind.recipe.build(setting)?;
         if layers.is_empty() || layers.len() > LAYERS_MAX {
             let n = layers.len();
@@ -142,6 +146,7 @@ impl Camera {
             sample: None,
             pixel_order: None,
             moving: None,
+            composition,
         })
     }
 
@@ -161,6 +166,7 @@ impl Camera {
             sample: None,
             pixel_order: None,
             moving: None,
+            composition: None,
         }
     }
 
@@ -183,7 +189,8 @@ impl Camera {
             Rays::Field(f) => Rays::Field(f.with_sample_offset(dx, dy)),
             Rays::Curves(c) => Rays::Curves(c.with_sample_offset(dx, dy)),
         };
-        Camera { layers: self.layers.iter().map(moved).collect(), ..self.clone() }
+        let composition = self.composition.as_ref().map(|c| Arc::new(c.with_sample_offset((dx, dy))));
+        Camera { layers: self.layers.iter().map(moved).collect(), composition, ..self.clone() }
     }
 
     /// Number of pieces in all layers, plus those of its optics (facets or smooth parts); 0 for a ray field.
@@ -199,6 +206,17 @@ impl Camera {
             Rays::Curves(c) => c.map.piece_count() as u32,
         };
         self.layers[..layer].iter().map(count).sum()
+    }
+
+    /// The composition, if frames are composed of those of several cameras.
+    pub fn layered(&self) -> Option<&Composition> {
+        self.composition.as_deref().filter(|composition| composition.is_layered())
+    }
+
+    /// The value of `piece.id` at a pixel of the image whose ray has this piece: of a composite, the number of the camera.
+    pub fn piece_number(&self, piece: u32, (i, j): (u32, u32)) -> u32 {
+        let Some(composition) = self.composition.as_ref().filter(|_| piece != NO_ID) else { return piece };
+        composition.first(i, j).map_or(piece, |k| k as u32)
     }
 
     /// The channels of [`Channel::ALL`] that images of this camera can have.

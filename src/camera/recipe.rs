@@ -2,6 +2,7 @@
 
 use super::Rays;
 use super::exposure::Lines;
+use crate::camera::kinds::composite::composition::Composition;
 use crate::camera::optics::Optics;
 use crate::geometry::mesh::Mesh;
 use crate::input::reader::Table;
@@ -150,11 +151,19 @@ pub struct Built {
     pub notes: Vec<String>,
     /// Requests that cannot be fulfilled in this scene, one sentence each.
     pub unfulfilled: Vec<String>,
+    /// The cameras of a composite.
+    pub composition: Option<Arc<Composition>>,
 }
 
 impl Built {
     /// A camera of one layer.
     pub fn new(size: (u32, u32), rays: Rays) -> Built {
-        Built { size, layers: vec![rays], t_range: None, optics: None, notes: Vec::new(), unfulfilled: Vec::new() }
+        Built::of_layers(size, vec![rays])
+    }
+
+    /// A camera of several layers.
+    pub fn of_layers(size: (u32, u32), layers: Vec<Rays>) -> Built {
+        let (notes, unfulfilled) = (Vec::new(), Vec::new());
+        Built { size, layers, t_range: None, optics: None, notes, unfulfilled, composition: None }
     }
 }

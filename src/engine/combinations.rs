@@ -69,6 +69,7 @@ features! {
     Gradients, "gradients";
     CoverageGradients, "gradients of coverage";
     CameraInMotion, "a camera that moves while the frame is taken";
+    Composed, "a composite with `master` or `feather`";
 }
 
 /// Features of which a frame cannot have all.
@@ -255,6 +256,22 @@ pub const REFUSALS: &[Refusal] = {
             "a sequence does not support {camera}: reflected or refracted rays need buffers of their own",
             ALONE,
         ),
+        refusal(
+            &[Composed, Samples],
+            "a frame of {camera} is composed of several of 1 sample per pixel, not {samples}",
+            ONE,
+        ),
+        refusal(&[Composed, Rows], "strips cannot be composed of several frames", "render the whole image"),
+        refusal(&[Composed, InSequence], "a sequence does not support frames that are composed of several", ALONE),
+        refusal(&[Composed, Aimed], "Frames::aim does not support frames that are composed of several", ANEW),
+        refusal(&[Composed, Moving], "--moving renders one frame again, not several", "leave out --moving"),
+        refusal(&[Composed, Gradients], "gradients are of one frame, not of several", WITHOUT_GRADIENTS),
+        refusal(&[Composed, Certified], "no pixel of a frame that is composed of several is certified", WITHOUT_CERTIFIED),
+        refusal(&[Composed, Outlines], "outlines and borders are drawn in one frame, not across several", WITHOUT_LINES),
+        refusal(&[Composed, Timed], "a frame that is composed of several is of one time", MOVES),
+        refusal(&[Composed, CameraInMotion], "a frame that is composed of several is of one time", MOVES),
+        refusal(&[Composed, Volume], "a volume has no surface whose depth decides what is seen", "remove [volume] or use another camera"),
+        refusal(&[Composed, Caustics], "caustics are added to one frame, not to several", "remove [caustics] or use another camera"),
     ]
 };
 
@@ -298,6 +315,7 @@ impl Feature {
             Feature::Gradients => wanted.gradients,
             Feature::CoverageGradients => wanted.coverage_gradients,
             Feature::CameraInMotion => camera.moving.is_some(),
+            Feature::Composed => camera.layered().is_some(),
             Feature::Aimed | Feature::Relit | Feature::InSequence => *change == Some(self),
         }
     }

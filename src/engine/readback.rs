@@ -11,6 +11,7 @@ use crate::gpu::buffers::PendingRead;
 use crate::image::frame::{Channel, Frame, NO_ID, Plane, normalised_depth};
 use crate::input::Result;
 use crate::scene::labels::Labels;
+use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -152,7 +153,10 @@ impl FrameLayout {
                 let pixels = band.rows as usize * camera.width as usize;
                 all.extend_from_slice(&data[k * pixels..(k + 1) * pixels]);
             }
-            let all = self.restored(all);
+            let mut all = self.restored(all);
+            if channel == Channel::PieceId && camera.composition.is_some() {
+                self.number_pieces(&mut all);
+            }
             planes.push((channel, Plane::of_words(channel, all)));
         }
         self.add_depths(&mut planes);
@@ -160,6 +164,16 @@ impl FrameLayout {
         planes.retain(|(channel, _)| wanted.channels.contains(channel));
         planes.sort_by_key(|(channel, _)| *channel);
         Frame { width: camera.width, height: plan.rows(), planes }
+    }
+
+    /// Pieces of a composite are its cameras.
+    fn number_pieces(&self, pieces: &mut [u32]) {
+        let (width, first) = (self.camera.width, self.wanted.rows.map_or(0, |rows| rows.first));
+        pieces.par_iter_mut().enumerate().for_each(|(k, piece)| {
+            // an image has fewer than 2^32 pixels
+            let k = k as u32;
+            *piece = self.camera.piece_number(*piece, (k % width, first + k / width));
+        });
     }
 
     /// Adds the label planes, computed from the triangle ids.

@@ -274,6 +274,7 @@ impl Resident {
 
     /// The hierarchy of shadow casters, built where there is none.
     fn shadow_casters(&mut self, scene: &Scene, plan: &Plan) -> Result<PackedBvh> {
+        let scene = &*scene.of_casters();
         let count = scene.mesh.triangles.len() - self.facets;
         if plan.variant.timed {
             return PackedBvh::of_moving(scene, plan.anchor, count);

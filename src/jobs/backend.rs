@@ -2,6 +2,7 @@
 
 use super::job::{EngineName, RenderJob};
 use crate::camera::Camera;
+use crate::engine::combinations::Asked;
 use crate::engine::plan::{LeftOut, Wanted};
 use crate::engine::report::Device;
 use crate::engine::rival::Choice;
@@ -84,6 +85,12 @@ impl<'e> Backend<'e> {
                 scene.check_depth(&wanted.channels)?;
                 scene.check_spheres()?;
                 scene.check_volume(camera)?;
+                if camera.layered().is_some() {
+                    Asked::new(scene, camera, wanted).check()?;
+                }
+                if let Some(composition) = &camera.composition {
+                    composition.check(&scene.objects)?;
+                }
                 if wanted.has_colour() {
                     scene.check_shadows()?;
                 }

@@ -105,6 +105,9 @@ impl Work {
         if let Some(Gradients { asked, .. }) = &job.gradients {
             check_gradients(&job, asked, (&scene, &camera))?;
         }
+        if let Some(composition) = &camera.composition {
+            composition.check(&scene.objects)?;
+        }
         let files = Files::new(&job, &scene, inputs)?;
         let asked = asked(&job, &files, &scene, &camera);
         let matte_kinds: Vec<MatteKind> = matte_kinds(&job).collect();

@@ -1,9 +1,11 @@
 //! One pixel as text.
 
+use super::composed::Composed;
 use super::lens::own_for_few;
 use super::path::{Path, Segment};
 use super::{Finding, Reference};
 use crate::camera::Camera;
+use crate::camera::kinds::composite::composition::Composition;
 use crate::geometry::mesh::Mesh;
 use crate::scene::Scene;
 use glam::DVec3;
@@ -22,6 +24,9 @@ pub struct Explained {
 
 /// Explains pixel `(i, j)` in f64.
 pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> Explained {
+    if let Some(composition) = camera.layered() {
+        return explain_each(scene, composition, (i, j));
+    }
     let camera = &*own_for_few(camera);
     let path = Path::of_pixel(camera, i, j);
     let finding = Reference::of_scene(scene).at(scene.moment(camera, (i, j))).finding(camera, &path, (i, j));
@@ -31,6 +36,27 @@ pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> Explained {
         write_path(&mut text, &path).and_then(|()| write_finding(&mut text, (&scene.mesh, camera), &path, &finding));
     let point = finding.seen.and_then(|seen| Some(path.segments[seen.layer]?.1.point(seen.hit.t)));
     Explained { text, triangle: finding.seen.map(|seen| seen.hit.triangle), point }
+}
+
+/// What each camera of a composite sees, and which one is seen.
+fn explain_each(scene: &Scene, composition: &Composition, (i, j): (u32, u32)) -> Explained {
+    let scenes = scene.of_each_camera(composition);
+    let held = composition.held(i, j);
+    let mut text = format!("pixel {i},{j}\n");
+    let mut each = Vec::new();
+    for (k, (own, member)) in scenes.iter().zip(&composition.members).enumerate() {
+        let explained = explain(own, &member.camera, i, j);
+        let rest = explained.text.split_once('\n').map_or("", |(_, rest)| rest);
+        let place = if held.held[k] { "" } else { ", outside of its region" };
+        // writing to a String cannot fail
+        let _ = writeln!(text, "camera: {k}{place}\n{}", rest.trim_end());
+        each.push(explained);
+    }
+    let shown = Composed::new(scene, composition, &scenes).owner_of(i, j);
+    let number = shown.map_or("none".into(), |k| k.to_string());
+    let _ = writeln!(text, "shown: {number}");
+    let own = shown.map(|k| each.swap_remove(k));
+    Explained { text, triangle: own.as_ref().and_then(|e| e.triangle), point: own.and_then(|e| e.point) }
 }
 
 fn write_path(text: &mut String, path: &Path) -> std::fmt::Result {

@@ -1,6 +1,7 @@
 //! Whole frames by the reference, and comparison of other frames with it.
 
 use super::caustics::{caustics, shown_by};
+use super::composed::Composed;
 pub use super::explain::explain;
 use super::lens::own;
 use super::light::{Obstacles, light, normal, painted_albedo};
@@ -37,44 +38,38 @@ pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
 
 /// The same with given caustics.
 pub fn image_with_caustics(scene: &Scene, camera: &Camera, channels: &[Channel], maps: Option<&CausticMaps>) -> Frame {
+    if let Some(composition) = camera.layered() {
+        let scenes = scene.of_each_camera(composition);
+        let composed = Composed::new(scene, composition, &scenes);
+        return frame(camera, &each_pixel(camera, |i, j| composed.values(i, j)), channels);
+    }
     let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
-    let (reference, labels) = (Reference::of_scene(scene), Labels::of(scene));
-    let medium = Medium::of(scene);
-    let pixels = each_pixel(camera, |i, j| {
-        let path = Path::of_pixel(camera, i, j);
-        let reference = reference.at(scene.moment(camera, (i, j)));
-        let shown = reference.shown(camera, path);
-        let values = pixel(scene, camera, &reference, &shown, (i, j), maps);
-        labels.labelled(through(medium.as_ref(), &shown, values))
-    });
-    frame(camera, &pixels, channels)
+    let casters = scene.of_casters();
+    let sight = Sight::new(scene, camera, &casters, maps);
+    frame(camera, &each_pixel(camera, |i, j| sight.values(i, j)), channels)
 }
 
 /// Compares `frame`'s triangle ids with the reference.
 pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
-    let maps = caustics(scene);
-    let camera = &*own(camera);
-    let scene = &*scene.with_optics(camera);
-    let reference = Reference::of_scene(scene);
-    let extent = scene.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length());
     let ids = frame_seen.u32(Channel::TriangleId);
-    let medium = Medium::of(scene);
-    let judged = each_pixel(camera, |i, j| {
-        let path = Path::of_pixel(camera, i, j);
-        let reference = reference.at(scene.moment(camera, (i, j)));
-        let finding = reference.finding(camera, &path, (i, j));
-        let at = j as usize * camera.width as usize + i as usize;
-        let near = ids.is_none_or(|ids| names_near(&finding, ids[at]));
-        // a chain's verdict knows what is seen better than a second look
-        let shown = match camera.optics {
-            Some(_) => reference.shown(camera, path),
-            None => Outcome::of_eye(finding.seen, path),
-        };
-        let speed = shown.path.speed(shown.seen.as_ref());
-        let values = pixel(scene, camera, &reference, &shown, (i, j), maps.as_ref());
-        (through(medium.as_ref(), &shown, values), finding.safe, (extent / speed) as f32, near)
-    });
+    let id = |i: u32, j: u32| ids.map(|ids| ids[j as usize * camera.width as usize + i as usize]);
+    let judged = if let Some(composition) = camera.layered() {
+        let scenes = scene.of_each_camera(composition);
+        let composed = Composed::new(scene, composition, &scenes);
+        each_pixel(camera, |i, j| composed.judged((i, j), id(i, j)))
+    } else {
+        let maps = caustics(scene);
+        let camera = &*own(camera);
+        let scene = &*scene.with_optics(camera);
+        let casters = scene.of_casters();
+        let sight = Sight::new(scene, camera, &casters, maps.as_ref());
+        each_pixel(camera, |i, j| {
+            let judged = sight.judged(i, j);
+            let is_near = id(i, j).is_none_or(|id| names_near(&judged.finding, id));
+            (judged.values, judged.finding.safe, judged.scale, is_near)
+        })
+    };
     let pixels: Vec<&PixelValues> = judged.iter().map(|j| &j.0).collect();
     Judgement {
         truth: frame(camera, &pixels, &Channel::ALL),
@@ -84,8 +79,71 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
     }
 }
 
+/// A camera that looks at a scene.
+pub(super) struct Sight<'a> {
+    scene: &'a Scene,
+    camera: &'a Camera,
+    reference: Reference<'a>,
+    /// Of what casts shadows, if that is not what is seen.
+    casters: Option<Reference<'a>>,
+    labels: Labels,
+    medium: Option<Medium<'a>>,
+    maps: Option<&'a CausticMaps>,
+    extent: f64,
+}
+
+/// A pixel's values and how sure they are.
+pub(super) struct Judged {
+    pub values: PixelValues,
+    pub finding: Finding,
+    /// As in [`Judgement::scales`].
+    pub scale: f32,
+}
+
+impl<'a> Sight<'a> {
+    /// The scene has the camera's optics; `casters` is [`Scene::of_casters`].
+    pub fn new(scene: &'a Scene, camera: &'a Camera, casters: &'a Scene, maps: Option<&'a CausticMaps>) -> Sight<'a> {
+        Sight {
+            scene,
+            camera,
+            reference: Reference::of_scene(scene),
+            casters: scene.casters.is_some().then(|| Reference::of_scene(casters)),
+            labels: Labels::of(scene),
+            medium: Medium::of(scene),
+            maps,
+            extent: scene.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length()),
+        }
+    }
+
+    pub fn values(&self, i: u32, j: u32) -> PixelValues {
+        let path = Path::of_pixel(self.camera, i, j);
+        let reference = self.reference.at(self.scene.moment(self.camera, (i, j)));
+        let shown = reference.shown(self.camera, path);
+        self.shown(&reference, &shown, (i, j))
+    }
+
+    pub fn judged(&self, i: u32, j: u32) -> Judged {
+        let path = Path::of_pixel(self.camera, i, j);
+        let reference = self.reference.at(self.scene.moment(self.camera, (i, j)));
+        let finding = reference.finding(self.camera, &path, (i, j));
+        // a chain's verdict knows what is seen better than a second look
+        let shown = match self.camera.optics {
+            Some(_) => reference.shown(self.camera, path),
+            None => Outcome::of_eye(finding.seen, path),
+        };
+        let scale = (self.extent / shown.path.speed(shown.seen.as_ref())) as f32;
+        Judged { values: self.shown(&reference, &shown, (i, j)), finding, scale }
+    }
+
+    fn shown(&self, reference: &Reference, shown: &Outcome, pixel_at: (u32, u32)) -> PixelValues {
+        let casters = self.casters.as_ref().unwrap_or(reference);
+        let values = pixel((self.scene, self.camera), (reference, casters), shown, pixel_at, self.maps);
+        self.labels.labelled(through(self.medium.as_ref(), shown, values))
+    }
+}
+
 /// An id that the finding allows: the reference's own or a near candidate's.
-fn names_near(finding: &Finding, id: u32) -> bool {
+pub(super) fn names_near(finding: &Finding, id: u32) -> bool {
     let own = finding.seen.map_or(NO_ID, |s| s.hit.triangle);
     id == own || (!finding.safe && if id == NO_ID { finding.may_miss } else { finding.candidates.contains(&id) })
 }
@@ -96,9 +154,8 @@ fn each_pixel<T: Send>(camera: &Camera, f: impl Fn(u32, u32) -> T + Sync) -> Vec
 }
 
 fn pixel(
-    scene: &Scene,
-    camera: &Camera,
-    reference: &Reference,
+    (scene, camera): (&Scene, &Camera),
+    (reference, casters): (&Reference, &Reference),
     shown: &Outcome,
     (i, j): (u32, u32),
     maps: Option<&CausticMaps>,
@@ -106,14 +163,16 @@ fn pixel(
     let behind = camera.first_piece(camera.layers.len());
     let mirror = shown.first.unwrap_or(NO_ID);
     let piece_of = |first: u32| camera.optics.as_ref().map_or(first, |o| o.piece_of(first));
-    let piece = |of_ray: u32| shown.first.map_or(of_ray, |first| behind + piece_of(first));
+    let piece = |of_ray: u32| {
+        shown.first.map_or_else(|| camera.piece_number(of_ray, (i, j)), |first| behind + piece_of(first))
+    };
     let colour = match &camera.optics {
         Some(optics) if shown.first.is_some() && (optics.fresnel || optics.rays > 1) => {
             let path = Path::of_pixel(camera, i, j);
             let add = |sum: [f64; 3], c: [f64; 3]| [0, 1, 2].map(|k| sum[k] + c[k]);
-            reference.shares(optics, &path).iter().map(|o| colour(scene, camera, reference, o)).fold([0.0; 3], add)
+            reference.shares(optics, &path).iter().map(|o| colour(scene, camera, casters, o)).fold([0.0; 3], add)
         }
-        _ => colour(scene, camera, reference, shown),
+        _ => colour(scene, camera, casters, shown),
     };
     // of split rays those that say what is seen show caustics
     let split = camera.optics.as_ref().filter(|_| shown.first.is_some()).map_or(1.0, |o| o.tilts().len() as f64);
@@ -131,7 +190,7 @@ fn pixel(
     let is_triangle = (id as usize) < scene.mesh.triangles.len();
     let ends_on = camera.optics.as_ref().filter(|o| id >= o.first_id(&scene.mesh));
     let uv = ends_on.map_or_else(|| scene.mesh.uv_at(id, seen.hit.bary), |_| None).unwrap_or_default();
-    let obstacles = obstacles(scene, camera, reference);
+    let obstacles = obstacles(scene, camera, casters);
     let place = (segment.point(seen.hit.t), segment.view(seen.hit.t));
     PixelValues {
         colour,
@@ -172,9 +231,9 @@ fn through(medium: Option<&Medium>, shown: &Outcome, values: PixelValues) -> Pix
 }
 
 /// The contribution of an outcome to its pixel.
-fn colour(scene: &Scene, camera: &Camera, reference: &Reference, outcome: &Outcome) -> [f64; 3] {
+fn colour(scene: &Scene, camera: &Camera, casters: &Reference, outcome: &Outcome) -> [f64; 3] {
     let optics = camera.optics.as_ref();
-    let obstacles = obstacles(scene, camera, reference);
+    let obstacles = obstacles(scene, camera, casters);
     let own = match outcome.seen {
         None => beyond(scene, &outcome.path),
         Some(seen) => match optics.filter(|o| seen.hit.triangle >= o.first_id(&scene.mesh)) {

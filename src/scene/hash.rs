@@ -1,5 +1,6 @@
 //! A hash of everything that decides a frame, for the header of its EXR.
 
+use crate::camera::kinds::composite::composition::Composition;
 use crate::camera::{Camera, Rays};
 use crate::geometry::texture::{Texels, Texture};
 use crate::scene::Scene;
@@ -99,6 +100,9 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     h.word(u64::from(camera.width) << 32 | u64::from(camera.height));
     camera.t_range.iter().for_each(|t| h.number(*t));
     rays(&mut h, camera);
+    if let Some(composition) = camera.layered() {
+        composed(&mut h, scene, composition);
+    }
     if let Some(caustics) = &scene.caustics {
         light(&mut h, caustics);
     }
@@ -173,6 +177,19 @@ fn light(h: &mut Fnv, caustics: &Caustics) {
     }
     caustics.cells.iter().for_each(|n| h.word(u64::from(*n)));
     rays(h, &caustics.light);
+}
+
+fn composed(h: &mut Fnv, scene: &Scene, composition: &Composition) {
+    h.word(composition.master.map_or(u64::MAX, |master| master as u64));
+    let shows = composition.shows(&scene.objects);
+    for (member, shows) in composition.members.iter().zip(shows) {
+        h.word(member.priority as u64);
+        h.number(member.feather);
+        format!("{:?}", member.region).bytes().for_each(|byte| h.word(u64::from(byte)));
+        shows.into_iter().for_each(|is_shown| h.word(u64::from(is_shown)));
+        member.camera.t_range.iter().for_each(|t| h.number(*t));
+        rays(h, &member.camera);
+    }
 }
 
 fn rays(h: &mut Fnv, camera: &Camera) {

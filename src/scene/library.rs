@@ -185,6 +185,7 @@ impl Library {
             caustics: caustics.map(|c| c.0.clone()),
             exposure: Exposure { is_even: !camera_steps.is_empty(), ..file.exposure },
             steps,
+            casters: None,
             camera_steps,
             output: file.output,
         })

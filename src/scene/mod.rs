@@ -1,6 +1,7 @@
 //! Scenes: loading a scene file into triangles, lights and a camera.
 
 pub mod caustics;
+pub mod composition;
 pub mod file;
 pub mod gradients;
 pub mod hash;
@@ -79,6 +80,8 @@ pub struct Scene {
     pub exposure: Exposure,
     /// Where the mesh is at the times of a frame, if it moves; [`Scene::mesh`] is at the frame's own time, 0.
     pub steps: Option<Arc<TimeSteps>>,
+    /// What casts shadows and hides light, if that is not [`Scene::mesh`]: the same triangles with those that a camera does not see.
+    pub casters: Option<Arc<Mesh>>,
     /// The camera at the times of a frame, if it moves.
     pub camera_steps: Vec<(f64, CameraSpec)>,
     pub output: file::OutputSpec,
@@ -114,6 +117,7 @@ impl Scene {
             caustics: None,
             exposure: Exposure::default(),
             steps: None,
+            casters: None,
             camera_steps: Vec::new(),
             output: file::OutputSpec::default(),
         }

@@ -26,6 +26,10 @@ pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) ->
         let kind = camera.kind;
         return Err(Error::input(format!("motion is not computed through mirrors and lenses; {kind} has one")));
     }
+    let has_master = |camera: &Camera| camera.composition.as_ref().is_some_and(|c| c.master.is_some());
+    if has_master(camera) || has_master(next_camera) {
+        return Err(Error::input("motion is through one camera; a composite with master has several"));
+    }
     if (&scene.mesh.triangles, &scene.mesh.radii) != (&next_scene.mesh.triangles, &next_scene.mesh.radii) {
         return Err(Error::input("motion is of triangles that are the same in both frames; these are not"));
     }

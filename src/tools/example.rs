@@ -98,7 +98,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 52] = [
+pub const EXAMPLES: [Example; 53] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -119,6 +119,7 @@ pub const EXAMPLES: [Example; 52] = [
     example!("smoke", None, "smoke along rays that bend: a volume in a file of its own", make::plume),
     example!("hidden-mirror", None, "a mirror ball behind a pillar, seen along rays that bend around it"),
     example!("composite", None, "a street, a fisheye and a map of a city in one picture: three cameras"),
+    example!("table", None, "a table from above, and each thing on it from its own best side: five cameras"),
     example!("city-cross-slit", Some("Yu 1"), "a city of 15,000 triangles through two slits"),
     example!("cow-panorama", Some("Yu 6"), "a cow from all around"),
     example!("teapot-panorama", Some("Yu 7"), "a teapot from 270 degrees around"),

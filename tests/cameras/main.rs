@@ -9,6 +9,7 @@ mod calibrated;
 mod camera_truth;
 mod casting;
 mod chain;
+mod composed;
 mod composite;
 mod curve_roots;
 mod exact_casting;

@@ -44,6 +44,7 @@ pub fn of_layers(layers: Vec<MeshCameraSpec>, (width, height): (u32, u32)) -> Ca
         sample: None,
         pixel_order: None,
         moving: None,
+        composition: None,
     }
 }
 

@@ -50,6 +50,7 @@ pub fn scene(mesh: Mesh) -> Scene {
         caustics: None,
         exposure: Default::default(),
         steps: None,
+        casters: None,
         camera_steps: Vec::new(),
         output: OutputSpec::default(),
     }

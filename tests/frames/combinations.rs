@@ -42,6 +42,9 @@ const MIRROR: &str = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [
 const PINHOLE: &str = "kind = \"pinhole\"\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nvfov = 40";
 const DISPLAY: &str = "kind = \"lightfield\"\ncenter = [0, 0, 2]\nnormal = [0, 0, 1]\nup = [0, 1, 0]\nwidth = 2\nheight = 2\n\
     views = [8, 8]\nfov = 40";
+const COMPOSED: &str = "kind = \"composite\"\nmaster = 0\ncameras = [
+    { camera = { kind = \"pinhole\", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 } },
+    { camera = { kind = \"pinhole\", eye = [1, 0, 5], target = [0, 0, 0], vfov = 40 } }]";
 const CAUSTICS: &str = r#"image = { width = 64, height = 64 }
 [camera]
 kind = "pinhole"
@@ -127,6 +130,7 @@ impl Case {
             Feature::LayeredOptics,
             Feature::MovingCamera,
             Feature::CameraInMotion,
+            Feature::Composed,
         ];
         let cameras = features.iter().filter(|f| kinds.contains(f)).count()
             + usize::from(features.iter().any(|f| matches!(f, Feature::Optics | Feature::Bounces)));
@@ -231,6 +235,7 @@ impl Case {
                 (wanted.gradients, wanted.coverage_gradients) = (true, true);
                 self.has.insert(Feature::Gradients);
             }
+            Feature::Composed => self.camera = camera_of("", SIZE, COMPOSED).unwrap(),
             Feature::Raster => run.method = Method::Raster,
             Feature::Aimed | Feature::Relit | Feature::InSequence => unreachable!("of frames that follow others"),
         }
@@ -317,11 +322,17 @@ fn frames_that_follow_others_refuse_their_rows() {
     let moving = Case::of(&[Feature::Timed]).unwrap();
     let error = prepare(&mut engine, &moving).aim(&moving.camera).unwrap_err();
     assert_refused("aim", row(&[Feature::Timed, Feature::Aimed]), &error);
-    for (case, is_taken) in [(&lit, false), (&mirror, false), (&Case::of(&[]).unwrap(), true)] {
+    let composed = Case::of(&[Feature::Composed]).unwrap();
+    let plain = Case::of(&[]).unwrap();
+    let error = prepare(&mut engine, &plain).aim(&composed.camera).unwrap_err();
+    assert_refused("aim", row(&[Feature::Composed, Feature::Aimed]), &error);
+    let error = engine.prepare(&composed.scene, composed.camera.clone(), &composed.wanted, &composed.run).err().unwrap();
+    assert!(error.to_string().contains("call Engine::render"), "{error}");
+    for (case, is_taken) in [(&lit, false), (&mirror, false), (&composed, false), (&Case::of(&[]).unwrap(), true)] {
         assert_eq!(Sequence::takes(&case.scene, &case.camera, &case.wanted), is_taken, "{:?}", case.has);
     }
     let of_changes = REFUSALS.iter().filter(|r| r.features.iter().any(|f| planned().all(|p| p != *f)));
-    assert_eq!(of_changes.count(), 5, "rows of frames that follow others");
+    assert_eq!(of_changes.count(), 7, "rows of frames that follow others");
 }
 
 /// A row of the page's table.

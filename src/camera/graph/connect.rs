@@ -65,7 +65,7 @@ impl Graph {
         }
         let mut notes = Vec::new();
         let layers = legs.iter().map(|leg| self.net.rays(leg, size, &mut notes)).collect::<Result<_>>()?;
-        Ok(Built { size, layers, t_range: Some([0.0, 1.0]), optics: None, notes, unfulfilled: Vec::new() })
+        Ok(Built { t_range: Some([0.0, 1.0]), notes, ..Built::of_layers(size, layers) })
     }
 }
 

@@ -1,5 +1,6 @@
 //! `composite`: several cameras, each in a region of one image (Agrawala et al. 2000; Brosz et al. 2007, section 6.1).
 
+pub mod composition;
 mod mask;
 mod parts;
 mod region;
@@ -12,6 +13,7 @@ use crate::camera::{Camera, Rays};
 use crate::image::size::check_size;
 use crate::input::reader::{self, Table};
 use crate::input::{Error, Result};
+use composition::{Composition, Shown};
 use glam::DVec2;
 use parts::{Part, Parts};
 use rayon::prelude::*;
@@ -21,6 +23,8 @@ use std::sync::Arc;
 #[derive(Debug, PartialEq)]
 struct Composite {
     members: Vec<Member>,
+    /// The number of the camera by whose depth cameras of one priority are ordered.
+    master: Option<usize>,
 }
 
 /// A camera as written.
@@ -31,35 +35,47 @@ struct Member {
     /// Its own image is the box around its region.
     framed_by_region: bool,
     priority: i32,
+    /// Width of the strip along the region's border in which colours are blended, px; 0: none.
+    feather: f64,
+    /// Patterns of the names of the objects that it shows.
+    objects: Option<Vec<String>>,
 }
 
 /// Most cameras: a pixel asks the regions one by one.
 const CAMERAS_MAX: usize = 256;
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&["kind", "cameras"])?;
+    table.allow(&["kind", "cameras", "master"])?;
     let field = table.need("cameras", "[{ camera = { kind = \"pinhole\", ... }, region = { ... } }]")?;
     let items = field.items("a list of tables with a camera and its region")?;
     let count = items.len();
     if !(1..=CAMERAS_MAX).contains(&count) {
         return Err(field.error(format_args!("{count} cameras; a composite has 1 to {CAMERAS_MAX}")));
     }
-    let members = items.map(|item| Member::read(&item.table()?)).collect::<Result<_>>()?;
-    Ok(Arc::new(Composite { members }))
+    let tables = items.map(|item| item.table()).collect::<Result<Vec<Table>>>()?;
+    let members: Vec<Member> = tables.iter().map(Member::read).collect::<Result<_>>()?;
+    let master = table.or("master", None, |field| Ok(Some(field.integer(0, count as u64 - 1)? as usize)))?;
+    if let (None, Some(k)) = (master, members.iter().position(|member| member.objects.is_some())) {
+        return Err(tables[k].error("objects need a camera that says which of them hides which; add master = 0, a camera's number"));
+    }
+    Ok(Arc::new(Composite { members, master }))
 }
 
 impl Member {
     fn read(table: &Table) -> Result<Member> {
-        table.allow(&["camera", "region", "frame", "priority"])?;
+        table.allow(&["camera", "region", "frame", "priority", "feather", "objects"])?;
+        let region = table.or("region", Region::Whole, Region::read)?;
         Ok(Member {
             camera: read_camera(&table.need("camera", "{ kind = \"pinhole\", ... }")?)?,
-            region: table.or("region", Region::Whole, Region::read)?,
+            feather: table.or("feather", 0.0, |field| read_feather(field, &region))?,
+            region,
             framed_by_region: table.or("frame", false, |field| match field.text()? {
                 "image" => Ok(false),
                 "region" => Ok(true),
                 _ => Err(field.error("use \"image\" or \"region\"")),
             })?,
             priority: table.or("priority", 0, read_priority)?,
+            objects: table.or("objects", None, |field| read_objects(field).map(Some))?,
         })
     }
 
@@ -112,6 +128,29 @@ fn read_priority(field: &reader::Field) -> Result<i32> {
     Ok(priority)
 }
 
+/// Widest strip, px.
+const FEATHER_MAX: f64 = 65536.0;
+
+fn read_feather(field: &reader::Field, region: &Region) -> Result<f64> {
+    let width = field.number()?;
+    if !(0.0..=FEATHER_MAX).contains(&width) {
+        return Err(field.error(format_args!("{width} px; a strip is 0 to {FEATHER_MAX} px wide")));
+    }
+    match region {
+        Region::Rectangle(_) | Region::Polygon { .. } => Ok(width),
+        _ => Err(field.error("colours are blended along the border of a rectangle or polygon; give such a region")),
+    }
+}
+
+fn read_objects(field: &reader::Field) -> Result<Vec<String>> {
+    let names = field.items("a list of names of objects, as [\"cup\", \"plate*\"]")?;
+    let names: Vec<String> = names.map(|item| Ok(item.text()?.to_owned())).collect::<Result<_>>()?;
+    match names.is_empty() {
+        true => Err(field.error("names no object; name one, or leave objects out to show all that no camera names")),
+        false => Ok(names),
+    }
+}
+
 /// Of the camera with this number.
 fn key(number: usize) -> String {
     format!("camera.cameras.{number}.camera")
@@ -139,15 +178,23 @@ impl Recipe for Composite {
             cameras.iter().enumerate().flat_map(of_one).collect()
         };
         let (mut notes, unfulfilled) = (of_each(|camera| &camera.notes), of_each(|camera| &camera.unfulfilled));
+        if let Some(k) = cameras.iter().position(|camera| camera.layered().is_some()) {
+            return Err(Error::input(format!(
+                "{}.kind: a composite with master or feather has frames of its own; use one without these",
+                key(k)
+            )));
+        }
+        if let Some(master) = self.master {
+            let members = self.by_themselves(&cameras, (width, height))?;
+            return Ok(Built { notes, unfulfilled, ..self.layered(master, members, (width, height))? });
+        }
         let (is_curved, t_range) = (cameras.iter().any(Camera::is_curved), common_range(&cameras)?);
         let parts = self.parts(cameras, (width, height), t_range.is_none());
         notes.extend(self.hidden(&parts, (width, height)));
-        let rays = match is_curved {
-            true => Rays::Curves(curves(width, height, parts)?),
-            false => Rays::Field(Field::of_map(width, height, Arc::new(parts))?),
-        };
-        let built = Built::new((width, height), rays);
-        Ok(Built { t_range: Some(t_range.unwrap_or([0.0, 1.0])), notes, unfulfilled, ..built })
+        let built = Built::new((width, height), rays(width, height, parts.clone(), is_curved)?);
+        let built = Built { t_range: Some(t_range.unwrap_or([0.0, 1.0])), notes, unfulfilled, ..built };
+        let members = self.beyond_regions(&parts, (width, height), &built)?;
+        Ok(Built { composition: self.composition(members, (width, height)), ..built })
     }
 }
 
@@ -158,6 +205,62 @@ impl Composite {
         // stable: equal ones stay in the order of the file
         order.sort_by_key(|k| std::cmp::Reverse(self.members[*k].priority));
         order
+    }
+
+    /// A member of the composition, with the camera that its frame is taken by.
+    fn shown(&self, k: usize, camera: Camera) -> Shown {
+        let Member { region, feather, priority, objects, .. } = &self.members[k];
+        let (region, objects) = (region.clone(), objects.clone());
+        Shown { camera: Arc::new(camera), region, feather: *feather, priority: *priority, objects }
+    }
+
+    fn composition(&self, members: Vec<Shown>, size: (u32, u32)) -> Option<Arc<Composition>> {
+        Some(Arc::new(Composition::new(members, self.order(), self.master, size)))
+    }
+
+    /// The cameras by themselves, each with rays all over the image.
+    fn by_themselves(&self, cameras: &[Camera], (width, height): (u32, u32)) -> Result<Vec<Shown>> {
+        let shown = |(k, camera): (usize, &Camera)| {
+            let Some(frame) = self.members[k].frame() else { return Ok(self.shown(k, camera.clone())) };
+            let part = Part { region: Region::Whole, frame: Some(frame), camera: camera.clone(), span: None };
+            let size = DVec2::new(width.into(), height.into());
+            let parts = Parts { size, degree: degree(camera), parts: vec![part] };
+            let rays = rays(width, height, parts, camera.is_curved()).map_err(|e| error_of(k, e))?;
+            Ok(self.shown(k, Camera::of(camera.kind, (width, height), camera.t_range, rays)))
+        };
+        cameras.iter().enumerate().map(shown).collect()
+    }
+
+    /// The cameras with the rays of the composite, beyond their regions too; without rays if no frame is taken by one alone.
+    fn beyond_regions(&self, parts: &Parts, (width, height): (u32, u32), built: &Built) -> Result<Vec<Shown>> {
+        let is_feathered = self.members.iter().any(|member| member.feather > 0.0);
+        let is_curved = matches!(built.layers[..], [Rays::Curves(_)]);
+        let shown = |(k, number): (usize, usize)| {
+            let part = Part { region: Region::Whole, ..parts.parts[k].clone() };
+            let (kind, t_range) = (part.camera.kind, built.t_range.unwrap_or([0.0, 1.0]));
+            if !is_feathered {
+                return Ok((number, self.shown(number, Camera { layers: Vec::new(), ..part.camera })));
+            }
+            let parts = Parts { size: parts.size, degree: parts.degree, parts: vec![part] };
+            let rays = rays(width, height, parts, is_curved).map_err(|e| error_of(number, e))?;
+            Ok((number, self.shown(number, Camera::of(kind, (width, height), t_range, rays))))
+        };
+        let mut members: Vec<(usize, Shown)> =
+            self.order().into_iter().enumerate().map(shown).collect::<Result<_>>()?;
+        members.sort_by_key(|(number, _)| *number);
+        Ok(members.into_iter().map(|(_, member)| member).collect())
+    }
+
+    /// A camera with the rays of its master, whose frames are composed of those of all.
+    fn layered(&self, master: usize, members: Vec<Shown>, size: (u32, u32)) -> Result<Built> {
+        let camera = members[master].camera.clone();
+        if camera.is_curved() {
+            return Err(Error::input(format!(
+                "camera.master: camera {master} has curved rays; depth is along straight ones: choose another camera"
+            )));
+        }
+        let built = Built::of_layers(size, camera.layers.clone());
+        Ok(Built { t_range: Some(camera.t_range), composition: self.composition(members, size), ..built })
     }
 
     /// The compiled cameras in order; with `rescaled` their t is from 0 to 1.
@@ -171,12 +274,8 @@ impl Composite {
                 span: Some(camera.t_range).filter(|range| rescaled && *range != [0.0, 1.0]),
             }
         };
-        let degree = |part: &Part| match part.camera.layers.first() {
-            Some(Rays::Curves(curves)) => curves.map.degree(),
-            _ => 1,
-        };
         let parts: Vec<Part> = self.order().into_iter().map(part).collect();
-        let degree = parts.iter().map(degree).max().unwrap_or(1);
+        let degree = parts.iter().map(|part| degree(&part.camera)).max().unwrap_or(1);
         Parts { size: DVec2::new(width.into(), height.into()), parts, degree }
     }
 
@@ -201,6 +300,21 @@ impl Composite {
         };
         hidden.into_iter().map(note).collect()
     }
+}
+
+/// The degree of a camera's curves; 1 of rays.
+fn degree(camera: &Camera) -> usize {
+    match camera.layers.first() {
+        Some(Rays::Curves(curves)) => curves.map.degree(),
+        _ => 1,
+    }
+}
+
+fn rays(width: u32, height: u32, parts: Parts, is_curved: bool) -> Result<Rays> {
+    Ok(match is_curved {
+        true => Rays::Curves(curves(width, height, parts)?),
+        false => Rays::Field(Field::of_map(width, height, Arc::new(parts))?),
+    })
 }
 
 /// The range of t that all cameras have, if all rays are straight; `None`: each camera's own becomes [0, 1].

@@ -79,12 +79,9 @@ impl Recipe for Occlusion {
         let segment = |two: &[Surface]| Volume::over(two.to_vec())?.build(setting, Tessellation::Exact);
         let segments: Vec<Built> = stops.windows(2).map(segment).collect::<Result<_>>()?;
         Ok(Built {
-            size,
-            layers: segments.into_iter().flat_map(|s| s.layers).collect(),
             t_range: Some([0.0, 1.0]),
-            optics: None,
             notes: vec!["layers: from the eye to near, on to far, and on to end".into()],
-            unfulfilled: Vec::new(),
+            ..Built::of_layers(size, segments.into_iter().flat_map(|s| s.layers).collect())
         })
     }
 }

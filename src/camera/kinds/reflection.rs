@@ -242,7 +242,7 @@ impl Recipe for Optical {
         let notes = [eye.notes, vec![note]].concat();
         let size = (eye.width, eye.height);
         let (optics, unfulfilled) = (Some(Arc::new(optics)), eye.unfulfilled);
-        Ok(Built { size, layers: eye.layers, t_range, optics, notes, unfulfilled })
+        Ok(Built { t_range, optics, notes, unfulfilled, ..Built::of_layers(size, eye.layers) })
     }
 }
 

@@ -402,6 +402,7 @@ mod tests {
             caustics: None,
             exposure: Default::default(),
             steps: None,
+            casters: None,
             camera_steps: Vec::new(),
             output: Default::default(),
         }

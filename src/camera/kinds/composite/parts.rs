@@ -17,7 +17,7 @@ pub struct Part {
 }
 
 /// Cameras that share an image. At a place the first one shows whose region holds it.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Parts {
     /// Of the image, px.
     pub size: DVec2,

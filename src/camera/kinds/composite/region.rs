@@ -59,6 +59,50 @@ impl Region {
     }
 }
 
+impl Region {
+    /// How far a place lies inside of the border, px; negative outside. Only of regions that have a smooth border.
+    pub fn depth_px(&self, place_px: DVec2, size: DVec2) -> f64 {
+        let to_border = match self {
+            Region::Whole | Region::Mask(_) => return f64::INFINITY,
+            Region::Rectangle([low, high]) => {
+                let [low, high] = [*low * size, *high * size];
+                let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+                to_sides(&corners, place_px)
+            }
+            Region::Polygon { corners, .. } => {
+                let corners: Vec<DVec2> = corners.iter().map(|q| *q * size).collect();
+                to_sides(&corners, place_px)
+            }
+        };
+        if self.holds(place_px / size) { to_border } else { -to_border }
+    }
+
+    /// No border is within `radius` px of a place. Of a mask the corners of the square around it are tried.
+    pub fn is_clear(&self, place_px: DVec2, size: DVec2, radius: f64) -> bool {
+        match self {
+            Region::Mask(mask) => {
+                let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from);
+                let own = mask.holds(place_px / size);
+                corners.into_iter().all(|corner| mask.holds((place_px + radius * corner) / size) == own)
+            }
+            _ => self.depth_px(place_px, size).abs() > std::f64::consts::SQRT_2 * radius,
+        }
+    }
+}
+
+/// The distance from a place to the nearest side of a polygon.
+fn to_sides(corners: &[DVec2], place: DVec2) -> f64 {
+    let mut from = corners[corners.len() - 1];
+    let mut nearest = f64::INFINITY;
+    for &to in corners {
+        let side = to - from;
+        let share = if side == DVec2::ZERO { 0.0 } else { ((place - from).dot(side) / side.length_squared()).clamp(0.0, 1.0) };
+        nearest = nearest.min((place - from - share * side).length());
+        from = to;
+    }
+    nearest
+}
+
 fn read_rectangle(table: &Table) -> Result<Region> {
     table.allow(&["kind", "from", "to"])?;
     let corner = |key: &str, example: &str| Ok(DVec2::from(read_place(&table.need(key, example)?)?));
