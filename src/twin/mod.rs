@@ -25,6 +25,7 @@ pub mod rays;
 pub mod refract;
 pub mod shade;
 pub mod sift;
+pub mod solve;
 pub mod smooth;
 pub mod surface;
 pub mod torus;
