@@ -30,8 +30,13 @@ fn main() -> anamorph::Result<()> {
         println!("skipped: there is no adapter");
         return Ok(());
     };
-    println!("{}x{}, on {adapter}; one run each, ms. exact: the CPU's numbers; 0.1 px: the kernel's where proven within", SIZE.0, SIZE.1);
-    println!("camera, points, project by CPU, by kernels exact, by kernels 0.1 px, of them proven, splat by CPU, by kernels, left out");
+    println!(
+        "{}x{}, on {adapter}; one run each, ms. exact: the CPU's numbers; 0.1 px: the kernel's where proven within",
+        SIZE.0, SIZE.1
+    );
+    println!(
+        "camera, points, project by CPU, by kernels exact, by kernels 0.1 px, of them proven, splat by CPU, by kernels, left out"
+    );
     let scene = Scene::new();
     for (name, keys) in CAMERAS {
         let camera = Camera::parse(keys, ".", &scene, Some(SIZE))?;
@@ -78,8 +83,10 @@ fn signed(state: &mut u64) -> f64 {
 fn cubics(count: usize) {
     let mut state = 5;
     let all: Vec<[f64; 4]> = (0..count).map(|_| [0; 4].map(|_| signed(&mut state))).collect();
-    let (numeric, found) = timed(|| all.iter().map(|c| Bernstein::of_powers(c, [0.0, 1.0]).roots(0.0).len()).sum::<usize>());
-    let (closed, roots) = timed(|| all.iter().map(|c| black_box(closed_form(*c)).iter().flatten().count()).sum::<usize>());
+    let (numeric, found) =
+        timed(|| all.iter().map(|c| Bernstein::of_powers(c, [0.0, 1.0]).roots(0.0).len()).sum::<usize>());
+    let (closed, roots) =
+        timed(|| all.iter().map(|c| black_box(closed_form(*c)).iter().flatten().count()).sum::<usize>());
     // how far off the closed form is, by a step of Newton's method
     let off = all.iter().flat_map(|c| {
         closed_form(*c).into_iter().flatten().map(|t| {
@@ -88,7 +95,9 @@ fn cubics(count: usize) {
         })
     });
     let worst = off.fold(0.0, f64::max);
-    println!("{count} cubics over [0, 1]: bracketed Newton {numeric:.1} ms, {found} roots; closed form {closed:.1} ms, {roots} roots, off by up to {worst:.1e}");
+    println!(
+        "{count} cubics over [0, 1]: bracketed Newton {numeric:.1} ms, {found} roots; closed form {closed:.1} ms, {roots} roots, off by up to {worst:.1e}"
+    );
 }
 
 fn closed_form([d, c, b, a]: [f64; 4]) -> [Option<f64>; 3] {

@@ -196,7 +196,7 @@ def project(camera: Camera, points: Incomplete) -> list[tuple[list[tuple[float, 
     Of each of the (N, 3) points: its images, and why it has a whole curve of them, if it has.
     """
 
-def project_many(camera: Camera, points: Incomplete, device: str | None, within_px: float) -> tuple[Incomplete, Incomplete, Incomplete, Incomplete, Incomplete, Incomplete, int]:
+def project_many(camera: Camera, points: Incomplete, device: str | None, within_px: SupportsFloat | SupportsIndex) -> tuple[Incomplete, Incomplete, Incomplete, Incomplete, Incomplete, Incomplete, int]:
     """
     All images of (N, 3) points as arrays. `device`: none, the CPU; empty, the fastest adapter; else a part of an adapter's name.
     """

@@ -56,10 +56,13 @@ pub fn project_many(projector: &Projector, points: &[DVec3], gpu: Option<&Gpu>, 
         let table = solve.table(0).filter(|_| is_one_layer && within_px > 0.0);
         let of = |(k, point): (usize, &DVec3)| {
             let proven = table.and_then(|table| Some((table, solved.images(0, k)?)));
-            if let Some((table, images)) = proven.filter(|(_, all)| all.iter().all(|i| f64::from(i.error_px) <= within_px)) {
+            if let Some((table, images)) =
+                proven.filter(|(_, all)| all.iter().all(|i| f64::from(i.error_px) <= within_px))
+            {
                 let place = |i: &crate::gpu::layout::SolveImage| {
                     let piece = &table.pieces[i.piece as usize];
-                    let (x, y) = (f64::from(piece.base_x) + f64::from(i.x_px), f64::from(piece.base_y) + f64::from(i.y_px));
+                    let (x, y) =
+                        (f64::from(piece.base_x) + f64::from(i.x_px), f64::from(piece.base_y) + f64::from(i.y_px));
                     (x, y, f64::from(i.t), i.piece)
                 };
                 return (images.iter().map(place).collect(), None, true);

@@ -35,7 +35,11 @@ pub struct Splatted {
 /// [`Error::Work`] where the device fails, or there are 2^32 - 1 points or more.
 pub fn splat(camera: &Camera, points: &[DVec3], gpu: Option<&Gpu>) -> Result<Splatted> {
     if points.len() >= NO_ID as usize {
-        return Err(Error::work(format!("{} points are too many to number; splat at most {}", points.len(), NO_ID - 1)));
+        return Err(Error::work(format!(
+            "{} points are too many to number; splat at most {}",
+            points.len(),
+            NO_ID - 1
+        )));
     }
     let projector = Projector::new(camera);
     let pixels = camera.width as usize * camera.height as usize;
@@ -57,7 +61,8 @@ pub fn splat(camera: &Camera, points: &[DVec3], gpu: Option<&Gpu>) -> Result<Spl
     kernels.adapt(points)?;
     let size = CHUNK.min(kernels.points_most().max(1));
     let mut chunks = points.chunks(size).enumerate();
-    let mut start = || chunks.next().map(|(part, c)| Ok::<_, Error>((part * size, c.len(), kernels.start(c)?))).transpose();
+    let mut start =
+        || chunks.next().map(|(part, c)| Ok::<_, Error>((part * size, c.len(), kernels.start(c)?))).transpose();
     let mut ahead = start()?;
     while let Some((first, count, started)) = ahead {
         let left = kernels.finish(started)?;

@@ -56,9 +56,7 @@ pub fn solve(piece: &SolvePiece, point: &SolvePoint) -> Option<Vec<Through>> {
             if rest > 1e-7 * (m[0].length() + at.x.abs() * m[1].length() + at.y.abs() * m[2].length()) {
                 continue;
             }
-            let inside = piece.edges.iter().map(|e| {
-                f64::from(e[0]) * at.x + f64::from(e[1]) * at.y + f64::from(e[2])
-            });
+            let inside = piece.edges.iter().map(|e| f64::from(e[0]) * at.x + f64::from(e[1]) * at.y + f64::from(e[2]));
             let half = f64::from(piece.half_px);
             let inside_px = half * inside.fold(f64::INFINITY, f64::min);
             if root.sign == 0 && inside_px > -1.0 {

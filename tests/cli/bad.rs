@@ -84,7 +84,10 @@ fn wrong_command_lines() {
         (vec!["splat", "scene.toml", "--points", "p.csv"], "nothing to write; add -o OUT.png"),
         (vec!["splat", "scene.toml", "--points", "p.csv", "-o", "a.png"], "p.csv: cannot be read"),
         (vec!["splat", "scene.toml", "--points", "scene.toml", "-o", "a.png"], ".ply, .npy, .csv, .txt or .xyz"),
-        (vec!["splat", "scene.toml", "--points", "p.csv", "-o", "a.png", "--engine", "raytrace"], "use compute or reference"),
+        (
+            vec!["splat", "scene.toml", "--points", "p.csv", "-o", "a.png", "--engine", "raytrace"],
+            "use compute or reference",
+        ),
         (vec!["project", "scene.toml", "--points", "p.csv"], "p.csv: cannot be read"),
         (vec!["project", "scene.toml", "--points", "scene.toml"], ".npy, .csv, .txt or .xyz"),
         (vec!["project", "scene.toml", "--points", "p.csv", "--engine", "raytrace"], "use compute or reference"),

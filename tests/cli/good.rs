@@ -549,7 +549,8 @@ fn points_are_splatted() {
     for engine in ["reference", "compute"] {
         place.works(&[&["splat", "own.toml", "--points", "cloud.ply", "--engine", engine], &outputs[..]].concat());
         let picture = image::open(place.path().join("a.png")).unwrap().to_rgba8();
-        let seen: Vec<_> = picture.enumerate_pixels().filter(|(_, _, p)| p[3] == 255).map(|(x, y, p)| (x, y, p.0)).collect();
+        let seen: Vec<_> =
+            picture.enumerate_pixels().filter(|(_, _, p)| p[3] == 255).map(|(x, y, p)| (x, y, p.0)).collect();
         // a pixel is 8 (tan 20 deg) / 6 = 0.485 wide at z = 0
         assert_eq!(seen, [(5, 1, [0, 0, 255, 255]), (4, 2, [255, 0, 0, 255])], "{engine}");
         let all = frame(&place, "a.exr");

@@ -177,7 +177,12 @@ pub fn splats_show_the_nearest_points(name: &str, camera: &Camera, rng: &mut Rng
     for gpu in [None, Some(gpu)] {
         let all = splat(camera, &points, gpu).unwrap();
         for (pixel, (t, k)) in nearest.iter().enumerate() {
-            assert!(all.index[pixel] == *k && all.t[pixel].to_bits() == t.to_bits(), "{name}: pixel {pixel}: {} at {}, not {k} at {t}", all.index[pixel], all.t[pixel]);
+            assert!(
+                all.index[pixel] == *k && all.t[pixel].to_bits() == t.to_bits(),
+                "{name}: pixel {pixel}: {} at {}, not {k} at {t}",
+                all.index[pixel],
+                all.t[pixel]
+            );
         }
         if gpu.is_some() && matches!(camera.layers.as_slice(), [Rays::Pieces(_)]) {
             println!("{name}: {} of {} points left out by kernels", all.by_kernel, points.len());

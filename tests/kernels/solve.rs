@@ -92,7 +92,8 @@ fn proven_images_are_those_of_the_twin_and_nothing_is_lost() {
                 worst = worst.max(image.error_px.into());
                 if image.pixel != NONE {
                     let p = &table.pieces[image.piece as usize];
-                    let (x, y) = (f64::from(p.base_x) + f64::from(image.x_px), f64::from(p.base_y) + f64::from(image.y_px));
+                    let (x, y) =
+                        (f64::from(p.base_x) + f64::from(image.x_px), f64::from(p.base_y) + f64::from(image.y_px));
                     assert_eq!(image.pixel, y.floor() as u32 * camera.width + x.floor() as u32, "{name}: {image:?}");
                 }
             }
@@ -103,7 +104,9 @@ fn proven_images_are_those_of_the_twin_and_nothing_is_lost() {
             for (a, b) in host.images.iter().zip(images) {
                 assert_eq!(a.piece, b.piece, "{name}: {point}");
                 let p = &table.pieces[b.piece as usize];
-                let off = (a.x - f64::from(p.base_x) - f64::from(b.x_px)).abs().max((a.y - f64::from(p.base_y) - f64::from(b.y_px)).abs());
+                let off = (a.x - f64::from(p.base_x) - f64::from(b.x_px))
+                    .abs()
+                    .max((a.y - f64::from(p.base_y) - f64::from(b.y_px)).abs());
                 assert!(off <= f64::from(b.error_px), "{name}: {point}: {a:?} {b:?}");
                 assert!((a.t - f64::from(b.t)).abs() <= f64::from(b.error_t), "{name}: {point}: {a:?} {b:?}");
             }
@@ -158,10 +161,12 @@ fn the_nearest_point_of_each_pixel_is_left() {
     let Some(gpu) = gpu() else { return };
     for (name, camera, _) in cameras() {
         let projector = Projector::new(&camera);
-        let points: Vec<DVec3> = (0..12_000).map({
-            let mut rng = Rng(3);
-            move |_| 0.6 * rng.vector()
-        }).collect();
+        let points: Vec<DVec3> = (0..12_000)
+            .map({
+                let mut rng = Rng(3);
+                move |_| 0.6 * rng.vector()
+            })
+            .collect();
         let mut splat = Splat::new(gpu, &projector).unwrap().unwrap();
         splat.adapt(&points).unwrap();
         let mut left = vec![false; points.len()];
@@ -181,6 +186,10 @@ fn the_nearest_point_of_each_pixel_is_left() {
         }
         assert!(nearest.iter().all(|(_, k)| *k == usize::MAX || left[*k]), "{name}");
         let count = left.iter().filter(|l| **l).count();
-        println!("{name}: {count} of {} left, {} pixels", points.len(), nearest.iter().filter(|n| n.1 != usize::MAX).count());
+        println!(
+            "{name}: {count} of {} left, {} pixels",
+            points.len(),
+            nearest.iter().filter(|n| n.1 != usize::MAX).count()
+        );
     }
 }

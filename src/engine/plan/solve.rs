@@ -47,13 +47,18 @@ impl SolveTable {
     pub fn new(camera: &Camera, pieces: &Pieces, tree: &Tree) -> SolveTable {
         let all = &pieces.pieces;
         let longest = all.iter().map(|p| (p.bundle.d[0] / p.bundle.h[0]).abs().max_element()).fold(0.0, f64::max);
-        let unit = if longest > 0.0 && longest.is_finite() { longest.log2().ceil().clamp(-1000.0, 1000.0).exp2() } else { 1.0 };
+        let unit = if longest > 0.0 && longest.is_finite() {
+            longest.log2().ceil().clamp(-1000.0, 1000.0).exp2()
+        } else {
+            1.0
+        };
         let size = DVec2::new(camera.width.into(), camera.height.into());
         let corners: Option<Vec<[DVec2; 3]>> = all.iter().map(|p| p.corners_px).collect();
         let is_alone = all.len() == 1 || corners.is_some_and(|corners| first_overlap(&corners).is_none());
         let anchor = tree.anchor;
         let flags = SOLVABLE | if is_alone { ALONE } else { 0 };
-        let packed = all.par_iter().map(|p| packed(p, size, anchor, unit, flags).unwrap_or(bytemuck::Zeroable::zeroed()));
+        let packed =
+            all.par_iter().map(|p| packed(p, size, anchor, unit, flags).unwrap_or(bytemuck::Zeroable::zeroed()));
         let t_range = camera.t_range.map(|t| t.clamp(-ENDLESS, ENDLESS) as f32);
         let leaves = tree.nodes.iter().map(|n| if n.leaf == INNER { NONE } else { n.leaf }).collect();
         SolveTable { pieces: packed.collect(), leaves, t_range, anchor, unit }
@@ -106,7 +111,11 @@ fn packed(piece: &Piece, size: DVec2, anchor: DVec3, unit: f64, flags: u32) -> O
     // f64 has rounded the world's coordinates far below what f32 rounds here
     let world = at.abs().max_element() / unit;
     let sizes = p.iter().chain(&d).map(|v| v.abs().max_element());
-    if !(world < MOST && sizes.fold(0.0, f64::max) < MOST && d[0].abs().max_element() > LEAST && h[1].abs().max(h[2].abs()) < MOST) {
+    if !(world < MOST
+        && sizes.fold(0.0, f64::max) < MOST
+        && d[0].abs().max_element() > LEAST
+        && h[1].abs().max(h[2].abs()) < MOST)
+    {
         return None;
     }
     let beyond = BEYOND_PX / half_px;

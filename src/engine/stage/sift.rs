@@ -101,11 +101,7 @@ impl<'g> Sift<'g> {
     }
 
     /// Appends the dispatches of a chunk. Of each layer: slots, and buffers of which `found` will have the lists.
-    pub(super) fn encode(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        points: &[DVec3],
-    ) -> Result<Vec<(u32, Buffers)>> {
+    pub(super) fn encode(&self, encoder: &mut wgpu::CommandEncoder, points: &[DVec3]) -> Result<Vec<(u32, Buffers)>> {
         let gpu = self.gpu;
         let mut layers = Vec::new();
         for Layer { beams, tables, slots } in &self.layers {

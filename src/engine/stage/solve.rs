@@ -202,7 +202,8 @@ impl<'g> Solve<'g> {
             let words = read_words(self.gpu, images)?;
             let count = read_words(self.gpu, counts)?[0] as usize;
             let all: &[SolveImage] = bytemuck::cast_slice(&words);
-            let mut images: Vec<SolveImage> = all[..count.min(all.len())].iter().filter(|i| i.point < points as u32).copied().collect();
+            let mut images: Vec<SolveImage> =
+                all[..count.min(all.len())].iter().filter(|i| i.point < points as u32).copied().collect();
             images.par_sort_unstable_by(|a, b| (a.point, a.piece).cmp(&(b.point, b.piece)).then(a.t.total_cmp(&b.t)));
             sifted.keep(layer, |slot| status[slot] != 0);
             layers.push(Some((status, images)));

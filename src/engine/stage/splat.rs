@@ -62,7 +62,11 @@ impl<'g> Splat<'g> {
         let pixels = vec![u32::MAX; camera.width as usize * camera.height as usize];
         let mut nearest = Buffers::default();
         nearest.upload(gpu, "nearest", &pixels)?;
-        Ok(Some(Splat { solve, pipelines: [Pipeline::new(gpu, claim())?, Pipeline::new(gpu, contend())?], pixels: nearest }))
+        Ok(Some(Splat {
+            solve,
+            pipelines: [Pipeline::new(gpu, claim())?, Pipeline::new(gpu, contend())?],
+            pixels: nearest,
+        }))
     }
 
     /// Points of a chunk at most.

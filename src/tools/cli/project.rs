@@ -6,8 +6,8 @@
 use super::args::ProjectArgs;
 use super::progress::Progress;
 use super::say::{note, print};
-use crate::camera::project::{Images, Projector};
 use crate::camera::Camera;
+use crate::camera::project::{Images, Projector};
 use crate::engine::stage::solve::Solve;
 use crate::gpu::Gpu;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER, adapters};

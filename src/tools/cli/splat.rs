@@ -24,7 +24,9 @@ pub fn run(args: &SplatArgs) -> Result<()> {
         (&args.index, outputs::RAYS),
     ];
     if files.iter().all(|(path, _)| path.is_none()) {
-        return Err(Error::input("nothing to write; add -o OUT.png, --exr OUT.exr, --depth OUT.npy or --index OUT.npy"));
+        return Err(Error::input(
+            "nothing to write; add -o OUT.png, --exr OUT.exr, --depth OUT.npy or --index OUT.npy",
+        ));
     }
     let progress = Progress::start("building the camera");
     let read = || Ok::<_, Error>((read(&args.points)?, load_shape(&args.scene, &(&args.change).into())?));
@@ -38,7 +40,10 @@ pub fn run(args: &SplatArgs) -> Result<()> {
     let all = splat(&camera, &points, gpu.as_ref())?;
     drop(progress);
     if all.degenerate > 0 {
-        note(format_args!("{} points are on a slit or an eye of the camera: their curves and areas of images are not drawn", all.degenerate));
+        note(format_args!(
+            "{} points are on a slit or an eye of the camera: their curves and areas of images are not drawn",
+            all.degenerate
+        ));
     }
     let (width, height) = (all.width, all.height);
     let shape = [height as usize, width as usize];
@@ -54,10 +59,14 @@ type Cloud = (Vec<DVec3>, Option<Vec<[f32; 3]>>);
 
 fn read(path: &Path) -> Result<Cloud> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply")) {
-        let is_text = ["npy", "csv", "txt", "xyz"].iter().any(|own| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(own)));
+        let is_text = ["npy", "csv", "txt", "xyz"]
+            .iter()
+            .any(|own| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(own)));
         if !is_text {
             let name = path.display();
-            return Err(Error::input(format!("{name}: points are read from .ply, .npy, .csv, .txt or .xyz files only")));
+            return Err(Error::input(format!(
+                "{name}: points are read from .ply, .npy, .csv, .txt or .xyz files only"
+            )));
         }
         return Ok((read_points(path)?, None));
     }
