@@ -1,6 +1,6 @@
 // claim: one thread per proven image of points: the least t that each pixel is sure to have.
 // Reads `images` and its length; writes to `nearest` the upper bound of t, as bits that ascend with it.
-// Needs: NONE, SolveImage, SolveParams, item_index, rising_bits
+// Needs: NONE, item_index, rising_bits
 // Binds: counts, images, nearest, solving
 
 @compute @workgroup_size(64)

@@ -1,9 +1,9 @@
 // solve: one thread per (point, candidate piece): all places of the piece whose rays pass through the point.
-// Reads what sift found, pieces and points; writes to `solved`, for each candidate, the number of its images, all of them proven, or NONE where
-// something is not proven; and the images to the list `images`, in any order, its length to `counts`. A candidate whose images the list
+// Reads what sift found, pieces and points; writes to `solved`, for each candidate, the number of its images, all of them proven, or NONE
+// where something is not proven; and the images to the list `images`, in any order, its length to `counts`. A candidate whose images the list
 // cannot hold is not proven: `counts` then is larger than the list. Bits of points of which anything is not proven are set in `wanted`.
-// Needs: CHART_END, Chart, NONE, Proof, SolveImage, SolveParams, SolvePiece, SolvePoint, UNDERFLOW, UNIT_ROUNDING, bernstein, chart_of,
-//   item_index, max_abs, prove, separated
+// Needs: Chart, NONE, Proof, SolveImage, SolvePiece, SolvePoint, UNDERFLOW, UNIT_ROUNDING, bernstein, chart_of, item_index, max_abs, prove,
+//   separated
 // Binds: counts, found, images, leaves, pieces, points, solved, solving, wanted
 
 // Ends of t_range beyond it are none: 2^60.

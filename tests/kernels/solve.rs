@@ -1,6 +1,7 @@
 //! solve: what the kernel proves, against its twin from the same bytes, for cameras of pieces; and lines of `project` with its help.
 
 use crate::common::cameras::{MeshShape, glc_of_each_class, mesh_camera, pinhole};
+use crate::common::needs;
 use crate::common::projection::gpu;
 use crate::common::rng::Rng;
 use crate::common::{ALL_T, FORWARD, camera};
@@ -9,8 +10,11 @@ use anamorph::internals::camera::project::Projector;
 use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::camera::{Camera, Rays};
 use anamorph::internals::engine::plan::solve::SolveTable;
+use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::solve::Solve;
 use anamorph::internals::engine::stage::splat::Splat;
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::gpu::kernels::Snippet;
 use anamorph::internals::gpu::layout::NONE;
 use anamorph::internals::twin::solve::solve;
 use glam::DVec3;
@@ -191,5 +195,74 @@ fn the_nearest_point_of_each_pixel_is_left() {
             points.len(),
             nearest.iter().filter(|n| n.1 != usize::MAX).count()
         );
+    }
+}
+
+/// What the kernels say of some cameras' points, against the host.
+fn compared(gpu: &Gpu) -> Result<(), String> {
+    for (name, camera, _) in cameras().into_iter().take(12).step_by(3) {
+        let projector = Projector::new(&camera);
+        let points: Vec<DVec3> = points(&camera, 11, 3000).into_iter().filter(|p| p.is_finite()).collect();
+        let mut solve = Solve::new(gpu, &projector).unwrap();
+        let table_of = |solve: &Solve, k: u32| solve.table(0).unwrap().pieces[k as usize];
+        let started = solve.start(&points).unwrap();
+        let found = solve.finish(started).unwrap();
+        for (k, point) in points.iter().enumerate() {
+            let host = projector.project(*point);
+            if projector.project_below(*point, |layer| found.nodes(layer, k)) != host {
+                return Err(format!("{name}: {point} lost images"));
+            }
+            let Some(images) = found.images(0, k) else { continue };
+            for (a, b) in host.images.iter().zip(images) {
+                let piece = table_of(&solve, b.piece);
+                let (x, y) = (a.x - f64::from(piece.base_x), a.y - f64::from(piece.base_y));
+                let off = (x - f64::from(b.x_px)).abs().max((y - f64::from(b.y_px)).abs());
+                if off > f64::from(b.error_px) || (a.t - f64::from(b.t)).abs() > f64::from(b.error_t) {
+                    return Err(format!("{name}: {point}: {a:?} is beyond the bounds of {b:?}"));
+                }
+            }
+        }
+        let mut splat = Splat::new(gpu, &projector).unwrap().unwrap();
+        let started = splat.start(&points).unwrap();
+        let left = splat.finish(started).unwrap();
+        let mut nearest = vec![(f64::INFINITY, usize::MAX); (SIZE.0 * SIZE.1) as usize];
+        for (k, point) in points.iter().enumerate() {
+            for image in projector.project(*point).images {
+                let (x, y) = ((image.x as usize).min(SIZE.0 as usize - 1), (image.y as usize).min(SIZE.1 as usize - 1));
+                let own = &mut nearest[y * SIZE.0 as usize + x];
+                *own = if image.t < own.0 { (image.t, k) } else { *own };
+            }
+        }
+        if nearest.iter().any(|(_, k)| *k != usize::MAX && !left.contains(k)) {
+            return Err(format!("{name}: a nearest point is left out"));
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn errors_planted_in_the_kernels_are_noticed() {
+    let Some(mut gpu) = needs::adapter() else { return };
+    compared(&gpu).unwrap();
+    let parts = [stage::solve::kernel(), stage::splat::claim(), stage::splat::contend()].map(|k| k.parts).concat();
+    for (name, right, wrong) in [
+        ("solve.wgsl", "is_done = all(b > zero) || all(b < -zero);", "is_done = b.x > zero.x;"),
+        (
+            "solve.wgsl",
+            "is_outside = is_outside || along < -(margin",
+            "is_outside = is_outside || along < 0.5 - (margin",
+        ),
+        ("project/chart.wgsl", "if least > error * (", "if least > -1e4 * error * ("),
+        ("project/prove.wgsl", "let need = 1.01 * f * rows;", "let need = 0.001 * f * rows;"),
+        ("claim.wgsl", "image.t + image.error_t", "image.t - 0.1"),
+        ("contend.wgsl", "<= nearest[image.pixel]", "> nearest[image.pixel]"),
+    ] {
+        let own = parts.iter().find(|p| p.name == name).unwrap();
+        assert_eq!(own.text.matches(right).count(), 1, "{name}: {right}");
+        let text: &'static str = Box::leak(own.text.replace(right, wrong).into_boxed_str());
+        gpu.replaced = vec![Box::leak(Box::new(Snippet { name: own.name, text }))];
+        let said = compared(&gpu);
+        assert!(said.is_err(), "nobody notices {wrong:?} in {name}");
+        println!("{wrong}: {}", said.unwrap_err());
     }
 }

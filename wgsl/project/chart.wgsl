@@ -1,5 +1,5 @@
 // The matrix whose kernel is a ray through a point, over one chart of t, with bounds of its rounding.
-// Provides: Chart, bernstein, chart_of, matrix_value, separated
+// Provides: Chart, UNDERFLOW, UNIT_ROUNDING, bernstein, chart_of, matrix_value, separated
 
 // Rounding of one operation, relative: 2^-24.
 const UNIT_ROUNDING: f32 = 5.9604645e-8;

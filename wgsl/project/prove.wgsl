@@ -1,5 +1,5 @@
 // From a guess to a proven root of m_0 + u m_1 + v m_2 = 0.
-// Provides: Proof, prove
+// Provides: Proof, max_abs, prove
 // Needs: Chart, UNDERFLOW, UNIT_ROUNDING, matrix_value
 
 // The only root (u, v, s) within `radius` of `at`, if it is one.
