@@ -29,5 +29,6 @@ mod kernels {
     mod sides;
     mod sift;
     mod small;
+    mod solve;
     mod write;
 }

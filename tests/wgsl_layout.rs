@@ -15,6 +15,7 @@ const MATERIAL: &str = include_str!("../wgsl/materials/material.wgsl");
 const STYLE: &str = include_str!("../wgsl/styles/layout.wgsl");
 const SEGMENT: &str = include_str!("../wgsl/shared/segment.wgsl");
 const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
+const PROJECT: &str = include_str!("../wgsl/project/layout.wgsl");
 const GRADIENTS: &str = include_str!("../wgsl/gradients/layout.wgsl");
 const OPTICS: &str = include_str!("../wgsl/optics/layout.wgsl");
 const CAUSTICS: &str = include_str!("../wgsl/caustics/layout.wgsl");
@@ -45,6 +46,10 @@ impl Scalar for u32 {
 
 impl Scalar for f32 {
     const KIND: ScalarKind = ScalarKind::Float;
+}
+
+impl Scalar for i32 {
+    const KIND: ScalarKind = ScalarKind::Sint;
 }
 
 impl<T: Scalar, const N: usize> Scalar for [T; N] {
@@ -145,6 +150,30 @@ fn host() -> Layouts {
         layout!(SampleOffsets { at }),
         layout!(Chunk { points, beams, slots, most, t_min, t_max, pad0, pad1 }),
         layout!(Beam { p_lo, next, p_hi, node, d_lo, pad0, d_hi, pad1 }),
+        layout!(SolveParams { points, slots, images_most, pad0, t_min, t_max, width, height }),
+        layout!(SolvePiece {
+            p0,
+            flags,
+            p1,
+            h1,
+            p2,
+            h2,
+            d0,
+            half_px,
+            d1,
+            beyond,
+            d2,
+            reach,
+            anchor_hi,
+            base_x,
+            anchor_lo,
+            base_y,
+            corners_01,
+            corners_23,
+            edges
+        }),
+        layout!(SolvePoint { hi, is_near, lo, pad0 }),
+        layout!(SolveImage { point, piece, x_px, y_px, t, error_px, error_t, pixel }),
         layout!(Optic {
             eye_hi,
             first_id,
@@ -402,6 +431,7 @@ fn every_struct_is_the_same_bytes_on_both_sides() {
         wgsl(&format!("{PARAMS}{SEGMENT}")).into_iter().filter(|(name, _)| name == "BvhNode" || name == "LeafTriangle"),
     );
     kernels.extend(wgsl(BEAMS));
+    kernels.extend(wgsl(PROJECT));
     kernels.extend(wgsl(GRADIENTS));
     kernels.extend(wgsl(OPTICS));
     kernels.extend(wgsl(CAUSTICS));

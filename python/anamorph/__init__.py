@@ -18,6 +18,7 @@ from ._cast import Hits, RayCaster, cast
 from ._frame import NO_ID, Comparison, Frame, Views, compare
 from ._gradients import Gradients, Parameter
 from ._mesh import Mesh
+from ._points import Projections, Splat, project_many, splat
 from ._render import Projection, Renderer, check, gradients, project, render
 from ._scene import Scene
 from ._view import Viewer, view
@@ -33,9 +34,11 @@ __all__ = [
     "Mesh",
     "Parameter",
     "Projection",
+    "Projections",
     "RayCaster",
     "Renderer",
     "Scene",
+    "Splat",
     "Viewer",
     "Views",
     "camera",
@@ -45,6 +48,8 @@ __all__ = [
     "compare",
     "gradients",
     "project",
+    "project_many",
     "render",
+    "splat",
     "view",
 ]

@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Camera", "Renderer", "Scene", "Viewer", "camera_kinds", "cast", "cast_all", "channels_named", "check", "colmap_images", "compare", "meets_any", "program", "project", "read_exr", "write_exr", "write_png"]
+__all__ = ["Camera", "Renderer", "Scene", "Viewer", "camera_kinds", "cast", "cast_all", "channels_named", "check", "colmap_images", "compare", "meets_any", "program", "project", "project_many", "read_exr", "splat", "write_exr", "write_png"]
 
 @final
 class Camera:
@@ -196,9 +196,19 @@ def project(camera: Camera, points: Incomplete) -> list[tuple[list[tuple[float, 
     Of each of the (N, 3) points: its images, and why it has a whole curve of them, if it has.
     """
 
+def project_many(camera: Camera, points: Incomplete, device: str | None, within_px: SupportsFloat | SupportsIndex) -> tuple[Incomplete, Incomplete, Incomplete, Incomplete, Incomplete, Incomplete, int]:
+    """
+    All images of (N, 3) points as arrays. `device`: none, the CPU; empty, the fastest adapter; else a part of an adapter's name.
+    """
+
 def read_exr(path: str | PathLike[str]) -> list[tuple[str, Any]]:
     """
     The channels of an EXR.
+    """
+
+def splat(camera: Camera, points: Incomplete, device: str | None) -> tuple[Incomplete, Incomplete, int]:
+    """
+    Each pixel's nearest of (N, 3) points: its number and its t, (H, W) each; how many points are degenerate.
     """
 
 def write_exr(path: str | PathLike[str], planes: SupportsGetItem[int, tuple[str, Any]]) -> None:

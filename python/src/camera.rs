@@ -2,7 +2,7 @@
 
 use crate::calls::run;
 use crate::scene::{Scene, rows};
-use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
@@ -119,4 +119,68 @@ pub fn project(
     let all = run(py, move || Ok(anamorph::project(&camera, &points)))?;
     let place = |image: &anamorph::Image| (image.x, image.y, image.t, image.piece);
     Ok(all.iter().map(|of| (of.images.iter().map(place).collect(), of.degenerate.map(|d| d.name()))).collect())
+}
+
+/// What works on points: the CPU, the fastest adapter, or the adapter of a name.
+fn device_of(device: Option<String>) -> anamorph::Device {
+    match device.as_deref() {
+        None => anamorph::Device::Cpu,
+        Some("") => anamorph::Device::Gpu,
+        Some(name) => anamorph::Device::Named(name.to_owned()),
+    }
+}
+
+/// Numbers of images by point, M images: first (N + 1), x, y, t, piece, of each point 0, 1 (slit) or 2 (eye), and how many points a kernel finished.
+type Many<'py> = (
+    Bound<'py, PyArray1<u64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<u32>>,
+    Bound<'py, PyArray1<u8>>,
+    u64,
+);
+
+/// All images of (N, 3) points as arrays. `device`: none, the CPU; empty, the fastest adapter; else a part of an adapter's name.
+#[pyfunction]
+pub fn project_many<'py>(
+    py: Python<'py>,
+    camera: &Camera,
+    points: PyReadonlyArray2<'_, f64>,
+    device: Option<String>,
+    within_px: f64,
+) -> PyResult<Many<'py>> {
+    let (camera, points) = (camera.camera.clone(), rows::<f64, 3>(&points));
+    let all = run(py, move || anamorph::project_many(&camera, &points, &device_of(device), within_px))?;
+    let degenerate = all.degenerate.iter().map(|d| match d {
+        None => 0,
+        Some(anamorph::Degenerate::Slit) => 1,
+        Some(anamorph::Degenerate::Eye) => 2,
+    });
+    let degenerate: Vec<u8> = degenerate.collect();
+    Ok((
+        PyArray1::from_vec(py, all.first),
+        PyArray1::from_vec(py, all.x),
+        PyArray1::from_vec(py, all.y),
+        PyArray1::from_vec(py, all.t),
+        PyArray1::from_vec(py, all.piece),
+        PyArray1::from_vec(py, degenerate),
+        all.by_kernel,
+    ))
+}
+
+/// Each pixel's nearest of (N, 3) points: its number and its t, (H, W) each; how many points are degenerate.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub fn splat<'py>(
+    py: Python<'py>,
+    camera: &Camera,
+    points: PyReadonlyArray2<'_, f64>,
+    device: Option<String>,
+) -> PyResult<(Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<f64>>, u64)> {
+    let (camera, points) = (camera.camera.clone(), rows::<f64, 3>(&points));
+    let all = run(py, move || anamorph::splat(&camera, &points, &device_of(device)))?;
+    let shape = [all.height as usize, all.width as usize];
+    let index = PyArray1::from_vec(py, all.index).reshape(shape)?;
+    Ok((index, PyArray1::from_vec(py, all.t).reshape(shape)?, all.degenerate))
 }

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::camera::{Camera, camera_kinds, colmap_images, project};
+    use super::camera::{Camera, camera_kinds, colmap_images, project, project_many, splat};
     #[pymodule_export]
     use super::cast::{cast, cast_all, meets_any};
     #[pymodule_export]

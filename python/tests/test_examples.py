@@ -72,6 +72,13 @@ def test_pushbroom(tmp_path: pathlib.Path) -> None:
     assert heights.shape == (120, 40) and np.isfinite(heights).mean() > 0.9 and (tmp_path / "strip.png").stat().st_size > 1000
 
 
+def test_reproject(tmp_path: pathlib.Path) -> None:
+    said = run("reproject.py", tmp_path / "reprojected.png", tmp_path / "rendered.png", "--size", 120, 90)
+    filled, near = (float(part.split("%")[0].split()[-1]) for part in said.split(",")[1:3])
+    assert filled > 40 and near > 80, said
+    assert all((tmp_path / name).stat().st_size > 1000 for name in ("reprojected.png", "rendered.png"))
+
+
 def test_panorama(tmp_path: pathlib.Path) -> None:
     run("panorama.py", tmp_path, "--frames", 2, "--size", 96, 32)
     assert sorted(file.name for file in tmp_path.iterdir()) == ["0000.png", "0001.png"]

@@ -8,6 +8,7 @@ mod job;
 mod mesh;
 mod objects;
 mod pictures;
+mod project;
 mod renderer;
 mod scene;
 mod time;
@@ -22,6 +23,7 @@ pub use self::caster::{Caster, RayHit};
 pub use self::gradients::{GradientArray, GradientParameter, Gradients, Numbers};
 pub use self::job::Job;
 pub use self::mesh::Mesh;
+pub use self::project::{Device, project_many, splat};
 pub use self::renderer::{RenderOptions, Rendered, Renderer, check, reference};
 pub use self::scene::{Placed, Scene};
 pub use self::time::{Exposure, LineOrder};
@@ -33,6 +35,8 @@ pub use crate::image::compare::{Comparison, Difference, Matched, Measure, Quanti
 pub use crate::image::frame::{Channel, Frame, NO_ID, Plane};
 pub use crate::jobs::batch::{BatchOptions, Counts as BatchCounts, Event as BatchEvent, Outcome as BatchOutcome};
 pub use crate::jobs::batch::{Shard, Task as BatchFrame, Worked as DeviceUse};
+pub use crate::jobs::project::Projected;
+pub use crate::jobs::splat::Splatted;
 
 use crate::input::Result;
 use crate::input::limits;

@@ -1,6 +1,6 @@
 //! The `mesh` camera: image triangles whose corners carry rays (Hou et al. 2006; Popescu's CGLC segments).
 
-mod overlap;
+pub mod overlap;
 pub mod spec;
 
 use super::bundle::{Bundle, Ray};

@@ -164,6 +164,11 @@ impl<'a> Projector<'a> {
         points.par_iter().map(|point| projector.project(*point)).collect()
     }
 
+    /// Whose points are projected.
+    pub fn camera(&self) -> &'a Camera {
+        self.camera
+    }
+
     /// The beams of each layer's rays.
     pub fn trees(&self) -> impl Iterator<Item = &Tree> {
         self.layers.iter().map(|layer| match layer {

@@ -545,6 +545,69 @@ pub struct Beam {
     pub pad1: u32,
 }
 
+/// A chunk of points and the camera whose images of them are sought, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct SolveParams {
+    pub points: u32,
+    pub slots: u32,
+    pub images_most: u32,
+    pub pad0: u32,
+    pub t_min: f32,
+    pub t_max: f32,
+    pub width: u32,
+    pub height: u32,
+}
+
+/// A piece about its anchor, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct SolvePiece {
+    pub p0: [f32; 3],
+    pub flags: u32,
+    pub p1: [f32; 3],
+    pub h1: f32,
+    pub p2: [f32; 3],
+    pub h2: f32,
+    pub d0: [f32; 3],
+    pub half_px: f32,
+    pub d1: [f32; 3],
+    pub beyond: f32,
+    pub d2: [f32; 3],
+    pub reach: f32,
+    pub anchor_hi: [f32; 3],
+    pub base_x: i32,
+    pub anchor_lo: [f32; 3],
+    pub base_y: i32,
+    pub corners_01: [f32; 4],
+    pub corners_23: [f32; 4],
+    pub edges: [[f32; 4]; 4],
+}
+
+/// A point about the camera's anchor, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct SolvePoint {
+    pub hi: [f32; 3],
+    pub is_near: u32,
+    pub lo: [f32; 3],
+    pub pad0: u32,
+}
+
+/// A proven image of a point, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct SolveImage {
+    pub point: u32,
+    pub piece: u32,
+    pub x_px: f32,
+    pub y_px: f32,
+    pub t: f32,
+    pub error_px: f32,
+    pub error_t: f32,
+    pub pixel: u32,
+}
+
 /// A dispatch of the kernels of gradients, see the WGSL.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

@@ -11,7 +11,9 @@ mod memory;
 pub mod options;
 pub mod outputs;
 mod points;
+pub mod project;
 pub mod samples;
+pub mod splat;
 mod strips;
 mod work;
 

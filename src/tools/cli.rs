@@ -20,6 +20,7 @@ mod render;
 mod say;
 #[cfg(unix)]
 mod signals;
+mod splat;
 #[cfg(feature = "view")]
 mod view;
 
@@ -65,6 +66,7 @@ fn run(arguments: Vec<OsString>, started: Instant) -> Result<()> {
         Command::Compare(args) => compare::run(args),
         Command::Camera(args) => camera::run(args),
         Command::Project(args) => project::run(args),
+        Command::Splat(args) => splat::run(args),
         Command::Info(args) => info::run(args),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(args),

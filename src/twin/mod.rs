@@ -26,6 +26,7 @@ pub mod refract;
 pub mod shade;
 pub mod sift;
 pub mod smooth;
+pub mod solve;
 pub mod surface;
 pub mod torus;
 pub mod wave;

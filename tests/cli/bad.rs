@@ -12,7 +12,7 @@ fn wrong_command_lines() {
         (vec![], "no command given"),
         (
             vec!["draw"],
-            "'draw'; use one of render, compare, camera, batch, project, info, view, example, bench, gpu-report",
+            "'draw'; use one of render, compare, camera, batch, project, splat, info, view, example, bench, gpu-report",
         ),
         (vec!["rendr"], "a similar subcommand exists: 'render'"),
         (vec!["render"], "SCENE"),
@@ -80,6 +80,14 @@ fn wrong_command_lines() {
         (vec!["camera", "scene.toml", "--rays", "r.npy", "--export", "r.npy"], "named twice"),
         (vec!["camera", "scene.toml", "--export-povray", "scene.toml"], "is also an input"),
         (vec!["project", "scene.toml"], "--points"),
+        (vec!["splat", "scene.toml"], "--points"),
+        (vec!["splat", "scene.toml", "--points", "p.csv"], "nothing to write; add -o OUT.png"),
+        (vec!["splat", "scene.toml", "--points", "p.csv", "-o", "a.png"], "p.csv: cannot be read"),
+        (vec!["splat", "scene.toml", "--points", "scene.toml", "-o", "a.png"], ".ply, .npy, .csv, .txt or .xyz"),
+        (
+            vec!["splat", "scene.toml", "--points", "p.csv", "-o", "a.png", "--engine", "raytrace"],
+            "use compute or reference",
+        ),
         (vec!["project", "scene.toml", "--points", "p.csv"], "p.csv: cannot be read"),
         (vec!["project", "scene.toml", "--points", "scene.toml"], ".npy, .csv, .txt or .xyz"),
         (vec!["project", "scene.toml", "--points", "p.csv", "--engine", "raytrace"], "use compute or reference"),

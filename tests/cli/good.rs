@@ -533,3 +533,35 @@ fn the_report_says_where_the_light_of_caustics_went() {
     place.works(&["render", "pinhole.toml", "--size", "64x48", "--report", "r.json", "--engine", "reference"]);
     assert!(json_file(&place, "r.json").get("caustics").is_none());
 }
+
+/// A PLY with colours, through a pinhole: the nearer of two points on one ray is seen, and every output says so.
+#[test]
+fn points_are_splatted() {
+    let place = Place::new();
+    let scene = "size = [8, 6]\n[camera]\nkind = \"pinhole\"\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nvfov = 40\n";
+    place.write("own.toml", scene);
+    let rows = "0.05 0.05 0 255 0 0\n0.0625 0.0625 -1 0 255 0\n0.8 0.5 0 0 0 255\n";
+    let head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    let colors = "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+    place.write("cloud.ply", format!("{head}{colors}{rows}"));
+    place.write("cloud.csv", "0.05,0.05,0\n0.0625,0.0625,-1\n0.8,0.5,0\n");
+    let outputs = ["-o", "a.png", "--exr", "a.exr", "--depth", "t.npy", "--index", "k.npy"];
+    for engine in ["reference", "compute"] {
+        place.works(&[&["splat", "own.toml", "--points", "cloud.ply", "--engine", engine], &outputs[..]].concat());
+        let picture = image::open(place.path().join("a.png")).unwrap().to_rgba8();
+        let seen: Vec<_> =
+            picture.enumerate_pixels().filter(|(_, _, p)| p[3] == 255).map(|(x, y, p)| (x, y, p.0)).collect();
+        // a pixel is 8 (tan 20 deg) / 6 = 0.485 wide at z = 0
+        assert_eq!(seen, [(5, 1, [0, 0, 255, 255]), (4, 2, [255, 0, 0, 255])], "{engine}");
+        let all = frame(&place, "a.exr");
+        let t = all.f32(Channel::T).unwrap();
+        assert!((t[2 * 8 + 4] - 4.0).abs() < 1e-6 && t.iter().filter(|t| t.is_finite()).count() == 2);
+        let index = std::fs::read(place.path().join("k.npy")).unwrap();
+        let numbers: Vec<u32> =
+            index[index.len() - 4 * 48..].chunks(4).map(|b| u32::from_le_bytes(b.try_into().unwrap())).collect();
+        assert_eq!((numbers[2 * 8 + 4], numbers[8 + 5], numbers[0]), (0, 2, u32::MAX), "{engine}");
+    }
+    place.works(&["splat", "own.toml", "--points", "cloud.csv", "-o", "a.png"]);
+    let white = image::open(place.path().join("a.png")).unwrap().to_rgba8();
+    assert_eq!(white.get_pixel(4, 2).0, [255; 4]);
+}

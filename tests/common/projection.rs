@@ -7,7 +7,9 @@ use super::soup;
 use anamorph::internals::camera::project::{Image, Images, Projector};
 use anamorph::internals::camera::{Camera, Ray, Rays};
 use anamorph::internals::engine::stage::sift::Sift;
+use anamorph::internals::engine::stage::solve::Solve;
 use anamorph::internals::gpu::Gpu;
+use anamorph::internals::jobs::splat::splat;
 use anamorph::internals::reference::{Path, Reference};
 use glam::{DVec2, DVec3};
 use std::sync::OnceLock;
@@ -140,10 +142,51 @@ pub fn sifted_lines_are_the_same(name: &str, camera: &Camera, rng: &mut Rng, poi
     let mut sift = Sift::new(gpu, &projector).unwrap();
     let started = sift.start(&points).unwrap();
     let sifted = sift.finish(started).unwrap();
+    let mut solve = Solve::new(gpu, &projector).unwrap();
+    let started = solve.start(&points).unwrap();
+    let solved = solve.finish(started).unwrap();
     for (k, point) in points.iter().enumerate() {
-        let lines = [projector.project(*point), projector.project_below(*point, |layer| sifted.nodes(layer, k))]
-            .map(|images| serde_json::to_string(&images).unwrap());
+        let lines = [
+            projector.project(*point),
+            projector.project_below(*point, |layer| sifted.nodes(layer, k)),
+            projector.project_below(*point, |layer| solved.nodes(layer, k)),
+        ]
+        .map(|images| serde_json::to_string(&images).unwrap());
         assert!(lines[0] == lines[1], "{name}: {point}: {} against {}", lines[0], lines[1]);
+        assert!(lines[0] == lines[2], "{name}: {point}: {} against {}, solved", lines[0], lines[2]);
+    }
+}
+
+/// Points as a picture: with the GPU and without, each pixel shows the nearest of all images in it.
+pub fn splats_show_the_nearest_points(name: &str, camera: &Camera, rng: &mut Rng, points: usize) {
+    let Some(gpu) = gpu() else { return };
+    let points: Vec<DVec3> = (0..points).map(|k| if k % 50 == 49 { DVec3::NAN } else { 0.5 * rng.vector() }).collect();
+    // every point twice: at the same t the first one is seen
+    let points: Vec<DVec3> = points.iter().chain(&points).copied().collect();
+    let projector = Projector::new(camera);
+    let (width, height) = (camera.width as usize, camera.height as usize);
+    let mut nearest = vec![(f64::INFINITY, u32::MAX); width * height];
+    for (k, point) in points.iter().enumerate() {
+        for image in projector.project(*point).images {
+            let pixel = (image.y as usize).min(height - 1) * width + (image.x as usize).min(width - 1);
+            if image.t < nearest[pixel].0 {
+                nearest[pixel] = (image.t, k as u32);
+            }
+        }
+    }
+    for gpu in [None, Some(gpu)] {
+        let all = splat(camera, &points, gpu).unwrap();
+        for (pixel, (t, k)) in nearest.iter().enumerate() {
+            assert!(
+                all.index[pixel] == *k && all.t[pixel].to_bits() == t.to_bits(),
+                "{name}: pixel {pixel}: {} at {}, not {k} at {t}",
+                all.index[pixel],
+                all.t[pixel]
+            );
+        }
+        if gpu.is_some() && matches!(camera.layers.as_slice(), [Rays::Pieces(_)]) {
+            println!("{name}: {} of {} points left out by kernels", all.by_kernel, points.len());
+        }
     }
 }
 
@@ -155,5 +198,6 @@ pub fn check(name: &str, camera: &Camera, seed: u64) -> Counts {
     assert!(hits > 30, "{name}: only {hits} hits");
     places_are_images_of_their_points(name, camera, &mut rng, 100);
     sifted_lines_are_the_same(name, camera, &mut rng, 100);
+    splats_show_the_nearest_points(name, camera, &mut rng, 100);
     counts
 }

@@ -4,8 +4,8 @@
 //! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square, affine
 //! ones by [`fit`]). Where a field's rays jump inside a tile, it is split ([`cells`]). The tiles of a chain's layers, and of
 //! the spans of curved rays, lie stacked as [`slabs`]. Of rays that a mirror or a lens reflects or refracts, the tree is made
-//! on the GPU by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]), and the
-//! image of a picture that is thrown onto surfaces a third one ([`pictures`]).
+//! on the GPU by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]) and a table of its
+//! pieces ([`solve`]), and the image of a picture that is thrown onto surfaces a third one ([`pictures`]).
 
 pub mod beams;
 pub mod cells;
@@ -17,6 +17,7 @@ pub mod pages;
 pub mod pictures;
 pub mod samples;
 pub mod slabs;
+pub mod solve;
 pub mod tiles;
 pub mod variant;
 

@@ -8,7 +8,7 @@
 //! of it again, or [`paste`] from an atlas that was rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow
 //! recheck and [`resolve`] follows shade; [`outline`] draws lines over what they came to, and [`volume`] puts a volume over that. Caustics are
 //! added up by [`deposit`] before the first frame and shown by [`gather`] after shade. [`sift`] is not part of a frame: it finds the parts of
-//! an image that may see a point; nor is [`gradient`], which follows a frame that was read back.
+//! an image that may see a point, where [`solve`] finds its images and [`splat`] the nearest of each pixel; nor is [`gradient`], which follows a frame that was read back.
 
 pub mod args;
 pub mod bin;
@@ -34,7 +34,9 @@ pub mod sample;
 pub mod shade;
 pub mod sift;
 pub mod small;
+pub mod solve;
 pub mod sort;
+pub mod splat;
 pub mod split;
 pub mod trace;
 pub mod volume;
@@ -114,7 +116,8 @@ kernels! {
 /// The kernels of a variant whose frames have these planes, and those that are no part of a frame but the ones of [`gradient`].
 pub fn all_kernels(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     let of_frames = KernelId::ALL.into_iter().filter_map(|id| id.kernel(variant, planes));
-    of_frames.chain([mip::kernel(), sift::kernel(), deposit::kernel()]).collect()
+    let others = [mip::kernel(), sift::kernel(), solve::kernel(), splat::claim(), splat::contend(), deposit::kernel()];
+    of_frames.chain(others).collect()
 }
 
 impl KernelId {

@@ -48,9 +48,9 @@ struct Layer {
 
 /// A chunk that the device is at work on.
 pub struct Started {
-    points: usize,
+    pub(super) points: usize,
     /// Slots and list of each layer.
-    layers: Vec<(u32, wgpu::Buffer)>,
+    pub(super) layers: Vec<(u32, wgpu::Buffer)>,
 }
 
 /// What was found for the points of a chunk.
@@ -75,7 +75,9 @@ impl<'g> Sift<'g> {
             let beams = Beams::new(tree, most);
             let mut tables = Buffers::default();
             tables.upload(gpu, "beams", &beams.nodes)?;
-            Ok(Layer { beams, tables, slots: SLOTS })
+            // no more than there are nodes
+            let slots = SLOTS.min((beams.nodes.len() as u32).next_power_of_two());
+            Ok(Layer { beams, tables, slots })
         };
         let layers = projector.trees().map(layer).collect::<Result<_>>()?;
         Ok(Sift { gpu, pipeline, layers })
@@ -88,15 +90,25 @@ impl<'g> Sift<'g> {
 
     /// Sends a chunk of at most [`Sift::points_most`] points on its way.
     pub fn start(&self, points: &[DVec3]) -> Result<Started> {
-        let gpu = self.gpu;
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let mut started = Started { points: points.len(), layers: Vec::new() };
+        for (slots, chunk) in self.encode(&mut encoder, points)? {
+            started.layers.push((slots, self.copied(&mut encoder, points.len(), slots, &chunk)));
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.failure()?;
+        Ok(started)
+    }
+
+    /// Appends the dispatches of a chunk. Of each layer: slots, and buffers of which `found` will have the lists.
+    pub(super) fn encode(&self, encoder: &mut wgpu::CommandEncoder, points: &[DVec3]) -> Result<Vec<(u32, Buffers)>> {
+        let gpu = self.gpu;
+        let mut layers = Vec::new();
         for Layer { beams, tables, slots } in &self.layers {
             let mut chunk = Buffers::default();
             let packed: Vec<[f32; 4]> = points.par_iter().map(|p| beams.point(*p)).collect();
-            let bytes = list_bytes(points.len(), *slots);
             chunk.upload(gpu, "points", &packed)?;
-            chunk.create(gpu, "found", bytes, BufferUsages::empty())?;
+            chunk.create(gpu, "found", list_bytes(points.len(), *slots), BufferUsages::empty())?;
             let uniform = Chunk {
                 points: points.len() as u32,
                 beams: beams.nodes.len() as u32,
@@ -115,15 +127,25 @@ impl<'g> Sift<'g> {
             pass.set_bind_group(0, &group, &[]);
             dispatch_items(gpu, &mut pass, uniform.points);
             drop(pass);
-            let list = readback(gpu, bytes);
-            if let Some(found) = chunk.get("found") {
-                encoder.copy_buffer_to_buffer(found, 0, &list, 0, bytes);
-            }
-            started.layers.push((*slots, list));
+            layers.push((*slots, chunk));
         }
-        gpu.queue.submit([encoder.finish()]);
-        gpu.failure()?;
-        Ok(started)
+        Ok(layers)
+    }
+
+    /// Appends the copy of a layer's list to a buffer that the host reads.
+    pub(super) fn copied(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        points: usize,
+        slots: u32,
+        chunk: &Buffers,
+    ) -> wgpu::Buffer {
+        let bytes = list_bytes(points, slots);
+        let list = readback(self.gpu, bytes);
+        if let Some(found) = chunk.get("found") {
+            encoder.copy_buffer_to_buffer(found, 0, &list, 0, bytes);
+        }
+        list
     }
 
     /// Waits for a chunk.
@@ -152,10 +174,30 @@ fn slots_for(words: &[u32], slots: u32) -> u32 {
         return slots;
     }
     let (_, enough, _) = counts.select_nth_unstable(last);
-    (*enough).clamp(SLOTS, SLOTS_MOST).next_power_of_two()
+    (*enough).clamp(SLOTS.min(slots), SLOTS_MOST).next_power_of_two()
 }
 
 impl Sifted {
+    /// Takes those out of a layer's lists that hold no image: slot by slot, whether each does.
+    pub(super) fn keep(&mut self, layer: usize, holds: impl Fn(usize) -> bool + Sync) {
+        let (slots, words) = &mut self.layers[layer];
+        let slots = *slots as usize;
+        words.par_chunks_mut(slots + 1).enumerate().for_each(|(point, list)| {
+            let count = list[0] as usize;
+            if count > slots {
+                return;
+            }
+            let mut kept = 0;
+            for slot in 0..count {
+                if holds(point * slots + slot) {
+                    kept += 1;
+                    list[kept] = list[1 + slot];
+                }
+            }
+            list[0] = kept as u32;
+        });
+    }
+
     /// The nodes of a layer's tree at or below which the chunk's `point` may be seen, ascending.
     pub fn nodes(&self, layer: usize, point: usize) -> &[u32] {
         let (slots, words) = &self.layers[layer];
@@ -164,6 +206,11 @@ impl Sifted {
             count if count > *slots => WHOLE,
             count => &words[start + 1..][..count as usize],
         }
+    }
+
+    /// Slots of a point in a layer's list.
+    pub(super) fn slots(&self, layer: usize) -> usize {
+        self.layers[layer].0 as usize
     }
 
     /// How many nodes a point was found in; `None` where they were not all counted.

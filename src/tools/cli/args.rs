@@ -34,6 +34,9 @@ pub enum Command {
     /// Find where 3-D points appear in the image
     #[command(after_help = limits::help())]
     Project(ProjectArgs),
+    /// Draw 3-D points: the nearest in each pixel
+    #[command(after_help = limits::help())]
+    Splat(SplatArgs),
     /// List adapters and the code paths they select; with FILE: counts and bounds of a model or scene, and a camera for it
     #[command(after_help = limits::help())]
     Info(InfoArgs),
@@ -81,6 +84,7 @@ impl Command {
             Command::Camera(args) => Some(&args.caps),
             Command::Batch(args) => Some(&args.caps),
             Command::Project(args) => Some(&args.caps),
+            Command::Splat(args) => Some(&args.caps),
             Command::Info(args) => Some(&args.caps),
             #[cfg(feature = "view")]
             Command::View(args) => Some(&args.caps),
@@ -347,6 +351,38 @@ pub struct ProjectArgs {
     #[command(flatten)]
     pub change: Change,
     /// Where candidates are searched: compute (GPU) or reference (CPU); same output [default: compute from 65,536 points on with a
+    /// hardware GPU, else reference]
+    #[arg(long, value_name = "NAME", value_parser = sifting_engine)]
+    pub engine: Option<EngineName>,
+    /// Adapter to use: a part of its name
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    #[command(flatten)]
+    pub caps: Caps,
+}
+
+#[derive(Debug, Args)]
+pub struct SplatArgs {
+    /// Scene file, .toml or .json
+    pub scene: PathBuf,
+    /// Points: .ply with or without colours, .npy of N x 3, or .csv, .txt, .xyz with three numbers per line
+    #[arg(long, value_name = "FILE")]
+    pub points: PathBuf,
+    /// Colour, 8-bit sRGB and coverage; white for points without colours
+    #[arg(short, long, value_name = "OUT.png")]
+    pub output: Option<PathBuf>,
+    /// Colour (linear), coverage and t, 32-bit
+    #[arg(long, value_name = "OUT.exr")]
+    pub exr: Option<PathBuf>,
+    /// t of each pixel's point in f64, H x W; inf where there is none
+    #[arg(long, value_name = "OUT.npy")]
+    pub depth: Option<PathBuf>,
+    /// Each pixel's point, from 0, as u32, H x W; 4294967295 where there is none
+    #[arg(long, value_name = "OUT.npy")]
+    pub index: Option<PathBuf>,
+    #[command(flatten)]
+    pub change: Change,
+    /// Where hidden points are left out: compute (GPU) or reference (CPU); same output [default: compute from 65,536 points on with a
     /// hardware GPU, else reference]
     #[arg(long, value_name = "NAME", value_parser = sifting_engine)]
     pub engine: Option<EngineName>,

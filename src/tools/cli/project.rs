@@ -1,19 +1,21 @@
 //! `anamorph project`: every image of 3-D points, a JSON line a point.
 //!
-//! Places are always computed in f64 on the CPU, so the lines are the same with or without a GPU. The GPU finds the parts of
-//! the image to search, one chunk ahead.
+//! Places are always computed in f64 on the CPU, so the lines are the same with or without a GPU. The GPU proves, one chunk ahead, which parts
+//! of the image do not show a point; the host searches the others.
 
 use super::args::ProjectArgs;
 use super::progress::Progress;
 use super::say::{note, print};
+use crate::camera::Camera;
 use crate::camera::project::{Images, Projector};
-use crate::engine::stage::sift::Sift;
+use crate::engine::stage::solve::Solve;
 use crate::gpu::Gpu;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER, adapters};
 use crate::image::{read_points, write_text};
 use crate::input::files::noted;
 use crate::input::{Error, Result};
 use crate::jobs::outputs;
+use crate::jobs::project::each_solved;
 use crate::jobs::{EngineName, load_shape};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -42,14 +44,9 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
     let (read, inputs) = noted(read);
     let (points, (_, camera)) = read?;
     drop(progress);
-    if camera.optics.is_some() {
-        let kind = camera.kind;
-        return Err(Error::input(format!(
-            "camera: {kind} reflects or refracts rays; points cannot be projected through it; use another kind"
-        )));
-    }
+    refuse_optics(&camera)?;
     outputs::check(&inputs, args.output.iter().map(|path| (path.as_path(), outputs::IMAGES)))?;
-    let gpu = open(args, points.len())?;
+    let gpu = open(args.engine, args.adapter.as_deref(), points.len())?;
     let projector = Projector::new(&camera);
     let mut whole = String::new();
     let mut put = |lines: String| match &args.output {
@@ -60,7 +57,9 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
         None => print(&lines),
     };
     match &gpu {
-        Some(gpu) => sifted(Sift::new(gpu, &projector)?, &projector, &points, put)?,
+        Some(gpu) => each_solved(&mut Solve::new(gpu, &projector)?, &points, CHUNK, |_, chunk, solved| {
+            put(lines(chunk, |k, point| projector.project_below(point, |layer| solved.nodes(layer, k)))?)
+        })?,
         None => {
             for chunk in points.chunks(CHUNK) {
                 put(lines(chunk, |_, point| projector.project(point))?)?;
@@ -70,35 +69,29 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
     args.output.as_ref().map_or(Ok(()), |file| write_text(file, &whole))
 }
 
+/// Refuses a camera behind whose image rays are bent.
+pub(super) fn refuse_optics(camera: &Camera) -> Result<()> {
+    if camera.optics.is_none() {
+        return Ok(());
+    }
+    let kind = camera.kind;
+    Err(Error::input(format!(
+        "camera: {kind} reflects or refracts rays; points cannot be projected through it; use another kind"
+    )))
+}
+
 /// The adapter to use, if any: the one asked for; unasked for many points one that is no software.
-fn open(args: &ProjectArgs, points: usize) -> Result<Option<Gpu>> {
-    let asked = args.adapter.is_some() || matches!(args.engine, Some(EngineName::Compute));
+pub(super) fn open(engine: Option<EngineName>, adapter: Option<&str>, points: usize) -> Result<Option<Gpu>> {
+    let asked = adapter.is_some() || matches!(engine, Some(EngineName::Compute));
     let hardware = || adapters().first().is_some_and(|a| a.get_info().device_type != wgpu::DeviceType::Cpu);
-    if matches!(args.engine, Some(EngineName::Reference)) || (!asked && (points < MANY || !hardware())) {
+    if matches!(engine, Some(EngineName::Reference)) || (!asked && (points < MANY || !hardware())) {
         return Ok(None);
     }
-    let gpu = Gpu::open(&GpuOptions { adapter: args.adapter.clone(), ..Default::default() })?;
+    let gpu = Gpu::open(&GpuOptions { adapter: adapter.map(str::to_owned), ..Default::default() })?;
     if gpu.is_none() {
         note(format_args!("{NO_ADAPTER}; projecting on the CPU as --engine reference does"));
     }
     Ok(gpu)
-}
-
-/// All lines, the GPU a chunk ahead.
-fn sifted(
-    mut sift: Sift,
-    projector: &Projector,
-    points: &[DVec3],
-    mut put: impl FnMut(String) -> Result<()>,
-) -> Result<()> {
-    let mut chunks = points.chunks(CHUNK.min(sift.points_most().max(1)));
-    let mut ahead = chunks.next().map(|c| Ok::<_, Error>((c, sift.start(c)?))).transpose()?;
-    while let Some((chunk, started)) = ahead {
-        let found = sift.finish(started)?;
-        ahead = chunks.next().map(|c| Ok::<_, Error>((c, sift.start(c)?))).transpose()?;
-        put(lines(chunk, |k, point| projector.project_below(point, |layer| found.nodes(layer, k)))?)?;
-    }
-    Ok(())
 }
 
 /// A line for each point, by its number in the chunk.

@@ -1,0 +1,117 @@
+//! Times projection and splatting of many points, kernels beside the CPU, and two ways to the roots of a cubic: `cargo bench --features
+//! internals --bench points`. `cargo test --features internals --benches` runs each once, on little.
+
+use anamorph::internals::geometry::bernstein::Bernstein;
+use anamorph::{Camera, Device, Renderer, Scene, project_many, splat};
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Pixels of the image.
+const SIZE: (u32, u32) = (1024, 768);
+
+/// Cameras: the three classes of GLCs that are used most, and pieces.
+const CAMERAS: [(&str, &str); 4] = [
+    ("pinhole", "kind = 'pinhole'\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nvfov = 40"),
+    (
+        "cross-slit",
+        "kind = 'cross_slit'\nslits = [{ distance = 4, angle = 20 }, { distance = 2.5, angle = 100 }]\neye = [0, 0, 4]
+         target = [0, 0, 0]\nheight = 2",
+    ),
+    ("pushbroom", "kind = 'pushbroom'\nstart = [-1, 0, 4]\nend = [1, 0.2, 4]\nlook = [0, 0, -1]\nvfov = 30"),
+    ("pieces", "kind = 'panorama'\ncenter = [0, 0, 0]\nradius = 3\nheight = 2"),
+];
+
+fn main() -> anamorph::Result<()> {
+    let bench = std::env::args().any(|a| a == "--bench");
+    let counts: &[usize] = if bench { &[100_000, 1_000_000, 10_000_000] } else { &[1000] };
+    cubics(if bench { 1_000_000 } else { 1000 });
+    let renderer = Renderer::new()?;
+    let Some(adapter) = renderer.adapter() else {
+        println!("skipped: there is no adapter");
+        return Ok(());
+    };
+    println!(
+        "{}x{}, on {adapter}; one run each, ms. exact: the CPU's numbers; 0.1 px: the kernel's where proven within",
+        SIZE.0, SIZE.1
+    );
+    println!(
+        "camera, points, project by CPU, by kernels exact, by kernels 0.1 px, of them proven, splat by CPU, by kernels, left out"
+    );
+    let scene = Scene::new();
+    for (name, keys) in CAMERAS {
+        let camera = Camera::parse(keys, ".", &scene, Some(SIZE))?;
+        for &count in counts {
+            let points = points(count);
+            let (cpu, exact) = timed(|| project_many(&camera, &points, &Device::Cpu, 0.0));
+            let (gpu, same) = timed(|| project_many(&camera, &points, &Device::Gpu, 0.0));
+            let (within, near) = timed(|| project_many(&camera, &points, &Device::Gpu, 0.1));
+            let (exact, same, near) = (exact?, same?, near?);
+            assert!(exact.x == same.x && exact.y == same.y && exact.t == same.t && near.first == exact.first, "{name}");
+            let proven = near.by_kernel as f64 / count as f64;
+            drop((exact, same, near));
+            let (splat_cpu, one) = timed(|| splat(&camera, &points, &Device::Cpu));
+            let (splat_gpu, other) = timed(|| splat(&camera, &points, &Device::Gpu));
+            let (one, other) = (one?, other?);
+            assert!(one.index == other.index && one.t == other.t, "{name}");
+            let left_out = other.by_kernel as f64 / count as f64;
+            println!(
+                "{name}, {count}, {cpu:.0}, {gpu:.0}, {within:.0}, {proven:.3}, {splat_cpu:.0}, {splat_gpu:.0}, {left_out:.3}"
+            );
+        }
+    }
+    Ok(())
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
+    let started = Instant::now();
+    let result = work();
+    (started.elapsed().as_secs_f64() * 1e3, result)
+}
+
+/// In a cube in front of the cameras.
+fn points(count: usize) -> Vec<[f64; 3]> {
+    let mut state = 7;
+    (0..count).map(|_| [0; 3].map(|_| 0.6 * signed(&mut state))).collect()
+}
+
+fn signed(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+/// Roots in [0, 1] of random cubics: bracketed Newton, as `project` has it, against the closed form (Cardano; Viete).
+fn cubics(count: usize) {
+    let mut state = 5;
+    let all: Vec<[f64; 4]> = (0..count).map(|_| [0; 4].map(|_| signed(&mut state))).collect();
+    let (numeric, found) =
+        timed(|| all.iter().map(|c| Bernstein::of_powers(c, [0.0, 1.0]).roots(0.0).len()).sum::<usize>());
+    let (closed, roots) =
+        timed(|| all.iter().map(|c| black_box(closed_form(*c)).iter().flatten().count()).sum::<usize>());
+    // how far off the closed form is, by a step of Newton's method
+    let off = all.iter().flat_map(|c| {
+        closed_form(*c).into_iter().flatten().map(|t| {
+            let (value, slope) = (c[0] + t * (c[1] + t * (c[2] + t * c[3])), c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]));
+            (value / slope).abs()
+        })
+    });
+    let worst = off.fold(0.0, f64::max);
+    println!(
+        "{count} cubics over [0, 1]: bracketed Newton {numeric:.1} ms, {found} roots; closed form {closed:.1} ms, {roots} roots, off by up to {worst:.1e}"
+    );
+}
+
+fn closed_form([d, c, b, a]: [f64; 4]) -> [Option<f64>; 3] {
+    let (b, c, d) = (b / a, c / a, d / a);
+    let (p, q) = (c - b * b / 3.0, 2.0 * b * b * b / 27.0 - b * c / 3.0 + d);
+    let shift = -b / 3.0;
+    let within = |t: f64| Some(t).filter(|t| (0.0..=1.0).contains(t));
+    let inner = q * q / 4.0 + p * p * p / 27.0;
+    if inner > 0.0 {
+        let root = inner.sqrt();
+        let u = (-q / 2.0 - q.signum() * root).cbrt();
+        return [within(shift + u - p / (3.0 * u)), None, None];
+    }
+    let r = 2.0 * (-p / 3.0).sqrt();
+    let angle = (3.0 * q / (p * r)).clamp(-1.0, 1.0).acos() / 3.0;
+    [0.0, 1.0, 2.0].map(|k| within(shift + r * (angle - k * std::f64::consts::TAU / 3.0).cos()))
+}

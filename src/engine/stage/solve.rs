@@ -1,0 +1,238 @@
+//! solve: the images of points in the pieces that sift listed, in f32 with bounds.
+//!
+//! A candidate is proven to hold no image, or images that are each the only one within its bounds; or nothing of it is proven. Only pieces
+//! are solved: of a layer of other rays nothing is.
+
+use super::dispatch_items;
+use super::sift::{Sift, Sifted, Started};
+use crate::camera::Rays;
+use crate::camera::project::Projector;
+use crate::engine::plan::solve::SolveTable;
+use crate::gpu::Gpu;
+use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
+use crate::gpu::kernels::parts::*;
+use crate::gpu::layout::{NONE, SolveImage, SolveParams};
+use crate::input::Result;
+use glam::DVec3;
+use rayon::prelude::*;
+use wgpu::BufferUsages;
+
+pub(super) const LAYOUT: Parts = snippets!("project/layout.wgsl");
+
+/// Candidates of points in a layer of pieces; no part of a frame.
+pub fn kernel() -> Kernel {
+    let bindings = vec![
+        uniform("solving", "SolveParams"),
+        reads("pieces", "array<SolvePiece>"),
+        reads("leaves", "array<u32>"),
+        reads("points", "array<SolvePoint>"),
+        reads("found", "array<u32>"),
+        writes("solved", "array<u32>"),
+        writes("images", "array<SolveImage>"),
+        writes("counts", "array<atomic<u32>>"),
+        writes("wanted", "array<atomic<u32>>"),
+    ];
+    let own = snippets!("project/chart.wgsl", "project/prove.wgsl", "solve.wgsl");
+    Kernel::new("solve", bindings, &[PARAMS, ITEMS, LAYOUT, own])
+}
+
+/// The kernels, compiled, and a camera's trees and pieces on the device.
+pub struct Solve<'g> {
+    pub(super) gpu: &'g Gpu,
+    pub(super) sift: Sift<'g>,
+    pipeline: Pipeline,
+    /// `None`: not of pieces.
+    layers: Vec<Option<Layer>>,
+    size: [u32; 2],
+}
+
+struct Layer {
+    table: SolveTable,
+    /// `pieces` and `leaves`: written by the host, read by the kernel.
+    tables: Buffers,
+}
+
+/// A chunk that the device is at work on.
+pub struct SolveStarted {
+    sifted: Started,
+    /// Of each layer of pieces: what `solved`, `images` and `counts` come to.
+    lists: Vec<Option<[wgpu::Buffer; 3]>>,
+}
+
+/// What was found for the points of a chunk.
+pub struct Solved {
+    sifted: Sifted,
+    /// Of each layer of pieces: the status of each slot, and images by point.
+    layers: Vec<Option<(Vec<u32>, Vec<SolveImage>)>>,
+}
+
+/// Points that tell how many candidates the others have.
+const SAMPLE: usize = 2048;
+
+/// Bytes of an image.
+const IMAGE_BYTES: u64 = size_of::<SolveImage>() as u64;
+
+impl<'g> Solve<'g> {
+    /// For the points of one camera; the device holds 64 bytes a node of its trees, and 240 a piece.
+    pub fn new(gpu: &'g Gpu, projector: &Projector) -> Result<Solve<'g>> {
+        let sift = Sift::new(gpu, projector)?;
+        let pipeline = Pipeline::new(gpu, kernel())?;
+        let camera = projector.camera();
+        let layer = |(rays, tree): (&Rays, _)| {
+            let Rays::Pieces(pieces) = rays else { return Ok(None) };
+            let table = SolveTable::new(camera, pieces, tree);
+            let mut tables = Buffers::default();
+            // a list that no binding holds is the host's
+            let bytes = std::mem::size_of_val(table.pieces.as_slice()) as u64;
+            if bytes > gpu.binding_limit() {
+                return Ok(None);
+            }
+            tables.upload(gpu, "pieces", &table.pieces)?;
+            tables.upload(gpu, "leaves", &table.leaves)?;
+            Ok(Some(Layer { table, tables }))
+        };
+        let layers = camera.layers.iter().zip(projector.trees()).map(layer).collect::<Result<_>>()?;
+        Ok(Solve { gpu, sift, pipeline, layers, size: [camera.width, camera.height] })
+    }
+
+    /// Points of a chunk at most.
+    pub fn points_most(&self) -> usize {
+        self.sift.points_most()
+    }
+
+    /// Gives lists as many slots as some of the points need.
+    pub fn adapt(&mut self, points: &[DVec3]) -> Result<()> {
+        let some: Vec<DVec3> = points.iter().step_by(points.len() / SAMPLE + 1).copied().collect();
+        if !some.is_empty() {
+            let started = self.sift.start(&some)?;
+            self.sift.finish(started)?;
+        }
+        Ok(())
+    }
+
+    /// Sends a chunk of at most [`Solve::points_most`] points on its way.
+    pub fn start(&self, points: &[DVec3]) -> Result<SolveStarted> {
+        let gpu = self.gpu;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut started = Started { points: points.len(), layers: Vec::new() };
+        let mut lists = Vec::new();
+        for (layer, (slots, sifted)) in self.sift.encode(&mut encoder, points)?.into_iter().enumerate() {
+            started.layers.push((slots, self.sift.copied(&mut encoder, points.len(), slots, &sifted)));
+            let chunk = self.encode(&mut encoder, layer, points, slots, &sifted)?;
+            let copied = chunk.map(|chunk| {
+                ["solved", "images", "counts"].map(|name| {
+                    // every one of them has been made
+                    let bytes = chunk.get(name).map_or(0, wgpu::Buffer::size);
+                    let to = readback(gpu, bytes);
+                    chunk.get(name).into_iter().for_each(|from| encoder.copy_buffer_to_buffer(from, 0, &to, 0, bytes));
+                    to
+                })
+            });
+            lists.push(copied);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        gpu.failure()?;
+        Ok(SolveStarted { sifted: started, lists })
+    }
+
+    /// Appends the dispatch of a layer's chunk after sift's; its buffers; `None` if the layer has no pieces.
+    ///
+    /// `solved`: a word each slot of a point. `images`: two for each point. `counts`: a word. `wanted`: a bit each point.
+    pub(super) fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        layer: usize,
+        points: &[DVec3],
+        slots: u32,
+        sifted: &Buffers,
+    ) -> Result<Option<Buffers>> {
+        let gpu = self.gpu;
+        let Some(Layer { table, tables }) = &self.layers[layer] else { return Ok(None) };
+        let mut chunk = Buffers::default();
+        let packed: Vec<_> = points.par_iter().map(|p| table.point(*p)).collect();
+        chunk.upload(gpu, "points", &packed)?;
+        let count = points.len() as u64;
+        let most = u64::from(Solve::images_most(gpu, points.len()));
+        chunk.create(gpu, "solved", 4 * count * u64::from(slots), BufferUsages::empty())?;
+        chunk.create(gpu, "images", IMAGE_BYTES * most, BufferUsages::empty())?;
+        chunk.create(gpu, "counts", 4, BufferUsages::empty())?;
+        chunk.create(gpu, "wanted", 4 * count.div_ceil(32), BufferUsages::empty())?;
+        chunk.upload_uniform(
+            gpu,
+            "solving",
+            &SolveParams {
+                points: count as u32,
+                slots,
+                images_most: most as u32,
+                pad0: 0,
+                t_min: table.t_range[0],
+                t_max: table.t_range[1],
+                width: self.size[0],
+                height: self.size[1],
+            },
+        )?;
+        let group = self.pipeline.bind(gpu, &[&chunk, tables, sifted])?;
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("solve"), timestamp_writes: None });
+        pass.set_pipeline(self.pipeline.raw());
+        pass.set_bind_group(0, &group, &[]);
+        dispatch_items(gpu, &mut pass, count as u32 * slots);
+        drop(pass);
+        Ok(Some(chunk))
+    }
+
+    /// Images that the list of so many points holds: two each.
+    pub(super) fn images_most(gpu: &Gpu, points: usize) -> u32 {
+        (2 * points as u64 + 64).min(gpu.binding_limit() / IMAGE_BYTES) as u32
+    }
+
+    /// Waits for a chunk.
+    pub fn finish(&mut self, started: SolveStarted) -> Result<Solved> {
+        let slots: Vec<usize> = started.sifted.layers.iter().map(|(slots, _)| *slots as usize).collect();
+        let points = started.sifted.points;
+        let mut sifted = self.sift.finish(started.sifted)?;
+        let mut layers = Vec::new();
+        for (layer, lists) in started.lists.iter().enumerate() {
+            let Some([solved, images, counts]) = lists else {
+                layers.push(None);
+                continue;
+            };
+            let mut status = read_words(self.gpu, solved)?;
+            status.truncate(points * slots[layer]);
+            let words = read_words(self.gpu, images)?;
+            let count = read_words(self.gpu, counts)?[0] as usize;
+            let all: &[SolveImage] = bytemuck::cast_slice(&words);
+            let mut images: Vec<SolveImage> =
+                all[..count.min(all.len())].iter().filter(|i| i.point < points as u32).copied().collect();
+            images.par_sort_unstable_by(|a, b| (a.point, a.piece).cmp(&(b.point, b.piece)).then(a.t.total_cmp(&b.t)));
+            sifted.keep(layer, |slot| status[slot] != 0);
+            layers.push(Some((status, images)));
+        }
+        Ok(Solved { sifted, layers })
+    }
+
+    /// The table of a layer of pieces.
+    pub fn table(&self, layer: usize) -> Option<&SolveTable> {
+        self.layers[layer].as_ref().map(|l| &l.table)
+    }
+}
+
+impl Solved {
+    /// The nodes of a layer's tree at or below which the chunk's `point` may have images: what sift listed but for what is proven to have
+    /// none.
+    pub fn nodes(&self, layer: usize, point: usize) -> &[u32] {
+        self.sifted.nodes(layer, point)
+    }
+
+    /// The images of a layer's `point`, by piece and t; `None` where not all are proven.
+    pub fn images(&self, layer: usize, point: usize) -> Option<&[SolveImage]> {
+        let (status, images) = self.layers[layer].as_ref()?;
+        let slots = self.sifted.slots(layer);
+        if status[point * slots..][..slots].contains(&NONE) {
+            return None;
+        }
+        let from = images.partition_point(|i| (i.point as usize) < point);
+        let count = images[from..].iter().take_while(|i| i.point as usize == point).count();
+        Some(&images[from..][..count])
+    }
+}

@@ -1,0 +1,78 @@
+//! `anamorph splat`: points as a picture, through any camera that `project` handles.
+
+use super::args::SplatArgs;
+use super::progress::Progress;
+use super::project::{open, refuse_optics};
+use super::say::note;
+use crate::geometry::ply::load_points;
+use crate::image::{read_points, write_exr, write_npy, write_npy_f64, write_png};
+use crate::input::files::noted;
+use crate::input::{Error, Result};
+use crate::jobs::splat::splat;
+use crate::jobs::{EngineName, load_shape, outputs};
+use glam::DVec3;
+use std::path::Path;
+
+pub fn run(args: &SplatArgs) -> Result<()> {
+    if let (Some(EngineName::Reference), Some(_)) = (args.engine, &args.adapter) {
+        return Err(Error::input("--adapter needs --engine compute; --engine reference runs on the CPU"));
+    }
+    let files = [
+        (&args.output, outputs::PICTURE),
+        (&args.exr, outputs::EXR),
+        (&args.depth, outputs::RAYS),
+        (&args.index, outputs::RAYS),
+    ];
+    if files.iter().all(|(path, _)| path.is_none()) {
+        return Err(Error::input(
+            "nothing to write; add -o OUT.png, --exr OUT.exr, --depth OUT.npy or --index OUT.npy",
+        ));
+    }
+    let progress = Progress::start("building the camera");
+    let read = || Ok::<_, Error>((read(&args.points)?, load_shape(&args.scene, &(&args.change).into())?));
+    let (read, inputs) = noted(read);
+    let ((points, colors), (_, camera)) = read?;
+    drop(progress);
+    refuse_optics(&camera)?;
+    outputs::check(&inputs, files.iter().filter_map(|(path, kind)| Some((path.as_deref()?, *kind))))?;
+    let gpu = open(args.engine, args.adapter.as_deref(), points.len())?;
+    let progress = Progress::start("splatting");
+    let all = splat(&camera, &points, gpu.as_ref())?;
+    drop(progress);
+    if all.degenerate > 0 {
+        note(format_args!(
+            "{} points are on a slit or an eye of the camera: their curves and areas of images are not drawn",
+            all.degenerate
+        ));
+    }
+    let (width, height) = (all.width, all.height);
+    let shape = [height as usize, width as usize];
+    let colors = colors.as_deref();
+    args.output.as_ref().map_or(Ok(()), |path| write_png(path, width, height, &all.rgba(colors)))?;
+    args.exr.as_ref().map_or(Ok(()), |path| write_exr(path, &all.frame(colors), &[]))?;
+    args.depth.as_ref().map_or(Ok(()), |path| write_npy_f64(path, &shape.map(|side| side as u64), &all.t))?;
+    args.index.as_ref().map_or(Ok(()), |path| write_npy(path, &shape, &all.index))
+}
+
+/// Points, and their colours (linear) if the file has some.
+type Cloud = (Vec<DVec3>, Option<Vec<[f32; 3]>>);
+
+fn read(path: &Path) -> Result<Cloud> {
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply")) {
+        let is_text = ["npy", "csv", "txt", "xyz"]
+            .iter()
+            .any(|own| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(own)));
+        if !is_text {
+            let name = path.display();
+            return Err(Error::input(format!(
+                "{name}: points are read from .ply, .npy, .csv, .txt or .xyz files only"
+            )));
+        }
+        return Ok((read_points(path)?, None));
+    }
+    let points = load_points(path)?;
+    match points.centres.iter().position(|p| !p.is_finite()) {
+        Some(k) => Err(Error::input(format!("{}: vertex {k} is not finite; leave it out", path.display()))),
+        None => Ok((points.centres, points.colors)),
+    }
+}
