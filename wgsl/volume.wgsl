@@ -48,17 +48,24 @@ fn within_grid(p: vec3<f32>, d: vec3<f32>, first: f32, last: f32) -> vec2<f32> {
     );
 }
 
+// The place at t of a leg, one coordinate after the other: f64 in 32-bit words takes vectors in loops, whose rounds count too.
+fn leg_place(leg: Leg, t: real) -> vec3<f32> {
+    return vec3<f32>(
+        f32(leg.start.x + t * leg.along.x),
+        f32(leg.start.y + t * leg.along.y),
+        f32(leg.start.z + t * leg.along.z),
+    );
+}
+
 // What has passed after a leg too. Each cell's way is cut into parts by halving, until `take` takes them.
 fn through(leg: Leg, before: Passed) -> Passed {
-    // in grid coordinates, from about where it enters
-    let start = grid_place(leg.p);
-    let along_leg = grid_direction(leg.d);
-    let d = vec3<f32>(along_leg);
-    let about = within_grid(vec3<f32>(start), d, leg.first, leg.last);
+    // from about where it enters
+    let d = vec3<f32>(leg.along);
+    let about = within_grid(vec3<f32>(leg.start), d, leg.first, leg.last);
     if !(about.x <= about.y) {
         return before;
     }
-    let p = vec3<f32>(start + real(about.x) * along_leg);
+    let p = leg_place(leg, real(about.x));
     let ends = within_grid(p, d, leg.first - about.x, leg.last - about.x);
     if !(ends.x < ends.y) {
         return before;
@@ -66,7 +73,6 @@ fn through(leg: Leg, before: Passed) -> Passed {
     let cells = vec3<i32>(medium.last);
     let inverse = inverse_of(d);
     let towards = select(vec3<i32>(1), vec3<i32>(-1), d < vec3<f32>(0.0));
-    let direction = normalize(vec3<f32>(leg.d));
 
     var passed = before;
     var cell = clamp(vec3<i32>(floor(p + ends.x * d)), vec3<i32>(0), cells - 1);
@@ -85,7 +91,7 @@ fn through(leg: Leg, before: Passed) -> Passed {
             leaves = max(enters, min(min(planes_at.x, ends.y), min(planes_at.y, planes_at.z)));
             let a = clamp(p + enters * d - vec3<f32>(cell), vec3<f32>(0.0), vec3<f32>(1.0));
             let b = clamp(p + leaves * d - vec3<f32>(cell), vec3<f32>(0.0), vec3<f32>(1.0));
-            stretch = stretch_in(cell, a, b, direction);
+            stretch = stretch_in(cell, a, b, leg.direction);
             is_new = false;
             start_at = 0.0;
             width = 1.0;

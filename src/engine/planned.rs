@@ -156,15 +156,9 @@ impl Planner {
         )))
     }
 
-    /// Refuses a volume of more nodes than one binding holds; and one along curves without f64, which is wrong there.
+    /// Refuses a volume of more nodes than one binding holds.
     fn check_volume(&self, scene: &Scene, camera: &Camera) -> Result<()> {
         let Some(volume) = &scene.volume else { return Ok(()) };
-        if camera.is_curved() && !self.has.f64 {
-            let (kind, name) = (camera.kind, &self.name);
-            return Err(Error::input(format!(
-                "a volume along the curved rays of {kind} needs f64, which adapter {name} does not have; use --engine reference"
-            )));
-        }
         let (nodes, limit, name) = (volume.grid.values.len(), self.limit, &self.name);
         let most = limit / node_bytes(volume);
         if nodes as u64 <= most {

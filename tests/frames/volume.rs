@@ -293,6 +293,28 @@ fn adapters_without_f64_agree_with_the_reference() {
     assert!(error <= ERROR, "{error}");
 }
 
+/// Curves of either degree in 32-bit words too: with the most legs, loops of vectors would use up the rounds that drivers allow a thread.
+#[test]
+fn curves_without_f64_agree_with_the_reference() {
+    let mut scene = common::scene(soup(&mut Rng(8), 40, 0.3));
+    let (turn, mut compared) = (DQuat::from_rotation_y(0.4) * DQuat::from_rotation_x(0.3), 0);
+    for (is_lit, extinction) in [(false, 1.0), (true, 4.0)] {
+        let steep = SHELLS.map(|[value, r, g, b, own]| [value, r, g, b, extinction * own]);
+        scene.volume = Some(volume(grid([17, 15, 13], turn, bumps), &steep, Mode::Composite, is_lit));
+        for name in
+            ["curves of degree 2, bent by 0.5", "curves of degree 3, bent by 2", "straight, then curved", "twist"]
+        {
+            let camera = cameras().into_iter().find(|c| c.0 == name).unwrap().1;
+            let Some(seen) = render_with(&scene, &camera, Without::F64, &RunOptions::default()) else { return };
+            let error = largest_difference(&seen.frame, &image(&scene, &camera, &wanted().channels));
+            println!("{name}, extinction times {extinction}, without f64: {error:.2e}");
+            assert!(error <= ERROR, "{name}, extinction times {extinction}: {error}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 8);
+}
+
 /// Many samples a pixel are frames whose volumes are averaged too: `at_once` says that one frame does not take them.
 #[test]
 fn samples_take_a_frame_each() {

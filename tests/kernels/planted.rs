@@ -456,8 +456,8 @@ const PLANTED: [Planted; 54] = [
     ),
     (
         "volume/straight_legs.wgsl",
-        "length(vec3<f32>(d))), 1u)",
-        "0.98 * length(vec3<f32>(d))), 1u)",
+        "let speed = length(vec3<f32>(d));",
+        "let speed = 0.98 * length(vec3<f32>(d));",
         Dispatching::ByPair,
         glowing,
     ),

@@ -1,15 +1,16 @@
 // A straight ray is one leg in each layer.
 // Provides: Leg, leg_at, legs_of
-// Needs: ray_bundle, real3
+// Needs: grid_direction, grid_place, ray_bundle, real3
 // Binds: params
 
-// A straight part of a pixel's path: p + t d for t in [first, last].
+// A straight part of a pixel's path: start + t along for t in [first, last], grid coordinates.
 struct Leg {
-    p: real3,
-    d: real3,
+    start: real3,
+    along: real3,
     first: f32,
     last: f32,
     speed: f32,             // length of a step of 1 in t, world units
+    direction: vec3<f32>,   // unit vector, in the world
 }
 
 struct Legs {
@@ -20,7 +21,9 @@ struct Legs {
 fn legs_of(layer: u32, x: u32, y: u32, t_end: f32) -> Legs {
     let b = ray_bundle(layer, x, y, 0.0);
     let d = b.d / b.h;
-    return Legs(Leg(b.p / b.h, d, params.t_min.x, t_end, length(vec3<f32>(d))), 1u);
+    let speed = length(vec3<f32>(d));
+    let leg = Leg(grid_place(b.p / b.h), grid_direction(d), params.t_min.x, t_end, speed, normalize(vec3<f32>(d)));
+    return Legs(leg, 1u);
 }
 
 fn leg_at(legs: Legs, k: u32) -> Leg {
