@@ -55,12 +55,15 @@ impl<'a> Composed<'a> {
         let among = |k: &usize| held[*k];
         let owner = self.owner((i, j), &values, &among);
         let is_sure = (0..held.len()).filter(among).all(|k| judged[k].finding.safe);
-        let is_safe = is_sure && self.composition.is_clear(i, j, MARGIN_PX) && self.is_clear((i, j), &values, &among);
+        let is_inside = self.composition.is_clear(i, j, MARGIN_PX);
+        let is_safe = is_sure && is_inside && self.is_clear((i, j), &values, &among);
+        // without a master, away from all borders, the pixel is one camera's alone
+        let has_one = is_safe || is_inside && self.composition.master.is_none();
         let is_near = id.is_none_or(|id| match owner {
             None => id == NO_ID,
-            Some(k) if is_safe => names_near(&judged[k].finding, id),
+            Some(k) if has_one => names_near(&judged[k].finding, id),
             // nothing is seen only where no camera sees anything
-            Some(_) if id == NO_ID => (0..held.len()).filter(among).all(|k| names_near(&judged[k].finding, id)),
+            Some(_) if id == NO_ID && self.composition.master.is_some() => (0..held.len()).filter(among).all(|k| names_near(&judged[k].finding, id)),
             Some(_) => (0..held.len()).any(|k| names_near(&judged[k].finding, id)),
         });
         let scale = owner.map_or(1.0, |k| judged[k].scale);

@@ -137,6 +137,8 @@ impl Case {
         // what an image larger than the bindings needs of a scene is caustics' own affair
         let is_large = features.iter().any(|f| matches!(f, Feature::Bands | Feature::Chunks));
         let is_lit_anew = features.contains(&Feature::Caustics) && is_large;
+        // a composite that moves
+        let cameras = if features == [Feature::CameraInMotion, Feature::Composed] { 1 } else { cameras };
         if counts.into_iter().filter(|c| *c).count() > 1 || cameras > 1 || is_lit_anew {
             return None;
         }
@@ -235,7 +237,16 @@ impl Case {
                 (wanted.gradients, wanted.coverage_gradients) = (true, true);
                 self.has.insert(Feature::Gradients);
             }
-            Feature::Composed => self.camera = camera_of("", SIZE, COMPOSED).unwrap(),
+            Feature::Composed => {
+                let composed = camera_of("", SIZE, COMPOSED).unwrap();
+                self.camera = match self.has.contains(&Feature::CameraInMotion) {
+                    true => {
+                        let ends = vec![composed.clone(), composed];
+                        Moving::new(self.scene.exposure.clone(), vec![-0.5, 0.5], ends).unwrap().camera(None).unwrap()
+                    }
+                    false => composed,
+                };
+            }
             Feature::Raster => run.method = Method::Raster,
             Feature::Aimed | Feature::Relit | Feature::InSequence => unreachable!("of frames that follow others"),
         }
