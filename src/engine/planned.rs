@@ -131,7 +131,7 @@ impl Planner {
         check_size(&scene, extent)?;
         scene.check_depth(&wanted.channels)?;
         self.check_normals(&scene)?;
-        self.check_volume(&scene, &camera)?;
+        self.check_volume(&scene)?;
         let plan = self.plan_of(&scene, &camera, extent, wanted, run, last);
         let clustered = match last.filter(|l| same_clusters(l, &scene, &plan)) {
             Some(last) => last.clustered.clone(),
@@ -157,7 +157,7 @@ impl Planner {
     }
 
     /// Refuses a volume of more nodes than one binding holds.
-    fn check_volume(&self, scene: &Scene, camera: &Camera) -> Result<()> {
+    fn check_volume(&self, scene: &Scene) -> Result<()> {
         let Some(volume) = &scene.volume else { return Ok(()) };
         let (nodes, limit, name) = (volume.grid.values.len(), self.limit, &self.name);
         let most = limit / node_bytes(volume);
