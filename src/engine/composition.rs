@@ -27,7 +27,13 @@ pub(super) fn render(
     run: &RunOptions,
 ) -> Result<Rendered> {
     let raster = run.method == Method::Raster;
-    let asked = Asked { rival: run.rival, no_cull: run.no_cull, moving: run.moving, raster, ..Asked::new(scene, camera, wanted) };
+    let asked = Asked {
+        rival: run.rival,
+        no_cull: run.no_cull,
+        moving: run.moving,
+        raster,
+        ..Asked::new(scene, camera, wanted)
+    };
     asked.check()?;
     composition.check(&scene.objects)?;
     let mut channels = [&wanted.channels[..], &[Channel::TriangleId, Channel::T]].concat();
