@@ -204,7 +204,7 @@ impl Composing<'_> {
         let beyond = self.beyond(channel);
         let number = |at: usize, owner: Option<usize>| owner.map_or(beyond, |k| planes[k][at]);
         let is_blended = COLOURS.contains(&channel) && !shares.is_empty();
-        let value = |(at, owner): (usize, &Option<usize>)| match &shares[..] {
+        let value = |(at, owner): (usize, &Option<usize>)| match shares {
             [] => number(at, *owner),
             _ if !is_blended => number(at, *owner),
             shares => match &shares[at][..] {
