@@ -1,5 +1,5 @@
 // contend: one thread per proven image of points: whether it may be the nearest of its pixel.
-// Reads `images`, its length and `nearest`; sets bits of `wanted`: of points with an image that no other is proven to hide, or whose
+// Reads `images`, its length and `nearest`; writes bits of `wanted`: of points with an image that no other is proven to hide, or whose
 // pixel is not proven.
 // Needs: NONE, item_index, rising_bits
 // Binds: counts, images, nearest, solving, wanted

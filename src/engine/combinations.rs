@@ -266,12 +266,28 @@ pub const REFUSALS: &[Refusal] = {
         refusal(&[Composed, Aimed], "Frames::aim does not support frames that are composed of several", ANEW),
         refusal(&[Composed, Moving], "--moving renders one frame again, not several", "leave out --moving"),
         refusal(&[Composed, Gradients], "gradients are of one frame, not of several", WITHOUT_GRADIENTS),
-        refusal(&[Composed, Certified], "no pixel of a frame that is composed of several is certified", WITHOUT_CERTIFIED),
-        refusal(&[Composed, Outlines], "outlines and borders are drawn in one frame, not across several", WITHOUT_LINES),
+        refusal(
+            &[Composed, Certified],
+            "no pixel of a frame that is composed of several is certified",
+            WITHOUT_CERTIFIED,
+        ),
+        refusal(
+            &[Composed, Outlines],
+            "outlines and borders are drawn in one frame, not across several",
+            WITHOUT_LINES,
+        ),
         refusal(&[Composed, Timed], "a frame that is composed of several is of one time", MOVES),
         refusal(&[Composed, CameraInMotion], "a frame that is composed of several is of one time", MOVES),
-        refusal(&[Composed, Volume], "a volume has no surface whose depth decides what is seen", "remove [volume] or use another camera"),
-        refusal(&[Composed, Caustics], "caustics are added to one frame, not to several", "remove [caustics] or use another camera"),
+        refusal(
+            &[Composed, Volume],
+            "a volume has no surface whose depth decides what is seen",
+            "remove [volume] or use another camera",
+        ),
+        refusal(
+            &[Composed, Caustics],
+            "caustics are added to one frame, not to several",
+            "remove [caustics] or use another camera",
+        ),
     ]
 };
 

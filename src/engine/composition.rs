@@ -27,7 +27,13 @@ pub(super) fn render(
     run: &RunOptions,
 ) -> Result<Rendered> {
     let raster = run.method == Method::Raster;
-    let asked = Asked { rival: run.rival, no_cull: run.no_cull, moving: run.moving, raster, ..Asked::new(scene, camera, wanted) };
+    let asked = Asked {
+        rival: run.rival,
+        no_cull: run.no_cull,
+        moving: run.moving,
+        raster,
+        ..Asked::new(scene, camera, wanted)
+    };
     asked.check()?;
     composition.check(&scene.objects)?;
     let mut channels = [&wanted.channels[..], &[Channel::TriangleId, Channel::T]].concat();
@@ -198,7 +204,7 @@ impl Composing<'_> {
         let beyond = self.beyond(channel);
         let number = |at: usize, owner: Option<usize>| owner.map_or(beyond, |k| planes[k][at]);
         let is_blended = COLOURS.contains(&channel) && !shares.is_empty();
-        let value = |(at, owner): (usize, &Option<usize>)| match &shares[..] {
+        let value = |(at, owner): (usize, &Option<usize>)| match shares {
             [] => number(at, *owner),
             _ if !is_blended => number(at, *owner),
             shares => match &shares[at][..] {

@@ -21,7 +21,9 @@ pub fn check(files: &Files, camera: &Camera) -> Result<()> {
         return Err(Error::input(format!("{}: points are written as .ply or .npy; name the file so", path.display())));
     }
     if camera.composition.as_ref().is_some_and(|composition| composition.master.is_some()) {
-        return Err(Error::input("--points needs one ray per pixel; a composite with master has several; use --exr with --channels P"));
+        return Err(Error::input(
+            "--points needs one ray per pixel; a composite with master has several; use --exr with --channels P",
+        ));
     }
     if camera.is_curved() || camera.layers.len() > 1 {
         return Err(Error::input("--points needs one straight ray per pixel; use --exr with --channels P,Z,t"));

@@ -63,7 +63,9 @@ impl<'a> Composed<'a> {
             None => id == NO_ID,
             Some(k) if has_one => names_near(&judged[k].finding, id),
             // nothing is seen only where no camera sees anything
-            Some(_) if id == NO_ID && self.composition.master.is_some() => (0..held.len()).filter(among).all(|k| names_near(&judged[k].finding, id)),
+            Some(_) if id == NO_ID && self.composition.master.is_some() => {
+                (0..held.len()).filter(among).all(|k| names_near(&judged[k].finding, id))
+            }
             Some(_) => (0..held.len()).any(|k| names_near(&judged[k].finding, id)),
         });
         let scale = owner.map_or(1.0, |k| judged[k].scale);

@@ -163,9 +163,8 @@ fn pixel(
     let behind = camera.first_piece(camera.layers.len());
     let mirror = shown.first.unwrap_or(NO_ID);
     let piece_of = |first: u32| camera.optics.as_ref().map_or(first, |o| o.piece_of(first));
-    let piece = |of_ray: u32| {
-        shown.first.map_or_else(|| camera.piece_number(of_ray, (i, j)), |first| behind + piece_of(first))
-    };
+    let piece =
+        |of_ray: u32| shown.first.map_or_else(|| camera.piece_number(of_ray, (i, j)), |first| behind + piece_of(first));
     let colour = match &camera.optics {
         Some(optics) if shown.first.is_some() && (optics.fresnel || optics.rays > 1) => {
             let path = Path::of_pixel(camera, i, j);

@@ -169,11 +169,7 @@ fn frames_are_right_by_margin() {
     let scene = still_life();
     let star = "region = { kind = 'polygon', points = [[0.5, 0.05], [0.6, 0.4], [0.95, 0.5], [0.6, 0.6], [0.5, 0.95], [0.05, 0.5]] }";
     let box_ = "region = { kind = 'rectangle', from = [0.2, 0.3], to = [0.8, 0.85] }";
-    let three = [
-        member(FRONT, ""),
-        member(RIGHT, "objects = ['ball']"),
-        member(SLITS, "objects = ['cl*d']"),
-    ];
+    let three = [member(FRONT, ""), member(RIGHT, "objects = ['ball']"), member(SLITS, "objects = ['cl*d']")];
     let ranked = [
         member(FRONT, "objects = ['ball#0', 'floor'], priority = 1"),
         member(RIGHT, &format!("objects = ['ball#1'], priority = 2, {star}, feather = 6")),
@@ -184,7 +180,11 @@ fn frames_are_right_by_margin() {
         member(FRONT, "objects = ['ball']"),
         member(CURVED, "objects = ['*'], priority = -1"),
     ];
-    let feathered = [member(ABOVE, &format!("{star}, feather = 5")), member(FISHEYE, &format!("{box_}, feather = 9.5")), member(FRONT, "")];
+    let feathered = [
+        member(ABOVE, &format!("{star}, feather = 5")),
+        member(FISHEYE, &format!("{box_}, feather = 9.5")),
+        member(FRONT, ""),
+    ];
     for (name, rest, members) in [
         ("objects", "master = 0", &three),
         ("by the slits", "master = 2", &three),
@@ -272,7 +272,10 @@ fn what_no_camera_names_is_seen_by_the_master() {
     let scene = still_life();
     for (members, expected) in [
         // all name some: the floor is the master's, as well as its own
-        (["objects = ['cloud']", "objects = ['ball']"], [vec![true, false, false, true], vec![false, true, true, false]]),
+        (
+            ["objects = ['cloud']", "objects = ['ball']"],
+            [vec![true, false, false, true], vec![false, true, true, false]],
+        ),
         // one names none: the rest is its own
         (["objects = ['cloud']", ""], [vec![false, false, false, true], vec![true, true, true, false]]),
         (["", "objects = ['ball#1', 'cloud']"], [vec![true, true, false, false], vec![false, false, true, true]]),
@@ -314,7 +317,8 @@ fn colours_are_blended_across_a_border_and_nothing_else_is() {
         let keys = format!("{region}, priority = 1, feather = {feather:?}");
         let camera = camera(&composite(master, &[member(to_blue, ""), member(to_red, &keys)]), SIZE);
         assert_eq!(camera.layered().is_some(), feather > 0.0 || !master.is_empty());
-        let truth = image(&scene, &camera, &[Channel::R, Channel::G, Channel::B, Channel::TriangleId, Channel::PieceId]);
+        let truth =
+            image(&scene, &camera, &[Channel::R, Channel::G, Channel::B, Channel::TriangleId, Channel::PieceId]);
         let frame = rendered(&scene, &camera).map(|rendered| rendered.frame);
         let mut blended = 0;
         for (i, j) in (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j))) {
@@ -324,7 +328,8 @@ fn colours_are_blended_across_a_border_and_nothing_else_is() {
             let outside = (low - place).max(place - high).max(DVec2::ZERO).length();
             let depth = if outside > 0.0 { -outside } else { inside };
             let is_in = depth >= 0.0;
-            let share = if feather > 0.0 { (0.5 + depth / feather).clamp(0.0, 1.0) } else { f64::from(u8::from(is_in)) };
+            let share =
+                if feather > 0.0 { (0.5 + depth / feather).clamp(0.0, 1.0) } else { f64::from(u8::from(is_in)) };
             blended += usize::from(share > 0.0 && share < 1.0);
             let at = (j * SIZE.0 + i) as usize;
             for frame in [Some(&truth), frame.as_ref()].into_iter().flatten() {
@@ -350,9 +355,8 @@ fn channels_but_colours_are_those_without_a_feather() {
     let star = "region = { kind = 'polygon', points = [[0.5, 0.05], [0.6, 0.4], [0.95, 0.5], [0.6, 0.6], [0.5, 0.95], [0.05, 0.5]] }";
     let of = |camera: &str| camera.replace(" }", ", t_range = [0, 9] }");
     for (a, b) in [(FISHEYE.to_owned(), FRONT.to_owned()), (of(FRONT), CURVED.to_owned())] {
-        let cameras = ["", ", feather = 9"].map(|keys| {
-            camera(&composite("", &[member(&a, &format!("{star}{keys}")), member(&b, "")]), SIZE)
-        });
+        let cameras = ["", ", feather = 9"]
+            .map(|keys| camera(&composite("", &[member(&a, &format!("{star}{keys}")), member(&b, "")]), SIZE));
         let [Some(plain), Some(feathered)] = [0, 1].map(|k| rendered(&scene, &cameras[k])) else { return };
         assert!(cameras[0].layered().is_none() && cameras[1].layered().is_some());
         // by how much a normal turns when a corner of its triangle moves: twice the inverse of the least height
@@ -388,7 +392,14 @@ fn the_number_of_its_camera_is_each_pixels_piece() {
     let scene = still_life();
     let box_ = |x: f64| format!("region = {{ kind = 'rectangle', from = [{x:?}, 0], to = [1, 1] }}");
     for (members, is_curved) in [
-        ([member(FRONT, "priority = -1"), member(ABOVE, &box_(0.5)), member(SLITS, &format!("priority = 1, {}", box_(0.75)))], false),
+        (
+            [
+                member(FRONT, "priority = -1"),
+                member(ABOVE, &box_(0.5)),
+                member(SLITS, &format!("priority = 1, {}", box_(0.75))),
+            ],
+            false,
+        ),
         (
             [
                 member(CURVED, "priority = -1"),
@@ -446,11 +457,20 @@ fn errors_say_what_to_do() {
     for (text, expected) in [
         (with("master = 2", ""), "camera.master: expected a whole number from 0 to 1"),
         (with("master = 'front'", ""), "a whole number from 0 to 1"),
-        (with("", "objects = ['a']"), "camera.cameras.0: objects need a camera that says which of them hides which; add master"),
+        (
+            with("", "objects = ['a']"),
+            "camera.cameras.0: objects need a camera that says which of them hides which; add master",
+        ),
         (with("master = 0", "objects = []"), "camera.cameras.0.objects: names no object"),
         (with("master = 0", "objects = 'a'"), "camera.cameras.0.objects: "),
-        (with("", "feather = 4"), "camera.cameras.0.feather: colours are blended along the border of a rectangle or polygon"),
-        (with("", &format!("{region}, feather = -1")), "camera.cameras.0.feather: -1 px; a strip is 0 to 65536 px wide"),
+        (
+            with("", "feather = 4"),
+            "camera.cameras.0.feather: colours are blended along the border of a rectangle or polygon",
+        ),
+        (
+            with("", &format!("{region}, feather = -1")),
+            "camera.cameras.0.feather: -1 px; a strip is 0 to 65536 px wide",
+        ),
         (
             composite("master = 0", &[member(CURVED, ""), member(FRONT, "")]),
             "camera.master: camera 0 has curved rays; depth is along straight ones",

@@ -538,7 +538,7 @@ fn the_report_says_where_the_light_of_caustics_went() {
 #[test]
 fn points_are_splatted() {
     let place = Place::new();
-    let scene = "size = [8, 6]\n[camera]\nkind = \"pinhole\"\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nvfov = 40\n";
+    let scene = "[image]\nwidth = 8\nheight = 6\n[camera]\nkind = \"pinhole\"\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nvfov = 40\n";
     place.write("own.toml", scene);
     let rows = "0.05 0.05 0 255 0 0\n0.0625 0.0625 -1 0 255 0\n0.8 0.5 0 0 0 255\n";
     let head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";

@@ -337,7 +337,8 @@ fn frames_that_follow_others_refuse_their_rows() {
     let plain = Case::of(&[]).unwrap();
     let error = prepare(&mut engine, &plain).aim(&composed.camera).unwrap_err();
     assert_refused("aim", row(&[Feature::Composed, Feature::Aimed]), &error);
-    let error = engine.prepare(&composed.scene, composed.camera.clone(), &composed.wanted, &composed.run).err().unwrap();
+    let error =
+        engine.prepare(&composed.scene, composed.camera.clone(), &composed.wanted, &composed.run).err().unwrap();
     assert!(error.to_string().contains("call Engine::render"), "{error}");
     for (case, is_taken) in [(&lit, false), (&mirror, false), (&composed, false), (&Case::of(&[]).unwrap(), true)] {
         assert_eq!(Sequence::takes(&case.scene, &case.camera, &case.wanted), is_taken, "{:?}", case.has);

@@ -42,7 +42,7 @@ fn cameras() -> Vec<(String, Camera, f64)> {
     for weights in [false, true] {
         let shape = MeshShape { weights, discontinuous: weights, ..Default::default() };
         // of pieces torn apart a point has some 60 candidates, and all must be proven
-        let least = if weights { 0.5 } else { 0.9 };
+        let least = if weights { 0.3 } else { 0.9 };
         all.push((format!("{shape:?}"), camera(mesh_camera(3, 20, 15, shape), SIZE, FORWARD), least));
     }
     all
@@ -222,7 +222,7 @@ fn compared(gpu: &Gpu) -> Result<(), String> {
                 }
             }
         }
-        let mut splat = Splat::new(gpu, &projector).unwrap().unwrap();
+        let splat = Splat::new(gpu, &projector).unwrap().unwrap();
         let started = splat.start(&points).unwrap();
         let left = splat.finish(started).unwrap();
         let mut nearest = vec![(f64::INFINITY, usize::MAX); (SIZE.0 * SIZE.1) as usize];

@@ -56,7 +56,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let members: Vec<Member> = tables.iter().map(Member::read).collect::<Result<_>>()?;
     let master = table.or("master", None, |field| Ok(Some(field.integer(0, count as u64 - 1)? as usize)))?;
     if let (None, Some(k)) = (master, members.iter().position(|member| member.objects.is_some())) {
-        return Err(tables[k].error("objects need a camera that says which of them hides which; add master = 0, a camera's number"));
+        return Err(tables[k]
+            .error("objects need a camera that says which of them hides which; add master = 0, a camera's number"));
     }
     Ok(Arc::new(Composite { members, master }))
 }

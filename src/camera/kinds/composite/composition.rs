@@ -47,7 +47,12 @@ pub struct Held {
 }
 
 impl Composition {
-    pub fn new(members: Vec<Shown>, order: Vec<usize>, master: Option<usize>, (width, height): (u32, u32)) -> Composition {
+    pub fn new(
+        members: Vec<Shown>,
+        order: Vec<usize>,
+        master: Option<usize>,
+        (width, height): (u32, u32),
+    ) -> Composition {
         let size = DVec2::new(width.into(), height.into());
         Composition { members, order, master, place: DVec2::splat(0.5), size }
     }

@@ -96,7 +96,8 @@ fn to_sides(corners: &[DVec2], place: DVec2) -> f64 {
     let mut nearest = f64::INFINITY;
     for &to in corners {
         let side = to - from;
-        let share = if side == DVec2::ZERO { 0.0 } else { ((place - from).dot(side) / side.length_squared()).clamp(0.0, 1.0) };
+        let share =
+            if side == DVec2::ZERO { 0.0 } else { ((place - from).dot(side) / side.length_squared()).clamp(0.0, 1.0) };
         nearest = nearest.min((place - from - share * side).length());
         from = to;
     }
