@@ -31,10 +31,10 @@ class Projections(NamedTuple):
 
 
 class Splat(NamedTuple):
-    """The nearest point of each pixel."""
+    """What each pixel shows: the nearest point."""
 
-    index: npt.NDArray[np.uint32]
-    """(H, W): the point, by its row; 0xFFFFFFFF where there is none."""
+    point: npt.NDArray[np.uint32]
+    """(H, W): the point, by its row in `points`; 0xFFFFFFFF where there is none."""
     t: npt.NDArray[np.float64]
     """(H, W): its ray parameter; inf where there is none."""
     colors: npt.NDArray[Any] | None
@@ -106,9 +106,9 @@ def splat(
     if rows is not None and (rows.ndim != 2 or len(rows) != len(places)):
         raise ValueError(f"colors: {rows.shape} for {len(places)} points; give an array (N, C)")
     with quiet_window_system():
-        index, t, degenerate = _native.splat(own, places, device)
+        point, t, degenerate = _native.splat(own, places, device)
     if rows is None:
-        return Splat(index, t, None, degenerate)
+        return Splat(point, t, None, degenerate)
     # a row of zeros behind the last one, for pixels without a point
     padded = np.concatenate([rows, np.zeros((1, rows.shape[1]), rows.dtype)])
-    return Splat(index, t, padded[np.minimum(index, len(rows))], degenerate)
+    return Splat(point, t, padded[np.minimum(point, len(rows))], degenerate)

@@ -6,7 +6,7 @@ import pytest
 
 PINHOLE = am.camera.pinhole(eye=[0.3, 0.4, 4], target=[0, 0, 0], vfov=40)
 SLITS = am.camera.cross_slit(slits=[{"distance": 4, "angle": 20}, {"distance": 2.5, "angle": 100}], eye=[0, 0, 4], target=[0, 0, 0], height=2)
-FISHEYE = am.camera.fisheye(eye=[0, 0, 2], target=[0, 0, 0])
+FISHEYE = am.camera.fisheye(eye=[0, 0, 2], target=[0, 0, 0], fov=50)
 SIZE = (60, 44)
 
 
@@ -49,9 +49,9 @@ def test_splats_are_the_nearest_points(camera):
             pixel = (min(int(y), SIZE[1] - 1), min(int(x), SIZE[0] - 1))
             nearest[pixel] = min(nearest.get(pixel, (np.inf, -1)), (t, k))
     assert len(nearest) > 400 and np.isfinite(splat.t).sum() == len(nearest)
-    assert all(splat.index[p] == k and splat.t[p] == t and splat.colors[p] == k for p, (t, k) in nearest.items())
+    assert all(splat.point[p] == k and splat.t[p] == t and splat.colors[p] == k for p, (t, k) in nearest.items())
     for device in ("",):
         other = am.splat(camera, points, size=SIZE, device=device)
-        assert (other.index == splat.index).all() and (other.t == splat.t).all() and other.colors is None
+        assert (other.point == splat.point).all() and (other.t == splat.t).all() and other.colors is None
     with pytest.raises(ValueError, match="4000 points"):
         am.splat(camera, points, colors[1:], size=SIZE)
