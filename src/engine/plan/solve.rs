@@ -98,7 +98,7 @@ fn packed(piece: &Piece, size: DVec2, anchor: DVec3, unit: f64, flags: u32) -> O
     let to = base - piece.centre_px;
     let b = piece.bundle.recentred(to.x, to.y);
     let h0 = b.h[0];
-    if !(h0 > 0.0) {
+    if h0 <= 0.0 || h0.is_nan() {
         return None;
     }
     let scale = [1.0 / h0, half_px / h0, half_px / h0];
