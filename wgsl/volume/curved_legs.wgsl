@@ -31,8 +31,8 @@ const LEGS_MAX: f32 = 16384.0;
 // Parts of a curve of which each is looked at for whether it may be in the grid.
 const PARTS: u32 = 64u;
 
-// The point of a curve at t, one coordinate after the other: f64 in 32-bit words takes vectors in loops, and lavapipe ends all
-// loops of a thread after 65535 rounds together, of which a curve of many legs would use a few hundred a leg.
+// The point of a curve at t, one coordinate after the other: f64 in 32-bit words takes vectors in loops, a few hundred rounds a leg if it
+// were done so, and lavapipe ends all loops of a thread after 65535 together.
 fn grid_point(c: Curve, t: real) -> real3 {
     let w = bernstein(DEGREE, t);
     return real3(
