@@ -136,6 +136,23 @@ pub struct Rendered {
     pub caustics: Option<CausticsReport>,
 }
 
+impl Rendered {
+    /// Adds what a later frame took.
+    pub fn add_costs(&mut self, next: &Rendered) {
+        self.frame_ms.iter_mut().zip(&next.frame_ms).for_each(|(sum, ms)| *sum += ms);
+        for &(name, ms) in &next.stages {
+            match self.stages.iter_mut().find(|stage| stage.0 == name) {
+                Some(stage) => stage.1 += ms,
+                None => self.stages.push((name, ms)),
+            }
+        }
+        self.bytes = self.bytes.max(next.bytes);
+        self.grown += next.grown;
+        self.counts += next.counts;
+        self.passes.add(&next.passes);
+    }
+}
+
 /// An open adapter with the kernels that were compiled for it.
 pub struct Engine {
     pub gpu: Arc<Gpu>,

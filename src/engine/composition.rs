@@ -236,19 +236,9 @@ fn picture(frame: &Frame, scene: &Scene) -> Option<Vec<u8>> {
     Some(r?.iter().zip(g?).zip(b?).flat_map(|((r, g), b)| [byte(r), byte(g), byte(b), u8::MAX]).collect())
 }
 
-/// The costs of two frames, one after the other.
+/// What two frames took, one after the other.
 fn joined(mut all: Rendered, next: Rendered) -> Rendered {
-    all.frame_ms.iter_mut().zip(&next.frame_ms).for_each(|(sum, ms)| *sum += ms);
-    for (name, ms) in next.stages {
-        match all.stages.iter_mut().find(|stage| stage.0 == name) {
-            Some(stage) => stage.1 += ms,
-            None => all.stages.push((name, ms)),
-        }
-    }
-    all.bytes = all.bytes.max(next.bytes);
-    all.grown += next.grown;
-    all.counts += next.counts;
-    all.passes.add(&next.passes);
+    all.add_costs(&next);
     all.left_out.extend(next.left_out);
     all.left_out.dedup_by(|a, b| a.what == b.what);
     all

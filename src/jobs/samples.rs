@@ -151,21 +151,10 @@ impl Sum {
 
     fn add_costs(&mut self, mut next: Rendered) {
         next.frame.planes.clear();
-        let Some(sum) = &mut self.costs else {
-            self.costs = Some(next);
-            return;
-        };
-        sum.frame_ms.iter_mut().zip(&next.frame_ms).for_each(|(s, ms)| *s += ms);
-        for (name, ms) in next.stages {
-            match sum.stages.iter_mut().find(|s| s.0 == name) {
-                Some(stage) => stage.1 += ms,
-                None => sum.stages.push((name, ms)),
-            }
+        match &mut self.costs {
+            Some(sum) => sum.add_costs(&next),
+            None => self.costs = Some(next),
         }
-        sum.bytes = sum.bytes.max(next.bytes);
-        sum.grown += next.grown;
-        sum.counts += next.counts;
-        sum.passes.add(&next.passes);
     }
 
     fn mean(&self, camera: &Camera, samples: u32) -> Frame {

@@ -2,7 +2,7 @@
 //! composite.
 
 use super::Path;
-use super::image::{Judged, Sight, names_near};
+use super::image::{CameraView, Judged, names_near};
 use super::margin::{MARGIN_PX, clears};
 use super::path::Segment;
 use crate::camera::Ray;
@@ -16,7 +16,7 @@ use std::cmp::Ordering;
 pub(super) struct Composed<'a> {
     scene: &'a Scene,
     composition: &'a Composition,
-    sights: Vec<Sight<'a>>,
+    views: Vec<CameraView<'a>>,
 }
 
 /// A camera's hit at a pixel.
@@ -31,25 +31,25 @@ impl<'a> Composed<'a> {
     /// `scenes` are those of [`Scene::of_each_camera`].
     pub fn new(scene: &'a Scene, composition: &'a Composition, scenes: &'a [Cow<'a, Scene>]) -> Composed<'a> {
         let members = scenes.iter().zip(&composition.members);
-        let sights = members.map(|(own, member)| Sight::new(own, &member.camera, scene, None)).collect();
-        Composed { scene, composition, sights }
+        let views = members.map(|(own, member)| CameraView::new(own, &member.camera, scene, None)).collect();
+        Composed { scene, composition, views }
     }
 
     pub fn values(&self, i: u32, j: u32) -> PixelValues {
-        let values: Vec<PixelValues> = self.sights.iter().map(|sight| sight.values(i, j)).collect();
+        let values: Vec<PixelValues> = self.views.iter().map(|view| view.values(i, j)).collect();
         self.resolved((i, j), &values)
     }
 
     /// The number of the camera that is seen at a pixel.
     pub fn owner_of(&self, i: u32, j: u32) -> Option<usize> {
-        let values: Vec<PixelValues> = self.sights.iter().map(|sight| sight.values(i, j)).collect();
+        let values: Vec<PixelValues> = self.views.iter().map(|view| view.values(i, j)).collect();
         let held = self.composition.held(i, j).held;
         self.owner((i, j), &values, &|k| held[*k])
     }
 
     /// Values, whether they are safe, the scale of t, and whether `id` is near.
     pub fn judged(&self, (i, j): (u32, u32), id: Option<u32>) -> (PixelValues, bool, f32, bool) {
-        let judged: Vec<Judged> = self.sights.iter().map(|sight| sight.judged(i, j)).collect();
+        let judged: Vec<Judged> = self.views.iter().map(|view| view.judged(i, j)).collect();
         let values: Vec<PixelValues> = judged.iter().map(|own| own.values).collect();
         let held = self.composition.held(i, j).held;
         let among = |k: &usize| held[*k];

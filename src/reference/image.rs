@@ -46,8 +46,8 @@ pub fn image_with_caustics(scene: &Scene, camera: &Camera, channels: &[Channel],
     let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
     let casters = scene.of_casters();
-    let sight = Sight::new(scene, camera, &casters, maps);
-    frame(camera, &each_pixel(camera, |i, j| sight.values(i, j)), channels)
+    let view = CameraView::new(scene, camera, &casters, maps);
+    frame(camera, &each_pixel(camera, |i, j| view.values(i, j)), channels)
 }
 
 /// Compares `frame`'s triangle ids with the reference.
@@ -63,9 +63,9 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
         let camera = &*own(camera);
         let scene = &*scene.with_optics(camera);
         let casters = scene.of_casters();
-        let sight = Sight::new(scene, camera, &casters, maps.as_ref());
+        let view = CameraView::new(scene, camera, &casters, maps.as_ref());
         each_pixel(camera, |i, j| {
-            let judged = sight.judged(i, j);
+            let judged = view.judged(i, j);
             let is_near = id(i, j).is_none_or(|id| names_near(&judged.finding, id));
             (judged.values, judged.finding.safe, judged.scale, is_near)
         })
@@ -80,7 +80,7 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
 }
 
 /// A camera that looks at a scene.
-pub(super) struct Sight<'a> {
+pub(super) struct CameraView<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
     reference: Reference<'a>,
@@ -100,10 +100,15 @@ pub(super) struct Judged {
     pub scale: f32,
 }
 
-impl<'a> Sight<'a> {
+impl<'a> CameraView<'a> {
     /// The scene has the camera's optics; `casters` is [`Scene::of_casters`].
-    pub fn new(scene: &'a Scene, camera: &'a Camera, casters: &'a Scene, maps: Option<&'a CausticMaps>) -> Sight<'a> {
-        Sight {
+    pub fn new(
+        scene: &'a Scene,
+        camera: &'a Camera,
+        casters: &'a Scene,
+        maps: Option<&'a CausticMaps>,
+    ) -> CameraView<'a> {
+        CameraView {
             scene,
             camera,
             reference: Reference::of_scene(scene),
