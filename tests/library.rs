@@ -480,6 +480,42 @@ fn images_of_two_sizes_are_refused() {
     assert_eq!(refused(&[]), "there is no camera; give one or more");
 }
 
+/// Numbered after all triangles, as in frames, with the place and the outward normal of the exact sphere.
+#[test]
+fn rays_are_cast_at_spheres() {
+    let (positions, triangles) = tetrahedron();
+    let mut scene = Scene::new();
+    scene.add_spheres(&[[0.0, 0.0, 9.0], [0.0, 3.0, 9.0]], &[2.0, 0.5], None).unwrap();
+    scene.add(Mesh::new(positions, triangles).unwrap().named("after")).unwrap();
+    let objects: Vec<(String, usize)> = scene.objects().map(|(name, count)| (name.to_owned(), count)).collect();
+    let caster = Caster::new(&scene);
+    let first_sphere = objects.iter().position(|(_, count)| *count == 2).unwrap();
+    let before: usize = objects[..first_sphere].iter().map(|(_, count)| count).sum();
+    let rays =
+        [[[1.2, 0.0, 20.0], [0.0, 0.0, -4.0]], [[0.0, 3.0, 9.0], [0.0, 0.25, 0.0]], [[2.0, 0.0, 0.0], [0.0, 0.0, 1.0]]];
+    let hits: Vec<_> = caster.first(&rays, [0.0, f64::INFINITY]).unwrap().into_iter().map(Option::unwrap).collect();
+    let expected = [
+        (2.35, 0, [1.2, 0.0, 10.6], [0.6, 0.0, 0.8]),
+        (2.0, 1, [0.0, 3.5, 9.0], [0.0, 1.0, 0.0]),
+        (9.0, 0, [2.0, 0.0, 9.0], [1.0, 0.0, 0.0]),
+    ];
+    for (hit, (t, sphere, point, normal)) in hits.iter().zip(expected) {
+        assert_eq!((hit.triangle, hit.object, hit.bary), (before as u32 + sphere, first_sphere as u32, [0.0; 2]));
+        let near = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-14);
+        assert!((hit.t - t).abs() < 1e-14 && near(hit.point, point) && near(hit.normal, normal), "{hit:?}");
+    }
+    // in and out, and out alone from inside
+    let counts: Vec<usize> = caster.all(&rays, [0.0, f64::INFINITY]).unwrap().iter().map(Vec::len).collect();
+    assert_eq!(counts[1..], [1, 2]);
+    assert!(rays.iter().all(|ray| caster.is_certain(ray)));
+    // the frame of a camera names them by the same numbers
+    let keys = "kind = \"orthographic\"\neye = [1.2, 0, 20]\ntarget = [1.2, 0, 0]\nheight = 0.5";
+    let camera = Camera::parse(keys, ".", &scene, Some((9, 9))).unwrap();
+    let frame = Renderer::reference().render(&scene, &camera, &options()).unwrap();
+    let ids = frame.frame.u32(Channel::TriangleId).unwrap();
+    assert_eq!(ids[40], hits[0].triangle);
+}
+
 #[test]
 fn a_ray_from_very_far_meets_a_tiny_triangle_once() {
     let mut scene = Scene::new();

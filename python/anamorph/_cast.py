@@ -23,18 +23,18 @@ class Hits(NamedTuple):
     t: Floats
     """The hit is at ``origin + t * direction``, to within 2^-40 of t; infinite for a miss."""
     triangle: Ints
-    """The triangle's id in the scene; -1 for a miss."""
+    """The id of the triangle or sphere in the scene, as in the channel ``triangle.id``; -1 for a miss."""
     mesh: Ints
     """The mesh that it is of, by its place in ``scene.objects``; -1 for a miss."""
     bary: Floats
-    """(..., 2): weights of the triangle's second and third vertex; NaN for a miss."""
+    """(..., 2): weights of the triangle's second and third vertex; 0 of a sphere, NaN for a miss."""
     point: Floats
-    """(..., 3): where on the triangle, world units; NaN for a miss."""
+    """(..., 3): where on the triangle or sphere, world units; NaN for a miss."""
     normal: Floats
-    """(..., 3): the triangle's unit normal, from where its vertices are counter-clockwise; NaN for a miss."""
+    """(..., 3): the triangle's unit normal, from where its vertices are counter-clockwise; of a sphere that outwards; NaN for a miss."""
     certified: Bools
     """Nothing was rounded in finding the triangle, or that there is none. So it is unless a coordinate is smaller than 1e-30 and not 0, or
-    larger than 1e30."""
+    larger than 1e30; in a scene with spheres, 1e-12 and 1e24, of radii too."""
     ray: Ints
     """The ray's number, from 0 through all rays in their order."""
 
@@ -51,12 +51,13 @@ def cast(
     The triangles that a ray meets, and their order, are found without rounding. A ray that goes into a closed mesh, or out of it, through an
     edge or a vertex meets one triangle there; one that only touches it meets none, or two at the same t. It meets what it would meet if its
     origin were moved by (e, e**2, e**3), for an e smaller than all numbers. Of triangles at the same t the one of the lowest id comes first. A ray in a triangle's plane does not meet
-    it; what a one-sided triangle shows at its back, or an alpha mask leaves out, is not met.
+    it; what a one-sided triangle shows at its back, or an alpha mask leaves out, is not met. A sphere is met where the ray enters it and,
+    unless it is one-sided, where it leaves it; a ray that touches it does both at one t.
 
     The first call for a scene indexes its triangles, as does the first after a change of it.
 
     Args:
-        scene: the triangles.
+        scene: the triangles and spheres.
         origins: (..., 3), world units.
         directions: (..., 3), of any length; one for all rays may be given, as one origin may.
         t_range: least and largest t, both included.

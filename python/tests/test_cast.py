@@ -144,6 +144,21 @@ def test_one_sided_and_changed_scenes() -> None:
     assert am.cast(am.Scene(), [0, 0, 1], [0, 0, -1]).triangle == -1
 
 
+def test_spheres_are_met_as_frames_have_them() -> None:
+    scene = cube()
+    scene.add_spheres([[0, 0, 9], [0, 3, 9]], radii=[2, 0.5], name="balls")
+    hits = am.cast(scene, [[1.2, 0, 20], [0, 3, 9], [0.25, 0.5, -5]], [[0, 0, -1], [0, 1, 0], [0, 0, 1]])
+    assert hits.triangle.tolist()[:2] == [12, 13] and hits.triangle[2] < 12 and hits.mesh.tolist() == [1, 1, 0]
+    assert np.allclose(hits.t, [9.4, 0.5, 4.0], rtol=1e-14) and hits.certified.all()
+    assert np.allclose(hits.point[0], [1.2, 0, 10.6], atol=1e-14) and np.allclose(hits.normal[0], [0.6, 0, 0.8], atol=1e-14)
+    assert hits.bary[:2].tolist() == [[0, 0], [0, 0]]
+    through = am.cast(scene, [0, 0, 20], [0, 0, -1], all=True)
+    assert through.t.tolist() == [9.0, 13.0, 19.0, 21.0]
+    camera = am.camera.pinhole(eye=[0, 1, 30], target=[0, 1, 0], vfov=20)
+    ids = am.render(scene, camera, size=(40, 30), channels=["triangle.id"], engine="reference")["triangle.id"]
+    assert {12, 13} <= set(ids.ravel().tolist())
+
+
 def test_what_trimesh_calls() -> None:
     vertices, faces = ball()
     caster = am.RayCaster(am.Mesh(vertices, faces))

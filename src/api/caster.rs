@@ -8,12 +8,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// A scene's triangles, indexed for rays from anywhere. All it needs is a CPU.
+/// A scene's triangles and spheres, indexed for rays from anywhere. All it needs is a CPU.
 ///
 /// Which triangles a ray meets, and in which order, is decided without rounding. A ray that goes into a closed surface, or out of it, through
 /// an edge or a vertex meets one triangle there; one that only touches it meets none, or two at the same t. It meets what it would meet
 /// with its origin moved by (e, e², e³), for an e smaller than all numbers. A triangle without area, or in whose plane the ray lies, is never met. One-sided triangles are met at
 /// their front, and what an alpha mask leaves out is not met.
+///
+/// A sphere is met where the ray enters it and, unless it is one-sided, where it leaves it. A ray that touches a sphere does both at one t.
 #[derive(Debug)]
 pub struct Caster {
     caster: ExactCaster,
@@ -27,20 +29,20 @@ pub struct Caster {
 pub struct RayHit {
     /// The ray parameter, to within 2^-40 of itself.
     pub t: f64,
-    /// Its id in the scene.
+    /// The id of the triangle or sphere in the scene, as in the channel `triangle.id`.
     pub triangle: u32,
     /// The object that it is of, by its place in [`Scene::objects`].
     pub object: u32,
-    /// Weights of its second and third vertex.
+    /// Weights of its second and third vertex; 0 of a sphere.
     pub bary: [f64; 2],
-    /// Where on the triangle, world units.
+    /// Where on the triangle or sphere, world units.
     pub point: [f64; 3],
-    /// The triangle's unit normal; its vertices are counter-clockwise seen from where it points.
+    /// The triangle's unit normal; its vertices are counter-clockwise seen from where it points. Of a sphere that which points outwards.
     pub normal: [f64; 3],
 }
 
 impl Caster {
-    /// Indexes the triangles of a scene as it is now.
+    /// Indexes the triangles and spheres of a scene as it is now.
     pub fn new(scene: &Scene) -> Caster {
         let mesh = scene.scene.mesh.clone();
         let ends = scene.scene.objects.iter().scan(0, |end, object| {
@@ -56,8 +58,7 @@ impl Caster {
     /// # Errors
     /// [`Error::Input`] for a ray that is not finite or has no direction, or a range that is none.
     pub fn first(&self, rays: &[[[f64; 3]; 2]], t_range: [f64; 2]) -> Result<Vec<Option<RayHit>>> {
-        let hits = self.each(rays, t_range, |ray| self.caster.first(ray, t_range))?;
-        Ok(hits.into_par_iter().map(|hit| hit.map(|hit| self.described(hit))).collect())
+        self.each(rays, t_range, |ray| Some(self.described(ray, self.caster.first(ray, t_range)?)))
     }
 
     /// For each ray all hits, in the order along it; those at the same t by id.
@@ -65,9 +66,9 @@ impl Caster {
     /// # Errors
     /// As [`Caster::first`].
     pub fn all(&self, rays: &[[[f64; 3]; 2]], t_range: [f64; 2]) -> Result<Vec<Vec<RayHit>>> {
-        let described = |hits: Vec<Hit>| hits.into_iter().map(|hit| self.described(hit)).collect();
-        let hits = self.each(rays, t_range, |ray| self.caster.all(ray, t_range))?;
-        Ok(hits.into_par_iter().map(described).collect())
+        let described =
+            |ray: &Ray| self.caster.all(ray, t_range).into_iter().map(|hit| self.described(ray, hit)).collect();
+        self.each(rays, t_range, described)
     }
 
     /// For each ray whether it meets anything.
@@ -78,7 +79,8 @@ impl Caster {
         self.each(rays, t_range, |ray| self.caster.meets_any(ray, t_range))
     }
 
-    /// Whether nothing is rounded in finding what a ray meets: all coordinates of it and of the scene but 0 have sizes from 1e-30 to 1e30.
+    /// Whether nothing is rounded in finding what a ray meets: all coordinates of it and of the scene but 0 have sizes from 1e-30 to 1e30; in
+    /// a scene with spheres they, and all radii, from 1e-12 to 1e24.
     pub fn is_certain(&self, [origin, direction]: &[[f64; 3]; 2]) -> bool {
         let ray = Ray { origin: DVec3::from_array(*origin), direction: DVec3::from_array(*direction) };
         self.caster.is_exact(&ray)
@@ -98,18 +100,27 @@ impl Caster {
         Ok(self.caster.each(&rays, find))
     }
 
-    fn described(&self, hit: Hit) -> RayHit {
-        let [a, b, c] = self.mesh.triangles[hit.triangle as usize].map(|k| self.mesh.positions[k as usize]);
-        let [u, v] = hit.bary;
-        let place = (1.0 - u - v) * a + u * b + v * c;
+    fn described(&self, ray: &Ray, hit: Hit) -> RayHit {
+        let (place, normal) = self.surface(ray, &hit);
         RayHit {
             t: hit.t,
             triangle: hit.triangle,
             object: self.ends.partition_point(|end| *end <= hit.triangle) as u32,
             bary: hit.bary,
             point: place.to_array(),
-            normal: unit_normal(a, b, c).to_array(),
+            normal: normal.to_array(),
         }
+    }
+
+    /// Place and normal.
+    fn surface(&self, ray: &Ray, hit: &Hit) -> (DVec3, DVec3) {
+        if let Some(ball) = self.caster.ball(hit.triangle) {
+            let normal = ball.normal(ray, hit.t);
+            return (ball.place(normal), normal);
+        }
+        let [a, b, c] = self.mesh.triangles[hit.triangle as usize].map(|k| self.mesh.positions[k as usize]);
+        let [u, v] = hit.bary;
+        ((1.0 - u - v) * a + u * b + v * c, unit_normal(a, b, c))
     }
 }
 

@@ -2,9 +2,11 @@
 //!
 //! Coverage is tested in exact arithmetic: a ray through the edge of two triangles hits exactly one. An exact 0 counts as positive
 //! for the edge from its smaller to its larger vertex. For a ray that may hit a vertex, coverage is tested with a ray beside it
-//! ([`Aim`]). The relative error of depths is at most 1e-9.
+//! ([`Aim`]). The relative error of depths is at most 1e-9. Whether a ray meets a sphere is decided exactly, by the ray itself.
 
+mod ball;
 mod corners;
+mod depth;
 mod exactly;
 
 pub use exactly::ExactCaster;
@@ -12,6 +14,7 @@ pub use exactly::ExactCaster;
 use super::bvh::{Aabb, Bvh, NONE};
 use super::mesh::Mesh;
 use super::texture::Texture;
+pub use ball::Ball;
 use corners::Corners;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -32,14 +35,14 @@ pub struct Aim {
     pub perturbed: Ray,
 }
 
-/// The hit of a ray on a triangle.
+/// The hit of a ray on a triangle or sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// The ray parameter, or a distance for distance queries.
     pub t: f64,
-    /// The triangle's index in the mesh.
+    /// Its index in the mesh.
     pub triangle: u32,
-    /// Weights of the triangle's second and third vertex.
+    /// Weights of the triangle's second and third vertex; 0 of a sphere.
     pub bary: [f64; 2],
 }
 
@@ -57,7 +60,7 @@ const T_ROUNDING: f64 = 1.0 / (1_u64 << 30) as f64;
 const DISTANCE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl<'a> Caster<'a> {
-    /// Indexes the mesh: finite positions, indices in range. A triangle with two corners in one place is never met.
+    /// Indexes the mesh: finite positions, indices in range. A triangle with two corners in one place is never met; a sphere is.
     pub fn new(mesh: &'a Mesh) -> Caster<'a> {
         Caster { mesh, bvh: hierarchy(mesh) }
     }
@@ -80,8 +83,11 @@ impl<'a> Caster<'a> {
         let rays = [&aim.ray, &aim.perturbed].map(|ray| self.bvh.ray(ray.origin, ray.direction, ends));
         self.bvh.walk_rays(&rays, |leaf| {
             for id in self.items(leaf) {
-                let hit = self.meet(aim, id).filter(|hit| range[0] <= hit.t && hit.t <= range[1]);
-                limit = hit.map_or(limit, |hit| limit.min(visit(hit)));
+                for hit in self.meet(aim, id).into_iter().flatten() {
+                    if range[0] <= hit.t && hit.t <= range[1] {
+                        limit = limit.min(visit(hit));
+                    }
+                }
             }
             limit
         });
@@ -91,8 +97,18 @@ impl<'a> Caster<'a> {
         self.bvh.leaf(leaf).into_iter().filter(|id| *id != NONE)
     }
 
-    /// The ray and one triangle, at any t, if it shows that face and has no hole there.
-    fn meet(&self, aim: &Aim, id: u32) -> Option<Hit> {
+    /// The ray and one triangle or sphere, at any t, where it shows that face and has no hole.
+    fn meet(&self, aim: &Aim, id: u32) -> [Option<Hit>; 2] {
+        let Some(ball) = Ball::of(self.mesh, id) else { return [self.meet_triangle(aim, id), None] };
+        let Some([enters, leaves]) = ball.meetings(&aim.ray, T_ROUNDING) else { return [None; 2] };
+        let hit = |(t, facing): (f64, f64)| {
+            let hit = Hit { t, triangle: id, bary: [0.0; 2] };
+            shows(self.mesh, &hit, facing).then_some(hit)
+        };
+        [(enters, -1.0), (leaves, 1.0)].map(hit)
+    }
+
+    fn meet_triangle(&self, aim: &Aim, id: u32) -> Option<Hit> {
         let corners = Corners::new(self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]));
         let sign = corners.sign(&aim.perturbed, |_, _, _| 1.0)?;
         let t = corners.depth(&aim.ray, T_ROUNDING)?;
@@ -115,7 +131,7 @@ impl<'a> Caster<'a> {
         best
     }
 
-    /// Of all triangles the places `of` the mesh that are nearest to `place`, by ascending id: several where it is nearest to an
+    /// Of all triangles and spheres the places `of` the mesh that are nearest to `place`, by ascending id: several where it is nearest to an
     /// edge or a corner. `t` is the distance.
     pub fn nearest(&self, place: DVec3, of: impl Fn(&Hit) -> bool) -> Vec<Hit> {
         let mut hits = Vec::new();
@@ -139,14 +155,20 @@ impl<'a> Caster<'a> {
         let corners = self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]);
         let bary = nearest_weights(place, corners);
         let [a, b, c] = corners;
+        if let Some(radius) = self.mesh.radius(id) {
+            return Hit { t: ((a - place).length() - radius).abs(), triangle: id, bary: [0.0; 2] };
+        }
         let t = ((1.0 - bary[0] - bary[1]) * a + bary[0] * b + bary[1] * c - place).length();
         Hit { t, triangle: id, bary }
     }
 }
 
-/// Over the triangles without two corners in one place.
+/// Over the triangles without two corners in one place, and the spheres.
 fn hierarchy(mesh: &Mesh) -> Bvh {
     let boxed = |(id, t): (usize, &[u32; 3])| {
+        if let Some(ball) = Ball::of(mesh, id as u32) {
+            return Some((id as u32, ball.bounds()));
+        }
         let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
         (a != b && b != c && c != a).then(|| (id as u32, Aabb::around(&[a, b, c])))
     };
@@ -154,7 +176,7 @@ fn hierarchy(mesh: &Mesh) -> Bvh {
     Bvh::build(&items)
 }
 
-/// Whether the triangle of a hit shows that face, and has no hole there; `facing` is below 0 at its front.
+/// Whether the triangle or sphere of a hit shows that face, and has no hole there; `facing` is below 0 at its front.
 fn shows(mesh: &Mesh, hit: &Hit, facing: f64) -> bool {
     let material = mesh.material_of.get(hit.triangle as usize).and_then(|m| mesh.materials.get(*m as usize));
     let shows = facing < 0.0 || material.is_none_or(|m| m.two_sided);

@@ -96,6 +96,11 @@ pub fn dot(a: &Exact3, b: DVec3) -> Exact {
     a[0].times(b.x).plus(&a[1].times(b.y)).plus(&a[2].times(b.z))
 }
 
+/// `a . a`.
+pub fn squared(a: &Exact3) -> Exact {
+    a.iter().fold(Exact::default(), |sum, x| sum.plus(&x.by(x)))
+}
+
 /// `a + b` by components.
 pub fn sum(a: Exact3, b: &Exact3) -> Exact3 {
     let [x, y, z] = a;

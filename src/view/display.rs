@@ -120,7 +120,7 @@ fn depths(z: &[f32]) -> Colours {
     Colours { rgb: flat(z.iter().map(colour)), legend: Some(legend) }
 }
 
-/// How many triangles each pixel's ray meets.
+/// How many triangles each pixel's ray meets, and how often it enters or leaves spheres.
 fn overdraw(scene: &Scene, camera: &Camera) -> Result<Colours> {
     let is_plain = camera.layers.len() == 1 && camera.optics.is_none() && !matches!(camera.layers[0], Rays::Curves(_));
     if !is_plain {
@@ -138,7 +138,7 @@ fn overdraw(scene: &Scene, camera: &Camera) -> Result<Colours> {
     let counts: Vec<usize> = rays.iter().map(|ray| ray.and_then(|_| counts.next()).unwrap_or(0)).collect();
     let most = counts.iter().copied().max().unwrap_or(0);
     let colour = |n: &usize| if *n == 0 { NOTHING } else { viridis(*n as f64 / most.max(1) as f64) };
-    let legend = Legend::Range { from: 0.0, to: most as f64, unit: "triangles along the ray" };
+    let legend = Legend::Range { from: 0.0, to: most as f64, unit: "surfaces along the ray" };
     Ok(Colours { rgb: flat(counts.iter().map(colour)), legend: Some(legend) })
 }
 

@@ -8,6 +8,7 @@ mod exact;
 mod calibrated;
 mod camera_truth;
 mod casting;
+mod casting_spheres;
 mod chain;
 mod composed;
 mod composite;

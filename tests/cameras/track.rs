@@ -53,11 +53,17 @@ fn chain_at(camera: &Camera, place: DVec2) -> Vec<Curve> {
     (0..camera.layers.len()).map(|layer| moved.curve(layer, i, j).unwrap().1).collect()
 }
 
-/// Where the segment first meets the mesh, by every triangle in turn; the ends included.
+/// Where the segment first meets the mesh, by every triangle and sphere in turn; the ends included.
 fn first_hit(mesh: &Mesh, from: DVec3, to: DVec3) -> Option<f64> {
     let d = to - from;
-    let hit = |t: &[u32; 3]| {
+    let hit = |(id, t): (usize, &[u32; 3])| {
         let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
+        if let Some(radius) = mesh.radius(id as u32) {
+            let (along, off) = (d.dot(a - from), (a - from).cross(d).length_squared());
+            let half = (d.length_squared() * radius * radius - off).sqrt();
+            let ends = [along - half, along + half].map(|s| s / d.length_squared());
+            return ends.into_iter().find(|s| (0.0..=1.0).contains(s));
+        }
         let m = DMat3::from_cols(b - a, c - a, -d);
         if m.determinant() == 0.0 {
             return None;
@@ -65,7 +71,7 @@ fn first_hit(mesh: &Mesh, from: DVec3, to: DVec3) -> Option<f64> {
         let x = m.inverse() * (from - a);
         (x.x >= 0.0 && x.y >= 0.0 && x.x + x.y <= 1.0 && (0.0..=1.0).contains(&x.z)).then_some(x.z)
     };
-    mesh.triangles.iter().filter_map(hit).reduce(f64::min)
+    mesh.triangles.iter().enumerate().filter_map(hit).reduce(f64::min)
 }
 
 /// Straight parts that a curve is taken for here; the camera tries its detours with fewer.
@@ -131,6 +137,35 @@ fn a_hidden_target_is_seen_at_its_place() {
             }
         }
     }
+}
+
+/// Spheres hide targets as boxes do, and are targets: of their own size too, which do not hide themselves.
+#[test]
+fn spheres_are_walked_round() {
+    let at = DVec3::new(0.0, 1.0, -3.0);
+    let spheres = |list: &str| format!("[[mesh]]\nbuiltin = \"plane\"\nscale = 20\n[[spheres]]\ncenters = [{list}]\n");
+    let target = format!("[{}, {}, {}, 0.6]", at.x, at.y, at.z);
+    let row = "[-3, 1.5, 4, 1.8], [0, 1.5, 5, 2], [3, 1.5, 6, 1.8]";
+    for keys in BENDS {
+        let keys = format!("targets = [{{ at = {:?}, radius = 0.6 }}]\n{keys}", at.to_array());
+        let seen = scene(&spheres(&target), &keys).camera().unwrap();
+        assert!(seen.layers.len() == 1 && seen.unfulfilled.is_empty(), "{keys}: {:?}", seen.unfulfilled);
+        let hiding = scene(&spheres(&format!("{row}, {target}")), &keys);
+        let camera = hiding.camera().unwrap();
+        let hit = EYE.lerp(at, first_hit(&hiding.mesh, EYE, at).unwrap());
+        assert!((hit - at).length() > 1.0 && camera.layers.len() >= 4, "{keys}: {hit} {:?}", camera.unfulfilled);
+        assert_seen(&hiding, &camera, at, 0.6);
+        assert_seamless(&camera, 5);
+    }
+    // straight before the eye a target's nearest place is as deep as its front
+    let level = "kind = \"track\"\neye = [0, 1, 20]\ntarget = [0, 1, 0]\nvfov = 40\ntargets = [{ at = [0, 1, 0], radius = 0.7 }]";
+    let layers = |more: &str| {
+        let scene = scene_of(&spheres(&format!("[0, 1, 0, 0.7]{more}")), SIZE, level).unwrap();
+        let camera = scene.camera().unwrap();
+        (camera.layers.len(), camera.unfulfilled.len())
+    };
+    assert_eq!(layers(""), (1, 0));
+    assert!(matches!(layers(", [0, 1, 9, 1]"), (4.., 0)), "{:?}", layers(", [0, 1, 9, 1]"));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::geometry::mesh::Mesh;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// The scene's triangles, intersected exactly.
+/// The scene's triangles and spheres, intersected exactly.
 pub struct Occluders<'a> {
     caster: Caster<'a>,
     scene_size: f64,
@@ -197,10 +197,18 @@ pub struct Paths<'a> {
     pub largest: f64,
 }
 
+/// How far before a target's front the search for what hides it ends, as a part of the way there: a ball of the target's size is no
+/// occluder of it.
+const FRONT: f64 = 1.0 / (1u64 << 24) as f64;
+
 impl SightLines {
+    fn before_front(&self) -> f64 {
+        (1.0 - FRONT) * self.front
+    }
+
     /// The depths of the first and the last occluder of any of the places.
     pub fn hidden(&self, view: &View, occluders: &Occluders) -> Option<[f64; 2]> {
-        let spans = self.places_px.iter().filter_map(|q| occluders.span(view, *q, self.front));
+        let spans = self.places_px.iter().filter_map(|q| occluders.span(view, *q, self.before_front()));
         spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
@@ -249,7 +257,7 @@ impl SightLines {
             return Some(of(self.places_px.clone(), span, 1.0));
         }
         let (place_px, weight) = self.edge(paths)?;
-        let span = paths.occluders.span(paths.view, place_px, self.front)?;
+        let span = paths.occluders.span(paths.view, place_px, self.before_front())?;
         Some(of(vec![place_px], span, weight))
     }
 
@@ -314,7 +322,7 @@ impl SightLines {
     fn ahead(&self, paths: &Paths, span: [f64; 2], direction: DVec3, parts: [f64; 2]) -> Vec<Ahead> {
         let places = self.spokes().flat_map(|spoke| (1..PLACES).map(move |k| spoke(k as f64 / PLACES as f64)));
         let of = |&(q, weight): &(DVec2, f64)| {
-            let own = paths.occluders.span(paths.view, q, self.front)?;
+            let own = paths.occluders.span(paths.view, q, self.before_front())?;
             let both = [span[0].min(own[0]), span[1].max(own[1])];
             let shift = shortest(paths, &[q], self.detour(direction, both, parts)?)?.shift.length();
             Some(Ahead { weight, span: own, shift })
@@ -341,7 +349,14 @@ fn widened(span: [f64; 2], ahead: &[Ahead]) -> [f64; 2] {
 
 /// Nothing is on the detour's rays at the image places.
 fn is_free(paths: &Paths, places_px: &[DVec2], detour: &Detour) -> bool {
-    places_px.iter().all(|q| paths.occluders.first_on(&detour.line(paths.view, *q, paths.bend)).is_none())
+    let line_to_front = |q: &DVec2| {
+        let mut line = detour.line(paths.view, *q, paths.bend);
+        if let [.., from, to] = &mut line[..] {
+            *to = from.lerp(*to, 1.0 - FRONT);
+        }
+        line
+    };
+    places_px.iter().all(|q| paths.occluders.first_on(&line_to_front(q)).is_none())
 }
 
 /// The detour with the least unoccluded shift in its direction.

@@ -7,7 +7,7 @@ use glam::DVec3;
 /// Error of an edge value or of a numerator of t, against the sum of its terms' magnitudes: at most seven roundings of half an epsilon
 /// (two differences, two of the cross product, the dot product's product and two sums), and less than half as much again because the
 /// magnitudes are rounded too.
-const TERM_ROUNDING: f64 = 5.0 * f64::EPSILON;
+pub const TERM_ROUNDING: f64 = 5.0 * f64::EPSILON;
 
 /// A triangle's corners in ascending order by x, y and z, so that both triangles at an edge compute one value.
 pub struct Corners {
@@ -100,6 +100,6 @@ fn exact_edge(ray: &Ray, from: DVec3, to: DVec3) -> Exact {
 }
 
 /// `a x b` with every term's magnitude added up.
-fn cross_size(a: DVec3, b: DVec3) -> DVec3 {
+pub fn cross_size(a: DVec3, b: DVec3) -> DVec3 {
     DVec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x)
 }

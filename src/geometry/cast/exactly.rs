@@ -3,8 +3,12 @@
 //! Which triangles a ray meets is decided as if its origin were moved by (e, e^2, e^3) for an e smaller than all numbers: a ray that goes
 //! into a closed surface, or out of it, through an edge or a vertex meets one triangle there. In which order it meets them, and whether t lies
 //! in a range, is decided by exact fractions. Weights and t itself are rounded.
+//!
+//! Spheres are met by the ray itself, which hits one that it touches; t is then a fraction with a root, and as exactly compared.
 
+use super::ball::Ball;
 use super::corners::Corners;
+use super::depth::Depth;
 use super::{Hit, Ray, hierarchy, shows};
 use crate::geometry::bvh::{Bvh, LEAF, NONE};
 use crate::geometry::exact::Exact;
@@ -22,6 +26,9 @@ const T_ROUNDING: f64 = 1.0 / (1_u64 << 40) as f64;
 /// ends of f64.
 const EXACT_SIZES: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 
+/// The same where there are spheres, and products of ten.
+const EXACT_SIZES_OF_SPHERES: std::ops::RangeInclusive<f64> = 1e-12..=1e24;
+
 /// A mesh indexed for such rays.
 #[derive(Debug)]
 pub struct ExactCaster {
@@ -30,15 +37,18 @@ pub struct ExactCaster {
     leaves: Vec<Leaf>,
     /// All coordinates have such sizes.
     is_exact: bool,
+    exact_sizes: std::ops::RangeInclusive<f64>,
 }
 
 impl ExactCaster {
     /// Indexes the mesh: finite positions, indices in range. A triangle without area is never met.
     pub fn new(mesh: Arc<Mesh>) -> ExactCaster {
-        let is_exact = mesh.positions.par_iter().all(|p| has_exact_products(*p));
+        let exact_sizes = if mesh.has_spheres() { EXACT_SIZES_OF_SPHERES } else { EXACT_SIZES };
+        let is_exact = mesh.positions.par_iter().all(|p| are_within(&exact_sizes, &p.to_array()))
+            && are_within(&exact_sizes, &mesh.radii);
         let bvh = hierarchy(&mesh);
         let leaves = (0..bvh.leaf_count()).into_par_iter().map(|k| Leaf::new(&mesh, bvh.leaf(k))).collect();
-        ExactCaster { bvh, leaves, is_exact, mesh }
+        ExactCaster { bvh, leaves, is_exact, exact_sizes, mesh }
     }
 
     /// The first hit with t in `range` (ends included): of those at the same t the one of the lowest id.
@@ -91,28 +101,45 @@ impl ExactCaster {
 
     /// Whether nothing was rounded in what such a ray meets.
     pub fn is_exact(&self, ray: &Ray) -> bool {
-        self.is_exact && has_exact_products(ray.origin) && has_exact_products(ray.direction)
+        self.is_exact && [ray.origin, ray.direction].iter().all(|v| are_within(&self.exact_sizes, &v.to_array()))
     }
 
-    /// Every visible triangle that the ray meets with t in `range`, mostly near to far. `visit` returns the largest t still of interest.
+    /// `None` of a triangle.
+    pub fn ball(&self, id: u32) -> Option<Ball> {
+        Ball::of(&self.mesh, id)
+    }
+
+    /// Every visible triangle that the ray meets with t in `range`, and every place where it enters or leaves a sphere, mostly near to far.
+    /// `visit` returns the largest t still of interest.
     fn visit(&self, ray: &Ray, range: [f64; 2], mut visit: impl FnMut(Met) -> f64) {
         let own = self.bvh.ray(ray.origin, ray.direction, [-past(-range[0]), past(range[1])]);
         let mut limit = f64::INFINITY;
         self.bvh.walk_rays(&[own], |leaf| {
             let missed = self.leaves[leaf].is_missed(ray);
             for (id, _) in self.bvh.leaf(leaf).into_iter().zip(missed).filter(|(id, missed)| *id != NONE && !missed) {
-                let met = self.meet(ray, id).filter(|met| met.is_within(range, ray));
-                limit = met.map_or(limit, |met| limit.min(visit(met)));
+                for met in self.meet(ray, id).into_iter().flatten().filter(|met| met.is_within(range, ray)) {
+                    limit = limit.min(visit(met));
+                }
             }
             limit
         });
     }
 
-    fn meet(&self, ray: &Ray, id: u32) -> Option<Met> {
+    fn meet(&self, ray: &Ray, id: u32) -> [Option<Met>; 2] {
+        let Some(ball) = self.ball(id) else { return [self.meet_triangle(ray, id), None] };
+        let Some([enters, leaves]) = ball.meetings(ray, T_ROUNDING) else { return [None, None] };
+        let met = |(t, side): (f64, i8)| {
+            let hit = Hit { t, triangle: id, bary: [0.0; 2] };
+            shows(&self.mesh, &hit, side.into()).then_some(Met { hit, surface: Surface::Ball(ball, side) })
+        };
+        [(enters, -1), (leaves, 1)].map(met)
+    }
+
+    fn meet_triangle(&self, ray: &Ray, id: u32) -> Option<Met> {
         let corners = Corners::new(self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]));
         let sign = corners.sign(ray, beside)?;
         let hit = Hit { t: corners.depth(ray, T_ROUNDING)?, triangle: id, bary: corners.weights(ray, sign) };
-        shows(&self.mesh, &hit, sign * corners.parity).then_some(Met { hit, corners })
+        shows(&self.mesh, &hit, sign * corners.parity).then_some(Met { hit, surface: Surface::Triangle(corners) })
     }
 }
 
@@ -190,21 +217,33 @@ fn key(ray: &Ray, (lo, hi): (DVec3, DVec3)) -> u64 {
     interleaved([place / (hi - lo).max_element() * cells, (along + 1.0) / 2.0 * cells])
 }
 
-/// A triangle that a ray meets.
+/// What a ray meets.
 struct Met {
     hit: Hit,
-    corners: Corners,
+    surface: Surface,
+}
+
+enum Surface {
+    Triangle(Corners),
+    /// With -1 where the ray enters, with 1 where it leaves.
+    Ball(Ball, i8),
 }
 
 impl Met {
+    fn depth(&self, ray: &Ray) -> Depth {
+        match &self.surface {
+            Surface::Triangle(corners) => Depth::fraction(corners.exact_depth(ray)),
+            Surface::Ball(ball, side) => ball.exact_depth(ray, *side),
+        }
+    }
+
     /// The order along the ray, and by id.
     fn compare(&self, other: &Met, ray: &Ray) -> Ordering {
         let [a, b] = [self.hit.t, other.hit.t];
         let by_t = if (a - b).abs() > T_ROUNDING * (a.abs() + b.abs()) {
             a.total_cmp(&b)
         } else {
-            let [own, others] = [self, other].map(|met| met.corners.exact_depth(ray));
-            compare_fractions(&own, &others)
+            self.depth(ray).compare(&other.depth(ray))
         };
         by_t.then(self.hit.triangle.cmp(&other.hit.triangle))
     }
@@ -215,17 +254,10 @@ impl Met {
             if end.is_infinite() || (t - end).abs() > T_ROUNDING * (t.abs() + end.abs()) {
                 return t.total_cmp(&end);
             }
-            let own = self.corners.exact_depth(ray);
-            compare_fractions(&own, &[Exact::product(end, 1.0), Exact::product(1.0, 1.0)])
+            self.depth(ray).compare(&Depth::of(end))
         };
         compare_end(range[0]).is_ge() && compare_end(range[1]).is_le()
     }
-}
-
-/// `a[0] / a[1]` and `b[0] / b[1]`; no denominator is 0.
-fn compare_fractions(a: &[Exact; 2], b: &[Exact; 2]) -> Ordering {
-    let difference = a[0].by(&b[1]).minus(&b[0].by(&a[1])).sign();
-    (difference * a[1].sign() * b[1].sign()).cmp(&0)
 }
 
 /// The sign of `((from - P) x (to - from)) . D` where that is 0, for the origin moved by (e, e^2, e^3): of the first component of
@@ -245,6 +277,6 @@ fn past(t: f64) -> f64 {
     t + 2.0 * T_ROUNDING * t.abs()
 }
 
-fn has_exact_products(v: DVec3) -> bool {
-    v.to_array().iter().all(|x| *x == 0.0 || EXACT_SIZES.contains(&x.abs()))
+fn are_within(sizes: &std::ops::RangeInclusive<f64>, numbers: &[f64]) -> bool {
+    numbers.iter().all(|x| *x == 0.0 || sizes.contains(&x.abs()))
 }
