@@ -2,19 +2,10 @@
 // Reads what raster reads, and the visibility buffer. The first dispatch finds in each pixel the nearest bound behind which some triangle
 // is proven to be met; the second compares every triangle that may be met before it with the one that was found; the third writes
 // the plane: 2 proven by f32, 1 by recheck arithmetic, 0 not.
-// `proofs` has two words per pixel: the complement of that bound, so that 0 is none, and flags.
-// Needs: COUNT_PAIRS, COVERAGE_PROVES, Cell, ENDLESS, NONE, ONE_SIDED, TILE, bit_mask, box_mask, cell_bundle, coverage, first_bit,
-//   item_index, key_id, key_layer, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_proof, real, real3, tile_corner, tile_layer,
-//   triangle_at, triangle_id, triangle_reversed, vertex, vertex_real, without_bit
-// Binds: cells, counters, pairs, params, planes, proofs, step, tile_start, visibility
-
-const PROOF_SURE: u32 = 1u;        // what was found is proven to be met
-const PROOF_CONTESTED: u32 = 2u;   // something else may be met first
-const PROOF_RECHECKED: u32 = 4u;   // f32 did not prove all
-
-const STEP_BOUND: u32 = 0u;
-const STEP_PIXELS: u32 = 2u;
-
+// Needs: COUNT_PAIRS, COVERAGE_PROVES, Cell, NONE, ONE_SIDED, STEP_PIXELS, TILE, bit_mask, box_mask, cell_bundle, coverage, first_bit,
+//   item_index, pair_from, pair_slot, pair_tile, pair_to, pixel_proof, real3, tile_corner, tile_layer, triangle_at, triangle_id,
+//   triangle_reversed, vertex, vertex_real, weigh, without_bit, write_certainty
+// Binds: cells, counters, pairs, params, step, tile_start
 
 @compute @workgroup_size(64)
 fn certify(
@@ -67,31 +58,6 @@ fn prove(cell: Cell, owned: vec2<u32>, pair: vec2<u32>, triangle: vec4<u32>, v: 
             continue;
         }
         let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
-        if step.value == STEP_BOUND {
-            if proof.sure {
-                atomicMax(&proofs[2u * pixel], ~(nearness(layer, finite(proof.far)) + 1u));
-            }
-        } else if nearness(layer, finite(proof.near)) - 1u <= ~atomicLoad(&proofs[2u * pixel]) {
-            var flags = select(PROOF_RECHECKED, 0u, is_inside);
-            let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
-            let is_found = any(won != vec2<u32>(0u)) && key_id(~won) == id && key_layer(~won) == layer;
-            flags |= select(PROOF_CONTESTED, PROOF_SURE, is_found && proof.sure);
-            atomicOr(&proofs[2u * pixel + 1u], flags);
-        }
+        weigh(proof, id, layer, pixel, is_inside);
     }
-}
-
-fn finite(t: real) -> f32 {
-    return f32(min(max(t, -ENDLESS), ENDLESS));
-}
-
-fn write_certainty(pixel: u32) {
-    let count = params.width * params.height;
-    if pixel >= count || PLANE_CERTIFIED == NONE {
-        return;
-    }
-    let flags = atomicLoad(&proofs[2u * pixel + 1u]);
-    let is_hit = any(vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]) != vec2<u32>(0u));
-    let is_proven = (flags & (PROOF_SURE | PROOF_CONTESTED)) == select(0u, PROOF_SURE, is_hit);
-    planes[PLANE_CERTIFIED * count + pixel] = select(0u, select(2u, 1u, (flags & PROOF_RECHECKED) != 0u), is_proven);
 }

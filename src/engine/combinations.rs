@@ -155,7 +155,11 @@ pub const REFUSALS: &[Refusal] = {
         ),
         refusal(&[Spheres, Rival], "{rival} draws triangles alone", "use --engine compute"),
         refusal(&[Spheres, Raster], "spheres are traced", "leave out --method raster"),
-        refusal(&[Spheres, Certified], "pixels cannot be certified with spheres", WITHOUT_CERTIFIED),
+        refusal(
+            &[Spheres, Certified, Curves],
+            "{camera} has curved or layered rays, along which no pixel with spheres is certified",
+            WITHOUT_CERTIFIED,
+        ),
         refusal(
             &[Spheres, AlphaMasks],
             "triangles with alpha masks are rasterized, and spheres traced",

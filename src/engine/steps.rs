@@ -5,7 +5,7 @@ use super::bounces::Bounce;
 use super::changes::Dirty;
 use super::stage::bin::bin;
 use super::stage::bounce::bounce;
-use super::stage::certify::{CERTIFY_STEPS, certify, write_certified};
+use super::stage::certify::{CERTIFY_STEPS, certify, certify_traced, write_certified};
 use super::stage::cull::cull;
 use super::stage::edges::{edges, edges_by_tile, find_edges, list_edges};
 use super::stage::fit::fit;
@@ -343,6 +343,10 @@ impl StepList<'_> {
         self.clear("proofs", at, 0, None);
         for step in 0..CERTIFY_STEPS {
             for job in self.jobs(at) {
+                if inputs.variant(at.bounce).spheres {
+                    self.pass("certify", job, [certify_traced(inputs.traced(job), step)]);
+                    continue;
+                }
                 if !inputs.is_alone() {
                     self.add_pairs(job);
                 }

@@ -11,6 +11,7 @@ mod adapters;
 mod aim;
 mod baselines_agree;
 mod certified;
+mod certified_spheres;
 mod combinations;
 mod comparators_can_fail;
 mod conic;

@@ -127,6 +127,7 @@ fn cases() -> Vec<Case> {
         if camera.optics.is_none() && !camera.is_curved() {
             add("samples", plain, Wanted { samples: 4, ..all.clone() });
             add("samples, rich", rich, Wanted { samples: 4, ..all.clone() });
+            add("certified spheres", SceneContents { has_spheres: true, ..plain }, all.clone());
         }
     }
     list

@@ -15,6 +15,7 @@ use anamorph::internals::engine::plan::samples::sample_offsets;
 use anamorph::internals::engine::{Engine, Method, Rendered, RunOptions};
 use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::geometry::place;
+use anamorph::internals::geometry::spheres::spheres_of;
 use anamorph::internals::geometry::texture::{Texels, Texture};
 use anamorph::internals::gpu::kernels::Snippet;
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
@@ -188,6 +189,36 @@ fn proven(engine: &mut Engine) -> Result<(), String> {
     demand(proven.iter().all(|p| *p == 0), "an order is proven that none can tell")
 }
 
+/// The same of spheres: between triangles; level with one another, cut open by the range of t, and touched by rays, which is proven nowhere.
+fn proven_spheres(engine: &mut Engine) -> Result<(), String> {
+    let wanted = centres(&[Channel::TriangleId, Channel::Certified]);
+    let balls = |list: &[(DVec3, f64)]| {
+        spheres_of(list.iter().map(|b| b.0).collect(), list.iter().map(|b| b.1).collect(), None).unwrap()
+    };
+    let mut rng = Rng(8);
+    let list: Vec<(DVec3, f64)> = (0..40).map(|_| (rng.vector(), 0.02 + 0.2 * rng.unit())).collect();
+    let mixed = scene(place::merge(vec![soup(&mut rng, 60, 0.4), balls(&list)]).unwrap());
+    let mut look = |scene: &Scene, camera: &Camera| {
+        let seen = frame(engine, scene, camera, &wanted).frame;
+        let proven = seen.u32(Channel::Certified).unwrap().to_vec();
+        let truth = image(scene, camera, &[Channel::TriangleId]);
+        let wrong = (0..proven.len()).filter(|&k| proven[k] > 0 && ids(&seen)[k] != ids(&truth)[k]).count();
+        let of_hits = (0..proven.len()).filter(|&k| ids(&seen)[k] != NO_ID).map(|k| proven[k]).collect::<Vec<u32>>();
+        demand(wrong == 0, &format!("{wrong} proven pixels are wrong")).map(|()| (proven, of_hits))
+    };
+    let (proven, _) = look(&mixed, &eye())?;
+    let share = proven.iter().filter(|p| **p > 0).count() as f64 / proven.len() as f64;
+    demand(share > 0.99, &format!("{share} are proven"))?;
+    let (_, of_hits) = look(&scene(balls(&[(DVec3::ZERO, 0.7), (DVec3::ZERO, 0.7)])), &eye())?;
+    demand(of_hits.len() > 100 && of_hits.iter().all(|p| *p == 0), "an order is proven that none can tell")?;
+    // pixels a quarter wide: four rays touch the ball, and one enters it where the range begins
+    let along_z = "kind = \"orthographic\"\neye = [0.125, 0, 4]\ntarget = [0.125, 0, 0]\nheight = 7.25";
+    let touching = Camera { t_range: [2.0, 9.0], ..camera_of("", SIZE, along_z).unwrap() };
+    let (proven, _) = look(&scene(balls(&[(DVec3::ZERO, 2.0)])), &touching)?;
+    let uncertain = proven.iter().filter(|p| **p == 0).count();
+    demand(uncertain == 5, &format!("{uncertain} pixels are not proven where rays touch a ball"))
+}
+
 /// Lines lie between pixels of different triangles that do not go on in each other: here all but two halves of a square.
 fn outlined(engine: &mut Engine) -> Result<(), String> {
     const WIDTH: f64 = 1.5;
@@ -315,7 +346,7 @@ enum Dispatching {
 /// A snippet, its text, what is planted, and what notices it.
 type Planted = (&'static str, &'static str, &'static str, Dispatching, Check);
 
-const PLANTED: [Planted; 54] = [
+const PLANTED: [Planted; 58] = [
     ("shared/nearest_bounded.wgsl", "share = 1.0 / across;", "share = 1.0 / abs(across);", Dispatching::Bounded, seen),
     (
         "shared/nearest_bounded.wgsl",
@@ -336,7 +367,7 @@ const PLANTED: [Planted; 54] = [
     ("args.wgsl", "count = min(count, params.pair_capacity);", "count = count / 2u;", Dispatching::ByPair, seen),
     ("args.wgsl", "count -= first;", "count = first;", Dispatching::ByTile, seen),
     ("trace.wgsl", "if k == stretches() {", "if k + 1u == stretches() {", Dispatching::ByPair, traced),
-    ("trace.wgsl", "count += select(0u, 1u,", "count += select(0u, 0u,", Dispatching::ByPair, traced),
+    ("shared/followed.wgsl", "count += select(0u, 1u,", "count += select(0u, 0u,", Dispatching::ByPair, traced),
     ("shared/bvh8.wgsl", "bytes_of(far.x) * x.step", "0.7 * bytes_of(far.x) * x.step", Dispatching::ByPair, traced),
     ("camera/pieces_path.wgsl", "+ place.x * q.dx_hi", "+ 1.3 * place.x * q.dx_hi", Dispatching::ByPair, traced),
     (
@@ -379,14 +410,42 @@ const PLANTED: [Planted; 54] = [
     ("small.wgsl", "first_slot + lane;", "first_slot + lane / 2u;", Dispatching::ByTile, seen),
     ("small.wgsl", "vec2<u32>(slot, address);", "vec2<u32>(slot + 1u, address);", Dispatching::ByTile, seen),
     (
-        "certify.wgsl",
+        "shared/certainty.wgsl",
         "select(PROOF_CONTESTED, PROOF_SURE, is_found",
         "select(PROOF_SURE, PROOF_SURE, is_found",
         Dispatching::ByPair,
         proven,
     ),
-    ("certify.wgsl", "- 1u <= ~atomicLoad", "- 1u > ~atomicLoad", Dispatching::ByPair, proven),
-    ("certify.wgsl", "select(0u, PROOF_SURE, is_hit)", "0u", Dispatching::ByPair, proven),
+    ("shared/certainty.wgsl", "- 1u <= ~atomicLoad", "- 1u > ~atomicLoad", Dispatching::ByPair, proven),
+    ("shared/certainty.wgsl", "select(0u, PROOF_SURE, is_hit)", "0u", Dispatching::ByPair, proven),
+    (
+        "camera/straight_sphere_proof.wgsl",
+        "let is_met = below > error_below;",
+        "let is_met = below > -error_below;",
+        Dispatching::ByPair,
+        proven_spheres,
+    ),
+    (
+        "camera/straight_sphere_proof.wgsl",
+        "-no_more(root_low - along - error_along",
+        "-no_more(root_low + along - error_along",
+        Dispatching::ByPair,
+        proven_spheres,
+    ),
+    (
+        "certify_traced.wgsl",
+        "if is_sphere(triangle) {",
+        "if !is_sphere(triangle) {",
+        Dispatching::ByPair,
+        proven_spheres,
+    ),
+    (
+        "shared/certainty.wgsl",
+        "select(PROOF_CONTESTED, PROOF_SURE, is_found",
+        "select(PROOF_SURE, PROOF_SURE, is_found",
+        Dispatching::ByPair,
+        proven_spheres,
+    ),
     (
         "edges.wgsl",
         "nearness(layer, near) - 1u > reach",

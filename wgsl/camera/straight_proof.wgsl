@@ -3,8 +3,8 @@
 // REAL_UNIT is the rounding of stored numbers and no less than that of one operation. The size of a vector is the sum of its absolute
 // components, so that a product is at most the product of the sizes. Every bound has the same form: the error of each factor
 // times the size of the other, plus PRODUCT_UNITS of both sizes.
-// Provides: Weighed, pixel_proof
-// Needs: Bundle, Cell, ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, SLABBED, end_rounding, normal_of,
+// Provides: Weighed, offset_of, pixel_proof
+// Needs: Bundle, Cell, FARTHEST, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, SLABBED, end_rounding, normal_of,
 //   perturbed, reach3, real, real3, real_from_bits, sign_beyond, size3, weighed
 // Binds: params
 
@@ -72,7 +72,7 @@ fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane 
     let across = dot(normal.n, q.b.d);
     let facing = sign_beyond(across, error_across);
     if facing == 0 {
-        return OnPlane(-ENDLESS, ENDLESS, 0, 0.0);
+        return OnPlane(-FARTHEST, FARTHEST, 0, 0.0);
     }
     let least = abs(across) - error_across;
     let t = along / across;

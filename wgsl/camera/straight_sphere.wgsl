@@ -1,9 +1,7 @@
 // What a straight ray meets, to f32, where there are spheres too. A sphere of the hierarchy has its centre for a corner, and its radius for
 // the x of its edge.
 // Provides: with_primitive
-// Needs: ALL_UNCERTAIN, BvhTriangle, CORNER_UNITS, COUNT_RECHECK_ITEMS, ENDLESS, LEAST, ONE_SIDED, Path, Seen, Stretch, UNIT, is_excluded,
-//   is_sphere, largest_of, last_of, triangle_id, with_triangle
-// Binds: counters, params, recheck_items
+// Needs: BvhTriangle, CORNER_UNITS, ENDLESS, LEAST, ONE_SIDED, Path, Seen, Stretch, UNIT, is_sphere, largest_of, with_hit, with_triangle
 
 fn with_primitive(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> Seen {
     if is_sphere(vec4<u32>(own.word)) {
@@ -60,28 +58,7 @@ fn with_sphere(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> 
     let is_sure = is_met_by_line && (is_entered || is_left_alone);
     let first = select(-ENDLESS, select(enters_first, leaves_first, is_sure && !is_entered), is_known);
     let last = select(ENDLESS, select(leaves_last, enters_last, is_sure && is_entered), is_known);
-
-    let id = triangle_id(vec4<u32>(own.word));
-    let may = !is_passed && last >= stretch.first && first <= last_of(stretch, before) && !is_excluded(id) && path.start != id;
-    let is_met = may && is_sure && !ALL_UNCERTAIN;
-    let is_nearest = is_met && last < before.first;
-    var is_uncertain = may && !is_nearest;
-    // a loop: software adapters take every branch
-    loop {
-        if !is_uncertain {
-            break;
-        }
-        is_uncertain = false;
-        let at = atomicAdd(&counters[COUNT_RECHECK_ITEMS], 1u);
-        if at < params.recheck_capacity {
-            recheck_items[at] = vec2<u32>(own.slot, path.item);
-        }
-    }
-    var seen = before;
-    seen.slot = select(seen.slot, own.slot, is_nearest);
-    seen.first = select(seen.first, first, is_nearest);
-    seen.last = select(seen.last, min(seen.last, last), is_met);
-    return seen;
+    return with_hit(path, stretch, before, own, first, last, is_passed, is_sure);
 }
 
 // No more than a number over one from `low` to `high`, both above 0.

@@ -1,5 +1,5 @@
 // Proofs, in f32 and recheck arithmetic, about the first hit of a ray or curve.
-// Provides: ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, normal_of
+// Provides: FARTHEST, MISSED, Normal, PRODUCT_UNITS, Proof, normal_of
 // Needs: REAL_UNIT, reach3, real, real3, size3
 
 // Proven bounds on the first hit of a pixel's ray or curve with a triangle.
@@ -13,7 +13,7 @@ struct Proof {
 const MISSED: Proof = Proof(false, false, 0.0, 0.0);
 
 // Unbounded t.
-const ENDLESS: real = 3.0e38;
+const FARTHEST: real = 3.0e38;
 
 // The normal of a triangle, a bound on its size, and its error bound. A difference of two stored vertices loses 2 units
 // of the larger's size and 1 of itself, a cross product of rounded factors 8 units of the product of their sizes.

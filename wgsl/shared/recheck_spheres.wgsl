@@ -1,7 +1,8 @@
 // Items of triangles and spheres.
 // Provides: recheck_primitive
-// Needs: Bundle, COUNTING, COUNT_FRAGMENTS_KEPT, Cell, Meeting, ONE_SIDED, REAL_UNIT, SLABBED, Sphere, TILE, cell_bundle, chord_of, is_sphere, merge,
-//   pixel_bundle, real, real_from_bits, recheck_triangle, size3, sphere_of, start_of, tile_corner, tile_layer, triangle_id, visibility_key
+// Needs: Bundle, COUNTING, COUNT_FRAGMENTS_KEPT, Cell, Meeting, ONE_SIDED, SLABBED, Sphere, TILE, cell_bundle, chord_of, end_margin,
+//   is_sphere, merge, pixel_bundle, real_from_bits, recheck_triangle, sphere_of, start_of, tile_corner, tile_layer, triangle_id,
+//   visibility_key
 // Binds: counters, params, step
 
 fn recheck_primitive(slot: u32, triangle: vec4<u32>, is_proven: bool, cell: Cell, bit: u32) {
@@ -43,13 +44,4 @@ fn sphere_meeting(b: Bundle, s: Sphere, is_met: bool, two_sided: bool) -> Meetin
     let leaves = two_sided && chord.leaves >= t_min && chord.leaves <= t_max;
     let t = select(chord.leaves, chord.enters, enters);
     return Meeting(select(t, min(max(t, from_t), to_t), SLABBED), (is_met || chord.below >= 0.0) && (enters || leaves));
-}
-
-// By how much t is off where a segment of a chain ends: the offset t d - m by 16 units of what is summed up, as for triangles, and t by
-// that over the cosine of d to the surface, times |d|. Where the ray nearly touches, by the root of what it is off at twice that place.
-fn end_margin(b: Bundle, s: Sphere, below: real) -> real {
-    let off = 16.0 * REAL_UNIT * ((size3(s.centre) + s.radius) * abs(b.h) + size3(b.p) + size3(b.d));
-    let large = s.radius * abs(b.h);
-    let flat = sqrt(2.0 * off * large / dot(b.d, b.d));
-    return select(flat, min(flat, off * large / sqrt(max(below, 0.0))), below > 0.0);
 }

@@ -8,7 +8,12 @@ use crate::gpu::layout::Counter;
 /// What bounds in f32 may leave to be rechecked.
 pub fn kernel(variant: Variant) -> Kernel {
     let primitives = match variant.spheres {
-        true => snippets!("shared/sphere.wgsl", "shared/sphere_chord.wgsl", "shared/recheck_spheres.wgsl"),
+        true => snippets!(
+            "shared/sphere.wgsl",
+            "shared/sphere_chord.wgsl",
+            "shared/sphere_end.wgsl",
+            "shared/recheck_spheres.wgsl"
+        ),
         false => snippets!("shared/recheck_triangles.wgsl"),
     };
     let own = [super::raster::HITS, SIDES, primitives, snippets!("recheck.wgsl")];

@@ -7,8 +7,12 @@ use crate::gpu::layout::Counter;
 
 pub fn kernel(variant: Variant) -> Kernel {
     let path = match variant.rays {
-        RaysKind::Pieces => snippets!("camera/pieces_path.wgsl", "camera/straight_stretch.wgsl"),
-        RaysKind::Field => snippets!("camera/field_path.wgsl", "camera/straight_stretch.wgsl"),
+        RaysKind::Pieces => {
+            snippets!("camera/pieces_path.wgsl", "camera/straight_stretch.wgsl", "camera/straight_seen.wgsl")
+        }
+        RaysKind::Field => {
+            snippets!("camera/field_path.wgsl", "camera/straight_stretch.wgsl", "camera/straight_seen.wgsl")
+        }
         RaysKind::Curves { .. } => snippets!("camera/curves_path.wgsl"),
     };
     let pixels = if variant.bounced { LIVE_PIXELS } else { snippets!("shared/every_tile.wgsl") };
@@ -23,7 +27,7 @@ pub fn kernel(variant: Variant) -> Kernel {
         }
         (true, _) => snippets!("shared/sphere.wgsl", "camera/straight_sphere.wgsl"),
     };
-    let own = [pixels, path, hierarchy, primitives, snippets!("trace.wgsl")];
+    let own = [pixels, path, hierarchy, primitives, snippets!("shared/followed.wgsl", "trace.wgsl")];
     let mut kernel = super::raster::into_visibility("trace", variant, &[variant.pixel(), &own].concat());
     kernel.bindings.extend([table("bvh"), table("bvh_triangles")]);
     if variant.bounced {

@@ -1,0 +1,85 @@
+// certify_traced: one thread per pixel, one workgroup per tile, twice, after all was traced and rechecked; then one per pixel of the band.
+// Takes the place of certify where there are spheres.
+// Reads what trace reads, and the visibility buffer. Follows each pixel's ray through the hierarchy, and proves in recheck arithmetic what can
+// be of each triangle and sphere that it may meet; what f32 leaves out by its boxes is proven to be missed. Writes bounds and flags, and from
+// them the plane.
+// Provides: with_primitive
+// Needs: Bundle, BvhTriangle, Cell, ONE_SIDED, PROOF_CONTESTED, Path, Proof, ROUNDS, SLABBED, STEP_BOUND, STEP_PIXELS, Seen, Stretch, TILE,
+//   bit_mask, bvh_scale, cell_bundle, followed, has_ray, is_sphere, item_index, nothing_seen, path_of, pixel_at, pixel_proof, real3,
+//   sphere_of, sphere_proof, stretch_of, tile_corner, tile_layer, triangle_at, triangle_id, triangle_reversed, vertex_real, weigh,
+//   write_certainty
+// Binds: cells, params, proofs, step, tile_start
+
+// The cell of this thread's pixel in the layer that it is followed in.
+var<private> own_cell: u32;
+
+@compute @workgroup_size(64)
+fn certify(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take a pixel
+    if step.value == STEP_PIXELS {
+        write_certainty(item_index(group, groups, lane));
+        return;
+    }
+    let at = pixel_at(group, groups, lane);
+    if at.x >= params.width || at.y >= params.height {
+        return;
+    }
+
+    // follow its ray in every layer
+    let layers = select(1u, params.tiles_y / max(params.slab_rows * params.spans, 1u), SLABBED);
+    for (var layer = 0u; layer < layers; layer++) {
+        if has_ray(layer, at.x, at.y) {
+            let path = path_of(layer, at.x, at.y);
+            take_cell(path.item);
+            let found = followed(path, stretch_of(path, 0u, bvh_scale()), nothing_seen(), 0u);
+            if found.rounds >= ROUNDS && step.value != STEP_BOUND {
+                atomicOr(&proofs[2u * (at.y * params.width + at.x) + 1u], PROOF_CONTESTED);
+            }
+        }
+    }
+}
+
+// Finds the cell that owns the pixel of an item.
+fn take_cell(item: u32) {
+    let tile = item >> 6u;
+    let own = bit_mask(item & 63u);
+    var k = tile_start[tile];
+    let last = tile_start[tile + 1u] - 1u;
+    loop {
+        if k == last || any((vec2<u32>(cells[k].mask_lo, cells[k].mask_hi) & own) != vec2<u32>(0u)) {
+            break;
+        }
+        k++;
+    }
+    own_cell = k;
+}
+
+// Nothing counts as seen: all along the ray is proven.
+fn with_primitive(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> Seen {
+    let cell = cells[own_cell];
+    let triangle = triangle_at(own.slot);
+    let tile = path.item >> 6u;
+    let x = path.item % TILE;
+    let y = (path.item & 63u) / TILE;
+    let whole = cell_bundle(cell);
+    let proof = primitive_proof(cell, whole, x, y, triangle);
+    if proof.may {
+        let corner = tile_corner(tile);
+        weigh(proof, triangle_id(triangle), tile_layer(tile), (corner.y + y) * params.width + corner.x + x, false);
+    }
+    return before;
+}
+
+fn primitive_proof(cell: Cell, whole: Bundle, x: u32, y: u32, triangle: vec4<u32>) -> Proof {
+    let is_one_sided = (triangle.w & ONE_SIDED) != 0u;
+    if is_sphere(triangle) {
+        return sphere_proof(cell, whole, x, y, sphere_of(triangle), !is_one_sided);
+    }
+    let back_sign = select(0, select(1, -1, triangle_reversed(triangle)), is_one_sided);
+    let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
+    return pixel_proof(cell, whole, x, y, v, back_sign, false);
+}
