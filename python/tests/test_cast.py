@@ -155,7 +155,7 @@ def test_spheres_are_met_as_frames_have_them() -> None:
     through = am.cast(scene, [0, 0, 20], [0, 0, -1], all=True)
     assert through.t.tolist() == [9.0, 13.0, 19.0, 21.0]
     camera = am.camera.pinhole(eye=[0, 1, 30], target=[0, 1, 0], vfov=20)
-    ids = am.render(scene, camera, size=(40, 30), channels=["triangle.id"], engine="reference")["triangle.id"]
+    ids = am.render(scene, camera, size=(40, 30), channels=["triangle.id"])["triangle.id"]
     assert {12, 13} <= set(ids.ravel().tolist())
 
 

@@ -371,14 +371,14 @@ const PLANTED: [Planted; 58] = [
     ("shared/bvh8.wgsl", "bytes_of(far.x) * x.step", "0.7 * bytes_of(far.x) * x.step", Dispatching::ByPair, traced),
     ("camera/pieces_path.wgsl", "+ place.x * q.dx_hi", "+ 1.3 * place.x * q.dx_hi", Dispatching::ByPair, traced),
     (
-        "camera/straight_stretch.wgsl",
+        "camera/straight_seen.wgsl",
         "min(seen.last, last), is_met);",
         "min(seen.last, last) - 0.5, is_met);",
         Dispatching::ByPair,
         traced,
     ),
     (
-        "camera/straight_stretch.wgsl",
+        "camera/straight_seen.wgsl",
         "vec2<u32>(own.slot, path.item);",
         "vec2<u32>(0u, path.item);",
         Dispatching::ByPair,
