@@ -36,9 +36,9 @@ fn mixed(seed: u64) -> Mesh {
     }
     list.push(list[3]);
     let mut spheres = balls(&list);
-    spheres.materials[0].two_sided = seed % 3 != 0;
+    spheres.materials[0].two_sided = !seed.is_multiple_of(3);
     let mut all = vec![soup(&mut rng, 60, 0.5), spheres];
-    if seed % 2 == 0 {
+    if seed.is_multiple_of(2) {
         all.swap(0, 1);
     }
     merge(all).unwrap()

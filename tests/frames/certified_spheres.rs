@@ -39,7 +39,7 @@ fn mixed(seed: u64) -> Scene {
         list.push((centre, 10f64.powf(-0.5 - 2.5 * rng.unit())));
     }
     let mut spheres = balls(&list);
-    spheres.materials[0].two_sided = seed % 2 == 0;
+    spheres.materials[0].two_sided = seed.is_multiple_of(2);
     scene(merge(vec![soup(&mut rng, 60, 0.5), spheres]).unwrap())
 }
 
