@@ -3,7 +3,7 @@
 use crate::engine::Method;
 use crate::tools::bench::case::{Arm, Case};
 
-const EXAMPLES: [&str; 9] = [
+const EXAMPLES: [&str; 11] = [
     "city-cross-slit",
     "cow-panorama",
     "city-cylinder",
@@ -12,6 +12,8 @@ const EXAMPLES: [&str; 9] = [
     "terrain-top-down",
     "twist-curved",
     "glass-ball",
+    "hidden-mirror",
+    "composite",
     "smoke",
 ];
 
