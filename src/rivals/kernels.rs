@@ -73,11 +73,11 @@ fn clipped_draw(name: &'static str, (layers, culling): (u32, bool), more: &[Bind
     kernel
 }
 
-/// Vertices projected; each triangle split in four so often.
-pub fn warp(layers: u32, culling: bool, levels: u32) -> Kernel {
+/// Vertices projected; each triangle split in four so often, and `fan` triangles drawn of each part: 1, or 3 where it is cut off where t ends.
+pub fn warp(layers: u32, culling: bool, levels: u32, fan: u32) -> Kernel {
     let mut kernel =
         clipped_draw("warp", (layers, culling), &[], &[PROJECT, SEEN_THROUGH, snippets!("rivals/warp.wgsl")]);
-    kernel.constants.push(("LEVELS", f64::from(levels)));
+    kernel.constants.extend([("LEVELS", f64::from(levels)), ("FAN", f64::from(fan))]);
     kernel
 }
 
@@ -165,7 +165,7 @@ pub fn draws(layers: u32) -> Vec<Kernel> {
     let centre = DVec3::ZERO;
     let onto_s = splat_project(10);
     vec![
-        warp(layers, true, 2),
+        warp(layers, true, 2, 3),
         bound(layers, true, centre),
         perspective(layers, true),
         cube(),

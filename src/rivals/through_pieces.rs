@@ -1,7 +1,8 @@
 //! Draws of every triangle through every piece: `raster-warp` and `raster-bound`.
 //!
 //! * warp: vertices are projected exactly, and what is between them straight (Brosz et al. 2007; Popescu et al., section 4.2).
-//!   Subdividing triangles beforehand brings the edges nearer to what they should be.
+//!   Subdividing triangles beforehand brings the edges nearer to what they should be. Of a
+//!   camera of several layers, what a segment's t does not reach is cut off first.
 //! * bound: a triangle around the image of each triangle, whose fragments intersect their own rays with its plane (Hou et al.
 //!   2006, section 2); all cameras in one instanced draw, or a pass for each as in the paper.
 
@@ -25,10 +26,15 @@ struct ThroughPieces {
     is_each: bool,
 }
 
+/// Triangles that are left of one between two planes.
+const CUT_TRIANGLES: u32 = 3;
+
 /// The parameter: how often each triangle is split in four.
 pub fn warp(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
-    let draw = Draw::clipped(gpu, kernels::warp(setup.layers(), setup.variant.culling, setup.parameter))?;
-    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1 << (2 * setup.parameter))?))
+    let layers = setup.layers();
+    let fan = if layers > 1 { CUT_TRIANGLES } else { 1 };
+    let kernel = kernels::warp(layers, setup.variant.culling, setup.parameter, fan);
+    Ok(Box::new(ThroughPieces::new(gpu, setup, Draw::clipped(gpu, kernel)?, fan << (2 * setup.parameter))?))
 }
 
 pub fn bound(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {

@@ -72,6 +72,17 @@ views = [
 weights = [2, 1, 2]
 "#;
 
+/// A plain view in layers one behind the other, each of pinhole pieces: a detour round the ball, not bent.
+const LAYERS: &str = r#"
+kind = "track"
+eye = [0, 1.2, 5]
+target = [0, -0.2, 0]
+vfov = 40
+targets = [{ at = [-1.1, 0.1, -0.9], radius = 0.2 }]
+segments = 9
+morph = 0
+"#;
+
 /// What a rival makes of the scene against the reference: pixels with another triangle, those of them that are safe, and those
 /// that name no near candidate; `None` without an adapter.
 fn wrong(camera: &str, by: &str) -> Option<(u64, u64, u64)> {
@@ -140,6 +151,14 @@ fn leaving_nothing_out_early_changes_no_pixel() {
         println!("{by:?}: {seen}");
         assert_eq!(seen.wrong_triangle, Some(0), "{by:?}");
     }
+}
+
+/// Triangles reach through several layers, and each layer shows what lies in it alone.
+#[test]
+fn straight_edges_are_as_right_through_layers() {
+    assert!(scene(LAYERS).camera().unwrap().layers.len() > 2);
+    let Some((_, safe, not_near)) = wrong(LAYERS, "raster-warp") else { return };
+    assert_eq!((safe, not_near), (0, 0));
 }
 
 /// A frame by a camera that came later is the one that it makes by itself.

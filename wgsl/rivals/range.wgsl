@@ -1,8 +1,15 @@
 // The camera's range of t.
-// Provides: in_range
+// Provides: in_range, range_end, range_start
 // Binds: params
 
+fn range_start() -> f32 {
+    return params.t_min.x + params.t_min.y + params.t_min.z;
+}
+
+fn range_end() -> f32 {
+    return params.t_max.x + params.t_max.y + params.t_max.z;
+}
+
 fn in_range(t: f32) -> bool {
-    return t >= params.t_min.x + params.t_min.y + params.t_min.z
-        && t <= params.t_max.x + params.t_max.y + params.t_max.z;
+    return t >= range_start() && t <= range_end();
 }
