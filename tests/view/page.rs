@@ -193,7 +193,7 @@ fn channels_are_shown_and_compared() {
         ("material", ""),
         ("piece", ""),
         ("certified", "proven in f32"),
-        ("overdraw", "triangles along the ray"),
+        ("overdraw", "surfaces along the ray"),
     ] {
         let before = browser.picture();
         browser.choose("#shown", shown);
