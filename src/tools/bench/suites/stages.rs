@@ -3,7 +3,7 @@
 use crate::engine::Method;
 use crate::tools::bench::case::{Arm, Case};
 
-const EXAMPLES: [&str; 11] = [
+const EXAMPLES: [&str; 10] = [
     "city-cross-slit",
     "cow-panorama",
     "city-cylinder",
@@ -13,7 +13,6 @@ const EXAMPLES: [&str; 11] = [
     "twist-curved",
     "glass-ball",
     "hidden-mirror",
-    "composite",
     "smoke",
 ];
 
