@@ -1,4 +1,4 @@
-//! A sphere against rays, in f64 where its rounding leaves no doubt and in exact arithmetic elsewhere.
+//! A sphere against rays, in f64 where rounding cannot change the answer, and in exact arithmetic elsewhere.
 //!
 //! With `m = c - P` a ray is on the sphere at `t = (D . m -+ s) / (D . D)`, `s` being the root of `D . D r^2 - |D x m|^2`.
 
