@@ -1054,6 +1054,7 @@ def track(
     bend: Value | None = None,
     far: Value | None = None,
     segments: Value | None = None,
+    smooth: Value | None = None,
     longitudinal: Value | None = None,
     join: Value | None = None,
     morph: Value | None = None,
@@ -1072,6 +1073,8 @@ def track(
       far           length       where the rays end, along the view's axis (default: beyond the scene)
       segments      N            at most N segments of two triangles in each layer, as in the paper: 9 for a target, 17 for two
                                  apart; where bands of targets meet the shifts are coarser (default: as many as are of use)
+      smooth        0..0.1       while a target moves by this part of the image's height, its rays pass from one detour to another, and
+                                 may show what hides it for the moment; 0: they jump, and it stays in sight (default 0)
       longitudinal  N            the detours out and back have N parts that bend gradually (default 1)
       join          "bezier"     the detours out and back are curves (default "straight")
       morph         0..1         1 as built, 0 the plain view (default 1)
@@ -1091,7 +1094,7 @@ def track(
     summary line, the report and `anamorph camera` say so.
     (Popescu et al., 3.3, Fig. 8)
     """
-    return Camera("track", {"eye": eye, "target": target, "up": up, "vfov": vfov, "targets": targets, "bend": bend, "far": far, "segments": segments, "longitudinal": longitudinal, "join": join, "morph": morph, "matrix": matrix, "quaternion": quaternion, "convention": convention, "distance": distance})
+    return Camera("track", {"eye": eye, "target": target, "up": up, "vfov": vfov, "targets": targets, "bend": bend, "far": far, "segments": segments, "smooth": smooth, "longitudinal": longitudinal, "join": join, "morph": morph, "matrix": matrix, "quaternion": quaternion, "convention": convention, "distance": distance})
 
 
 def opencv(

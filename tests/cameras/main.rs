@@ -29,4 +29,5 @@ mod round_cameras;
 mod scans;
 mod screen_cameras;
 mod track;
+mod track_moving;
 mod viewing_volumes;

@@ -10,9 +10,9 @@ use common::continuity::{POINT_ROUNDING, assert_joined, assert_seamless, assert_
 use common::file::{refusal, scene_of};
 use glam::{DMat3, DVec2, DVec3};
 
-const SIZE: (u32, u32) = (80, 60);
+pub(super) const SIZE: (u32, u32) = (80, 60);
 const EYE: DVec3 = DVec3::new(0.0, 4.0, 20.0);
-const VIEW: &str = "eye = [0, 4, 20]\ntarget = [0, 2, 0]\nvfov = 40";
+pub(super) const VIEW: &str = "eye = [0, 4, 20]\ntarget = [0, 2, 0]\nvfov = 40";
 
 /// A floor, and a wall of three boxes across it at z = 5.
 const WALL: &str = r#"
@@ -29,12 +29,12 @@ scale = [1, 1, 1]
 translate = [6.5, 0.5, 5]
 "#;
 
-fn scene(meshes: &str, keys: &str) -> Scene {
+pub(super) fn scene(meshes: &str, keys: &str) -> Scene {
     scene_of(meshes, SIZE, &format!("kind = \"track\"\n{VIEW}\n{keys}")).unwrap()
 }
 
 /// The image place (px) of a point in the plain view, by the pinhole's formula.
-fn place(point: DVec3) -> DVec2 {
+pub(super) fn place(point: DVec3) -> DVec2 {
     let f = (DVec3::new(0.0, 2.0, 0.0) - EYE).normalize();
     let r = f.cross(DVec3::Y).normalize();
     let u = r.cross(f);
@@ -302,7 +302,7 @@ fn unreachable_targets_leave_the_plain_view_and_the_other_targets() {
 }
 
 /// Rays' places in a frame: in the plain view, px, for some pixels and depths.
-fn places(camera: &Camera) -> Vec<DVec2> {
+pub(super) fn places(camera: &Camera) -> Vec<DVec2> {
     let forward = (DVec3::new(0.0, 2.0, 0.0) - EYE).normalize();
     let depth = |p: DVec3| (p - EYE).dot(forward);
     let mut places = Vec::new();
@@ -355,7 +355,7 @@ translate = [0, 2, 5]
 "#;
 
 /// A house at z = 5, as wide as high, and a floor.
-const HOUSE: &str = r#"
+pub(super) const HOUSE: &str = r#"
 [[mesh]]
 builtin = "plane"
 scale = 40

@@ -24,10 +24,14 @@ pub struct Seen {
     pub sight_lines: SightLines,
     /// Half-size of its core, in which all rays have its full shift, along x and y, px.
     pub core_px: f64,
+    /// The part of its shift that its rays have, and of the room that it takes from others; under 1 where it is about to be left out.
+    pub presence: f64,
     /// The detour of its rays; `None`: straight.
     pub detour: Option<Detour>,
 }
 
+/// Pixels beyond a target's outline that share its detour: those that an image filter may read.
+pub const MARGIN_PX: f64 = 2.0;
 /// The least width of the band over which rays return to the plain view, px.
 const BAND_MIN_PX: f64 = 8.0;
 /// The band's width, in parts of the largest shift in the picture: over 1.125, the steepest `share / depth` of a detour
@@ -91,7 +95,7 @@ pub fn shares(view: &View, seen: &[Seen], place_px: DVec2) -> Vec<f64> {
     let of = |s: &Seen| {
         let (d, core, reach) = (s.distance_px(place_px), s.core_px, s.reach_px(view));
         let past = if d <= core + LINE_GAP_PX { 0.0 } else { d - core };
-        let fall = |width: f64| (1.0 - past / width).clamp(0.0, 1.0);
+        let fall = |width: f64| s.presence * (1.0 - past / width).clamp(0.0, 1.0);
         [fall(reach - core), fall(GUARD * core)]
     };
     let falls: Vec<[f64; 2]> = seen.iter().map(of).collect();

@@ -40,7 +40,8 @@ pub fn net(view: &View, seen: &[Seen], size: (u32, u32), segments: usize) -> (Ne
             let q = group.core[0] + part * (group.core[1] - group.core[0]);
             let mut own = shares(view, seen, q);
             let sum: f64 = own.iter().sum();
-            own.iter_mut().for_each(|w| *w /= sum.max(f64::MIN_POSITIVE));
+            let presence = group.seen.iter().map(|k| seen[*k].presence).fold(0.0, f64::max);
+            own.iter_mut().for_each(|w| *w *= presence / sum.max(f64::MIN_POSITIVE));
             places_px.push(q);
             shares_at.push(own);
         }

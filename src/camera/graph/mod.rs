@@ -12,7 +12,7 @@
 //! * `volume`, `fold`: segments that intersect, and rays that cross.
 //! * `legs`, `roots`: legs from a root view into others, and cubes of views.
 //! * `path`, `blend`: detours around the occluders of a target, and several of them on one net; `coarse`: on one of few
-//!   triangles.
+//!   triangles; `moving`, `lattice`: those of targets that move.
 //! * [`bottom_up`], [`top_down`], [`track`]: the constructors.
 //!
 //! The piece of a pixel is found by its tile's own list, whose length does not grow with the graph.
@@ -22,7 +22,9 @@ pub mod bottom_up;
 mod coarse;
 mod connect;
 mod fold;
+mod lattice;
 mod legs;
+mod moving;
 mod outline;
 mod overlay;
 mod path;

@@ -126,9 +126,10 @@ fn smooth(x: f64, y: f64, z: f64) -> f64 {
 pub struct SightLines {
     pub places_px: Vec<DVec2>,
     pub front: f64,
-    /// Half-size of the target's outline in the picture, and how far around it the search looks for what is about to hide
-    /// it, px.
+    /// Half-size of the target's outline in the picture; how far around it what hides a place counts as if it hid the target;
+    /// and how far beyond that the search looks for what is about to hide it, px.
     pub outline_px: f64,
+    pub beside_px: f64,
     pub ahead_px: f64,
 }
 
@@ -149,11 +150,9 @@ const EDGE_HALVINGS: usize = 16;
 /// What is about to hide the target counts if its shift is at most this many times the target's own.
 const SHIFT_AHEAD_MAX: f64 = 2.0;
 /// An occluder's edge is nearer than the target by more than this part of its depth.
-const EDGE_DEPTH: f64 = 1.0 / 256.0;
+pub const EDGE_DEPTH: f64 = 1.0 / 256.0;
 /// A detour counts in the mean of all that are less steep than this many times the flattest.
 const SPREAD: f64 = 2.0;
-/// The mean is used if it is less steep than this many times the flattest; opposite directions have none.
-const MEAN_SLOPE_MAX: f64 = 2.0;
 
 /// The weight of a detour among several: 1 for the flattest, falling to 0 at [`SPREAD`] times its slope.
 pub fn weight(slope: f64, flattest: f64) -> f64 {
@@ -195,6 +194,8 @@ pub struct Paths<'a> {
     pub bend: Bend,
     /// The largest shift that is tried.
     pub largest: f64,
+    /// The mean of detours is used if it is less steep than this many times the flattest; opposite directions have none.
+    pub steep: f64,
 }
 
 /// How far before a target's front the search for what hides it ends, as a part of the way there: a ball of the target's size is no
@@ -212,12 +213,14 @@ impl SightLines {
         spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
-    /// Places around the target, along each of the spokes, and their weights: 1 at its outline, 0 where the search ends.
+    /// Places around the target, along each of the spokes, and their weights: 1 at its outline and beside it, 0 where the search
+    /// ends.
     fn spokes(&self) -> impl Iterator<Item = impl Fn(f64) -> (DVec2, f64)> {
-        let (centre, from, width) = (self.places_px[0], self.outline_px, self.ahead_px);
+        let (centre, from, width) = (self.places_px[0], self.outline_px, self.beside_px + self.ahead_px);
+        let steep = width / self.ahead_px;
         (0..SPOKES).map(move |k| {
             let along = DVec2::from_angle(std::f64::consts::TAU * k as f64 / SPOKES as f64);
-            move |part: f64| (centre + (from + part * width) * along, 1.0 - part)
+            move |part: f64| (centre + (from + part * width) * along, (steep * (1.0 - part)).min(1.0))
         })
     }
 
@@ -237,9 +240,10 @@ impl SightLines {
                 if first(spoke(middle).0).is_some() { high = middle } else { low = middle }
             }
             let depth = first(spoke(high).0)?;
-            (depth < (1.0 - EDGE_DEPTH) * self.front).then(|| spoke(high))
+            (depth < (1.0 - EDGE_DEPTH) * self.front).then_some((high, spoke(high)))
         };
-        self.spokes().filter_map(|spoke| on(&spoke)).reduce(|a, b| if b.1 > a.1 { b } else { a })
+        let nearest = self.spokes().filter_map(|spoke| on(&spoke)).reduce(|a, b| if b.0 < a.0 { b } else { a });
+        nearest.map(|(_, edge)| edge)
     }
 
     /// The detours of a target that is hidden, or about to be.
@@ -292,7 +296,7 @@ impl SightLines {
             let ahead = self.ahead(paths, candidates.span, direction, parts);
             let detour = self.detour(direction, widened(candidates.span, &ahead), parts)?;
             let own = shortest(paths, &candidates.places_px, detour)?;
-            if own.slope() > MEAN_SLOPE_MAX * flattest {
+            if own.slope() > paths.steep * flattest {
                 return None;
             }
             // longer already where a longer one is about to be needed, if that leaves the target in sight
