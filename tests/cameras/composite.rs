@@ -3,11 +3,13 @@
 use crate::common;
 
 use anamorph::internals::camera::{Camera, Curve, Rays};
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Method, RunOptions};
 use anamorph::internals::geometry::generate;
 use anamorph::internals::geometry::place::merge;
 use anamorph::internals::image::{png_bytes, write_npy_f64};
 use common::file::load;
-use common::gpu::{check, hits};
+use common::gpu::{Without, check, engine, hits, ids, wanted};
 use common::rng::Rng;
 use common::written::{assert_refused, camera, camera_in, try_camera};
 use glam::{DVec2, DVec3};
@@ -284,6 +286,31 @@ fn frames_are_right_by_margin() {
         println!("{name}: {} hits, {unsafe_pixels} unsafe", hits(&frame));
         assert!(hits(&frame) > 2000, "{name}: {} hits", hits(&frame));
     }
+}
+
+/// Where two cameras of curves meet within tiles, each tile's curves are bounded on either side of the border.
+#[test]
+fn a_border_within_tiles_of_curves_costs_little() {
+    let scene = ball_in_cloud();
+    let other = TWISTED.replace("eye = [0, 0, 4]", "eye = [4, 0, 0]");
+    let mut kept = Vec::new();
+    // between two columns of tiles, and within one
+    for border in [32.0, 36.0] {
+        let to =
+            format!("priority = 1, region = {{ kind = 'rectangle', from = [0, 0], to = [{:?}, 1] }}", border / 64.0);
+        let camera = camera(&composite(&[member(TWISTED, &to), member(&other, "")]), SIZE);
+        assert!(camera.is_curved());
+        let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+        let counting = Wanted { counting: true, ..wanted() };
+        let by = |method: Method| RunOptions { method, ..RunOptions::default() };
+        let raster = engine.render(&scene, &camera, &counting, &by(Method::Raster)).unwrap();
+        let trace = engine.render(&scene, &camera, &wanted(), &by(Method::Trace)).unwrap();
+        assert!(hits(&raster.frame) > 500 && ids(&raster.frame) == ids(&trace.frame), "{border}");
+        kept.push(raster.counts.pairs_kept);
+    }
+    println!("pairs: {kept:?}");
+    // all triangles with each tile of the column, in each span of t, otherwise
+    assert!(kept[1] < 2 * kept[0], "{kept:?}");
 }
 
 #[test]

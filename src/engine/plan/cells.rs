@@ -1,4 +1,4 @@
-//! Splits a tile into cells where the rays of a field jump inside it, so that each cell has its own, tight bound.
+//! Splits a tile into cells where the rays of a field, or the chords of curves, jump inside it, so that each cell has its own, tight bound.
 
 use super::fit::Fit;
 use super::tiles::{TileRay, TileRays};

@@ -106,7 +106,7 @@ impl CurveTable {
     }
 }
 
-/// The curves of one tile: control points that are affine over it, up to a distance each.
+/// The curves of one tile, or of a part of it: control points that are affine over it, up to a distance each.
 pub struct Net {
     points: Vec<([DVec3; 3], f64)>,
 }
@@ -123,14 +123,20 @@ pub fn nets(table: &CurveTable, tiles_x: u32) -> Vec<Option<Net>> {
         let at = |(i, j): (u32, u32)| {
             Some((place_in_tile(i, j), table.get(layer, x * TILE + i, table.row + y * TILE + j)?.1))
         };
-        let (places, curves): (Vec<DVec2>, Vec<Curve>) = pixels.filter_map(at).unzip();
-        let point = |m: usize| affine(places.iter().zip(&curves).map(|(place, c)| (*place, c.points()[m])));
-        (!places.is_empty()).then(|| Net { points: (0..=table.degree as usize).map(point).collect() })
+        Net::of(pixels.filter_map(at))
     };
     (0..layers as u32 * tiles_y * tiles_x).into_par_iter().map(net).collect()
 }
 
 impl Net {
+    /// Of curves of one degree at places of a tile; `None` without any.
+    pub fn of(curves: impl Iterator<Item = (DVec2, Curve)>) -> Option<Net> {
+        let (places, curves): (Vec<DVec2>, Vec<Curve>) = curves.unzip();
+        let degree = curves.first()?.degree();
+        let point = |m: usize| affine(places.iter().zip(&curves).map(|(place, c)| (*place, c.points()[m])));
+        Some(Net { points: (0..=degree).map(point).collect() })
+    }
+
     /// The rays by which a span of t is bounded: the chords at the tile's corners. The ends of a true chord are sums of
     /// control points with Bernstein weights, so they lie as far from the affine ones' as these weights make it; and a
     /// bend, the distance between two such sums, at most two whole distances more than the largest at a corner, being

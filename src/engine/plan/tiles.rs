@@ -6,7 +6,7 @@ use super::fit::Fit;
 use super::nodes::above_cells;
 use super::slabs::Slabs;
 use crate::camera::TILE;
-use crate::camera::{Bundle, Camera, Field, Pieces, Rays};
+use crate::camera::{Bundle, Camera, Curve, Field, Pieces, Rays};
 use crate::gpu::layout::{self, split2};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -146,7 +146,7 @@ impl Tiler<'_> {
             let tile = (place.layer as u32 * self.rows.div_ceil(TILE) + place.y - self.row / TILE) * tiles_x + place.x;
             let over = |net: &Net| net.over(place.span, self.anchor);
             let whole = nets[tile as usize].as_ref().map_or_else(Fit::default, |net| Fit::of(&over(net)));
-            (self.owned(*place), TileFits { whole, each: Vec::new() })
+            self.curved(*place, whole)
         };
         let (owned, bounds): (Vec<TileCells>, Vec<TileFits>) = places.par_iter().map(bounded).unzip();
         let mut tiles = Tiles { tiles_x, tiles_y, slab_rows, start: vec![0], ..Default::default() };
@@ -174,6 +174,38 @@ impl Tiler<'_> {
             tiles.start.push(tiles.cells.len() as u32);
         }
         (tiles, bounds)
+    }
+
+    /// The cells of a tile of curves, and what bounds them: where their chords jump, as at the border of two cameras of a composite, the
+    /// curves on either side.
+    fn curved(&self, at: Place, whole: Fit) -> (TileCells, TileFits) {
+        let owned = self.owned(at);
+        let (Some(table), [share]) = (self.curves, owned.as_slice()) else {
+            return (owned, TileFits { whole, each: Vec::new() });
+        };
+        if !whole.is_loose() {
+            return (owned, TileFits { whole, each: Vec::new() });
+        }
+        let curve = |bit: u32| {
+            let (x, y) = (bit % TILE, bit / TILE);
+            let curve = table.get(at.layer, at.x * TILE + x, at.y * TILE + y)?.1;
+            Some((place_in_tile(x, y), curve))
+        };
+        let chord = |(place, curve): (DVec2, Curve)| {
+            let part = curve.span(at.span);
+            let (start, end) = (part.points()[0], part.points()[part.degree()]);
+            TileRay { place, p: start - self.anchor, d: end - start }
+        };
+        let parts = cells_of(Part { mask: share.mask, rays: bits(share.mask).filter_map(curve).map(chord).collect() });
+        if parts.len() < 2 {
+            return (owned, TileFits { whole, each: Vec::new() });
+        }
+        let fit = |part: &Part| {
+            let net = Net::of(bits(part.mask).filter_map(curve));
+            net.map_or_else(Fit::default, |net| Fit::of(&net.over(at.span, self.anchor)))
+        };
+        let cells = parts.iter().map(|part| share.within(part.mask)).collect();
+        (cells, TileFits { whole, each: parts.iter().map(fit).collect() })
     }
 
     /// The cells of a tile of straight rays, and what bounds them.

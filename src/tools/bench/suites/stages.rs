@@ -17,7 +17,7 @@ const EXAMPLES: [&str; 10] = [
 ];
 
 pub fn cases() -> Vec<Case> {
-    EXAMPLES.map(case).into_iter().chain([pictures()]).collect()
+    EXAMPLES.map(case).into_iter().chain([composite(), pictures()]).collect()
 }
 
 pub fn quick() -> Vec<Case> {
@@ -31,6 +31,12 @@ fn pictures() -> Case {
     let open = Arm::ours().set(&through).label("nothing hides them");
     let bare = Arm::ours().set(&["projector_light=[]"]).label("without pictures");
     Case::of("pictures of three cameras on surfaces", "video-on-city", vec![Arm::ours(), open, bare])
+}
+
+/// Curves of three cameras. Raster tests every triangle that any ray of a tile may meet for all of its rays: in a tile at the border of a region
+/// nearly the whole scene, so the picture is small.
+fn composite() -> Case {
+    case("composite").set(&["image.width=80", "image.height=60"])
 }
 
 /// By raster, whose stages are counted; by tracing; and by the one of both that costs less.
