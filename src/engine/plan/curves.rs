@@ -109,6 +109,8 @@ impl CurveTable {
 /// The curves of one tile, or of a part of it: control points that are affine over it, up to a distance each.
 pub struct Net {
     points: Vec<([DVec3; 3], f64)>,
+    /// The largest bend of any of the curves.
+    bend: f64,
 }
 
 /// The nets of all tiles, layer by layer, row by row; `None`: no curve there.
@@ -134,13 +136,15 @@ impl Net {
         let (places, curves): (Vec<DVec2>, Vec<Curve>) = curves.unzip();
         let degree = curves.first()?.degree();
         let point = |m: usize| affine(places.iter().zip(&curves).map(|(place, c)| (*place, c.points()[m])));
-        Some(Net { points: (0..=degree).map(point).collect() })
+        let bend = curves.iter().map(bend).fold(0.0, f64::max);
+        Some(Net { points: (0..=degree).map(point).collect(), bend })
     }
 
     /// The rays by which a span of t is bounded: the chords at the tile's corners. The ends of a true chord are sums of
     /// control points with Bernstein weights, so they lie as far from the affine ones' as these weights make it; and a
     /// bend, the distance between two such sums, at most two whole distances more than the largest at a corner, being
-    /// convex over the tile.
+    /// convex over the tile. Nor is it more than twice that of the whole curve: control points of a part are means of
+    /// those of the whole, whose distance from its chord is at most its bend, and so are the part's ends. Straight rays have none.
     pub fn over(&self, span: [f64; 2], anchor: DVec3) -> TileRays {
         let weights = span.map(|t| bernstein(self.points.len() - 1, t));
         let off = |k: usize| self.points[k].1;
@@ -157,7 +161,7 @@ impl Net {
             TileRay { place, p: start - anchor, d: end - start }
         };
         let rays = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from).map(corner).to_vec();
-        let bent = if self.points.len() > 2 { bent + 2.0 * largest } else { 0.0 };
+        let bent = if self.points.len() > 2 { (bent + 2.0 * largest).min(2.0 * self.bend) } else { 0.0 };
         TileRays { rays, r_p: r_p + bent, r_d }
     }
 }

@@ -33,8 +33,7 @@ fn pictures() -> Case {
     Case::of("pictures of three cameras on surfaces", "video-on-city", vec![Arm::ours(), open, bare])
 }
 
-/// Curves of three cameras. Raster tests every triangle that any ray of a tile may meet for all of its rays: in a tile at the border of a region
-/// nearly the whole scene, so the picture is small.
+/// Curves of three cameras. Small: in the fisheye's region a tile's bounds say little, and raster tests most triangles for all of its rays.
 fn composite() -> Case {
     case("composite").set(&["image.width=80", "image.height=60"])
 }
