@@ -14,6 +14,7 @@ pub mod row;
 mod stiff;
 pub mod suites;
 mod table;
+pub mod times;
 mod yardstick;
 
 use crate::gpu::device::AdapterFeatures;

@@ -1,6 +1,7 @@
 //! One measured row: case, technique, times and errors.
 
 use super::case::{Arm, Case};
+use super::times::{Ratio, Times};
 use crate::camera::Camera;
 use crate::engine::{Counts, Rendered};
 use crate::image::compare::Comparison;
@@ -35,7 +36,7 @@ pub struct Row {
     /// Median time of an empty kernel, run in turn with the rest, ms.
     pub control_ms: f64,
     /// The time of this row over that of `anamorph` in the same case; of a yardstick, over that of `anamorph` asked for no more.
-    pub to_ours: Option<f64>,
+    pub to_ours: Option<Ratio>,
     /// Time on the device by stage, ms.
     pub stages: Vec<(String, f64)>,
     pub passes: u32,
@@ -107,14 +108,6 @@ pub struct Counted {
     pub covered: u64,
 }
 
-/// Wall times of frames, ms.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Times {
-    pub median: f64,
-    pub quartiles: [f64; 2],
-    pub runs: usize,
-}
-
 /// Against the f64 reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Error {
@@ -158,9 +151,6 @@ pub struct Paper {
 
 /// This engine's name among the techniques.
 const OURS: &str = "anamorph";
-
-/// Where the middle half of the times is wider than this share of the median, a row is not to be trusted.
-const SPREAD_MAX: f64 = 0.2;
 
 impl Row {
     pub fn new(suite: &str, case: &Case, arm: &Arm) -> Row {
@@ -239,11 +229,6 @@ impl Row {
         format!("  {:<56} {:<40} {time}{}\n", self.case, self.label(), wrong.unwrap_or_default())
     }
 
-    /// Relates the time to `ours` ms.
-    pub fn relate(&mut self, ours: Option<f64>) {
-        self.to_ours = self.times.as_ref().zip(ours).map(|(t, ours)| t.median / ours);
-    }
-
     /// The technique and its label.
     pub fn name(&self) -> String {
         self.label.as_ref().map_or_else(|| self.technique.clone(), |label| format!("{}, {label}", self.technique))
@@ -267,28 +252,6 @@ impl Counted {
     /// Fragments tested for each pixel that shows a triangle.
     pub fn overdraw(&self) -> f64 {
         self.fragments_tested as f64 / self.covered.max(1) as f64
-    }
-}
-
-impl Times {
-    pub fn of(times: &[f64]) -> Times {
-        let mut sorted = times.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        // nearest rank, the upper of two
-        let at = |share: f64| {
-            let last = sorted.len().saturating_sub(1);
-            sorted.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
-        };
-        Times { median: at(0.5), quartiles: [at(0.25), at(0.75)], runs: sorted.len() }
-    }
-
-    /// Half of the times lie within this share of the median.
-    pub fn spread(&self) -> f64 {
-        (self.quartiles[1] - self.quartiles[0]) / self.median
-    }
-
-    pub fn is_trusted(&self) -> bool {
-        self.spread() <= SPREAD_MAX
     }
 }
 

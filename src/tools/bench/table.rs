@@ -2,10 +2,11 @@
 
 use super::plot::{Drawn, Growth, growths};
 use super::row::{Moving, Row, Stiffness};
+use super::times::Times;
 use super::{Run, operations};
 use crate::input::{Error, Result};
 
-const COLUMNS: [&str; 52] = [
+const COLUMNS: [&str; 54] = [
     "suite",
     "commit",
     "case",
@@ -22,12 +23,14 @@ const COLUMNS: [&str; 52] = [
     "stiffness",
     "of",
     "median_ms",
-    "quartile1_ms",
-    "quartile3_ms",
+    "interval_low_ms",
+    "interval_high_ms",
     "runs",
-    "trusted",
+    "each_ms",
     "control_ms",
     "to_ours",
+    "to_ours_low",
+    "to_ours_high",
     "passes",
     "bytes",
     "pairs_tested",
@@ -60,7 +63,12 @@ const COLUMNS: [&str; 52] = [
     "paper_hardware",
 ];
 
-/// Every row, every value. Stages are name=ms, separated by semicolons.
+/// What times are.
+pub const ABOUT_TIMES: &str = "Times are medians of frames that ran in turn with those of all other techniques, from the first submission until \
+     the results are complete on the device, with intervals that hold the median with 95 % probability, whatever the distribution; a ratio is \
+     the median over rounds in which both ran. (?): an end of the interval is more than 5 % from the median after all rounds. What takes over 10 s a frame ran once.";
+
+/// Every row, every value. Stages are name=ms, and the times of frames ms, separated by semicolons.
 pub fn csv(rows: &[Row]) -> Result<String> {
     let failed = |e: &dyn std::fmt::Display| Error::work(format!("raw.csv: {e}"));
     let mut writer = csv::Writer::from_writer(Vec::new());
@@ -72,7 +80,7 @@ pub fn csv(rows: &[Row]) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| failed(&e))
 }
 
-fn record(row: &Row) -> [String; 52] {
+fn record(row: &Row) -> [String; 54] {
     fn or_empty<T: ToString>(value: Option<T>) -> String {
         value.map_or(String::new(), |v| v.to_string())
     }
@@ -97,12 +105,14 @@ fn record(row: &Row) -> [String; 52] {
         or_empty(stiffness.map(|s| s.value)),
         or_empty(stiffness.map(|s| &s.parameter)),
         or_empty(times.map(|t| t.median)),
-        or_empty(times.map(|t| t.quartiles[0])),
-        or_empty(times.map(|t| t.quartiles[1])),
+        or_empty(times.and_then(|t| t.interval).map(|i| i[0])),
+        or_empty(times.and_then(|t| t.interval).map(|i| i[1])),
         or_empty(times.map(|t| t.runs)),
-        or_empty(times.map(|t| t.is_trusted())),
+        or_empty(times.map(each_ms)),
         row.control_ms.to_string(),
-        or_empty(row.to_ours),
+        or_empty(row.to_ours.map(|r| r.median)),
+        or_empty(row.to_ours.and_then(|r| r.interval).map(|i| i[0])),
+        or_empty(row.to_ours.and_then(|r| r.interval).map(|i| i[1])),
         row.passes.to_string(),
         row.bytes.to_string(),
         or_empty(counted.map(|c| c.pairs_tested)),
@@ -136,11 +146,22 @@ fn record(row: &Row) -> [String; 52] {
     ]
 }
 
+/// Times in the order of the frames.
+fn each_ms(times: &Times) -> String {
+    let each: Vec<String> = times.each.iter().map(|ms| format!("{ms:.4}")).collect();
+    each.join(";")
+}
+
+/// An interval behind its median.
+fn between(interval: Option<[f64; 2]>) -> String {
+    interval.map_or(String::new(), |[lo, hi]| format!(" [{lo:.2}, {hi:.2}]"))
+}
+
 /// The words of a row that people read.
-pub fn cells(row: &Row) -> [String; 7] {
+pub fn cells(row: &Row) -> [String; 8] {
     let time = row.times.as_ref().map(|t| {
-        let untrusted = if t.is_trusted() { "" } else { " (?)" };
-        format!("{:.2} [{:.2}, {:.2}]{untrusted}", t.median, t.quartiles[0], t.quartiles[1])
+        let wide = if t.is_wide() { " (?)" } else { "" };
+        format!("{:.2}{}{wide}", t.median, between(t.interval))
     });
     let error = row.error.as_ref();
     let ids = error.filter(|e| !e.is_of_colours());
@@ -152,7 +173,8 @@ pub fn cells(row: &Row) -> [String; 7] {
     [
         row.label(),
         time.or_else(|| row.refused.clone()).unwrap_or_default(),
-        row.to_ours.map(|r| format!("{r:.2}")).unwrap_or_default(),
+        row.times.as_ref().map(|t| t.runs.to_string()).unwrap_or_default(),
+        row.to_ours.map(|r| format!("{:.2}{}", r.median, between(r.interval))).unwrap_or_default(),
         ids.map(|e| format!("{:.4}", 100.0 * e.wrong_share)).unwrap_or_default(),
         ids.map(|e| e.wrong_safe.to_string()).unwrap_or_default(),
         error.and_then(|e| e.t_p999).map(|t| format!("{t:.1e}")).unwrap_or_default(),
@@ -160,8 +182,16 @@ pub fn cells(row: &Row) -> [String; 7] {
     ]
 }
 
-pub const HEADS: [&str; 7] =
-    ["technique", "ms a frame [quartiles]", "to ours", "wrong %", "wrong safe px", "t error p99.9", "PSNR dB"];
+pub const HEADS: [&str; 8] = [
+    "technique",
+    "ms a frame [95 %]",
+    "frames",
+    "to ours [95 %]",
+    "wrong %",
+    "wrong safe px",
+    "t error p99.9",
+    "PSNR dB",
+];
 
 /// The rows of each family of stiff scenes, with the first one's stiffness.
 pub fn families(rows: &[Row]) -> impl Iterator<Item = (&Stiffness, &[Row])> {
@@ -243,7 +273,7 @@ pub fn stiff(row: &Row) -> Option<[String; 9]> {
 pub const STIFF_HEADS: [&str; 9] = [
     "stiffness",
     "technique",
-    "ms a frame [quartiles]",
+    "ms a frame [95 %]",
     "wrong px",
     "t error: median, p99.9, max",
     "Z error",
@@ -275,9 +305,7 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
     let p = &run.provenance;
     let commit = p.commit.as_deref().unwrap_or("unknown");
     let mut text = format!(
-        "# {}\n\n`{}`, {}, version {} ({commit}), {} {}, {} cores.\n\n{}\n\nTimes are medians of frames that ran in turn with \
-         those of all other techniques, from the first submission until the results are complete on the device. (?): half of \
-         them lie more than 20 % apart, so that the row is not to be trusted. Errors are against the f64 reference.\n",
+        "# {}\n\n`{}`, {}, version {} ({commit}), {} {}, {} cores.\n\n{}\n\n{ABOUT_TIMES} Errors are against the f64 reference.\n",
         run.suite,
         p.command,
         p.date,
