@@ -449,6 +449,7 @@ impl Frames {
             frame_ms: Vec::new(),
             stages: Vec::new(),
             counts,
+            draws: raw.draws,
             bytes: self.resident.bytes()
                 + self.rival.as_ref().map_or(0, |r| r.bytes())
                 + self.caustics.as_ref().map_or(0, |c| c.buffers.bytes()),

@@ -89,7 +89,7 @@ pub fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
     for rows in cases {
         text += &format!("<h3>{}</h3>\n<p class=\"note\">{}</p>\n", escaped(&rows[0].case), escaped(&about(&rows[0])));
         text += &table(&HEADS, rows.iter().map(cells));
-        if rows.iter().any(|row| row.counted.is_some()) {
+        if rows.iter().any(|row| row.counted.is_some() || row.drawn.is_some()) {
             text += &table(&WORK_HEADS, rows.iter().filter_map(work));
         }
         if let Some((_, _, svg)) = drawn_of(&rows[0].case) {

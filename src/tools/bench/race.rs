@@ -2,7 +2,7 @@
 //! frame is compared with one reference image.
 
 use super::case::{Arm, Case, Samples};
-use super::row::{Certified, Counted, Error, Moving, Row};
+use super::row::{Certified, Counted, Drawn, Error, Moving, Row};
 use super::times::{Ratio, Times};
 use super::yardstick::Yardstick;
 use crate::camera::Camera;
@@ -67,7 +67,7 @@ impl Rules {
     pub fn new(quick: bool, is_software: bool) -> Rules {
         Rules {
             runs: if quick { [3, 3] } else { [9, 50] },
-            seconds_max: if is_software { 30.0 } else { 5.0 },
+            seconds_max: if is_software { 30.0 } else { 1.5 },
             yardstick: None,
             draws_max: Some(match (quick, is_software) {
                 (true, _) => 500_000,
@@ -175,11 +175,19 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     for (at, mut entry) in entries.into_iter().enumerate() {
         entry.row.control_ms = control_ms;
         let scene = scenes.get(at).and_then(|s| s.as_ref().ok());
+        let repeats = entry.once_ms.is_none();
         if let Some(frame) = entry.finish(scene.map(|s| &s.1)) {
             entry.row.error = match &filtered {
                 Some(truth) => Some(Error::of(&compare(&frame, truth, None, None)?)),
                 None => judge.error(&frame)?,
             };
+            if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, repeats) {
+                let draws = arm.choice()?.is_some_and(|c| c.technique.draws);
+                if draws && !matches!(arm.samples, Samples::Separate(_)) {
+                    let options = options(case, arm, rules)?;
+                    entry.row.drawn = drawn(&mut engines.drawing, scene, camera, &options, &frame)?;
+                }
+            }
             if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, entry.row.is_ours()) {
                 let options = options(case, arm, rules)?;
                 if case.counted && !arm.bare && arm.method.is_none() {
@@ -428,8 +436,25 @@ fn counted(
 ) -> Result<Counted> {
     let wanted = Wanted { counting: true, ..seen(false, false) };
     let counts = engine.render(scene, camera, &wanted, options)?.counts;
-    let covered = frame.u32(Channel::TriangleId).map_or(0, |ids| ids.iter().filter(|id| **id != NO_ID).count());
-    Ok(Counted::of(counts, covered as u64))
+    Ok(Counted::of(counts, covered(frame)))
+}
+
+/// What the adapter's rasterizer does for one frame of a rival.
+fn drawn(
+    engine: &mut Engine,
+    scene: &Scene,
+    camera: &Camera,
+    options: &RunOptions,
+    frame: &Frame,
+) -> Result<Option<Drawn>> {
+    let wanted = Wanted { counting: true, ..seen(false, false) };
+    let draws = engine.render(scene, camera, &wanted, options)?.draws;
+    Ok(draws.map(|draws| Drawn::of(draws, covered(frame))))
+}
+
+/// Pixels that show a triangle.
+fn covered(frame: &Frame) -> u64 {
+    frame.u32(Channel::TriangleId).map_or(0, |ids| ids.iter().filter(|id| **id != NO_ID).count() as u64)
 }
 
 /// Proofs of one frame.

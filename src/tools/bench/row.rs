@@ -4,6 +4,7 @@ use super::case::{Arm, Case};
 use super::times::{Ratio, Times};
 use crate::camera::Camera;
 use crate::engine::{Counts, Rendered};
+use crate::gpu::draw_counts::DrawCounts;
 use crate::image::compare::Comparison;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -42,6 +43,9 @@ pub struct Row {
     pub passes: u32,
     pub bytes: u64,
     pub counted: Option<Counted>,
+    /// Of a rival that draws, where the adapter counts it.
+    #[serde(default)]
+    pub drawn: Option<Drawn>,
     pub error: Option<Error>,
     #[serde(default)]
     pub certified: Option<Certified>,
@@ -104,6 +108,19 @@ pub struct Counted {
     pub fragments_kept: u64,
     /// Signs that f64 decided.
     pub rechecked: u64,
+    /// Pixels that show a triangle.
+    pub covered: u64,
+}
+
+/// What the adapter's rasterizer does for a frame of a rival.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Drawn {
+    /// Triangles that it is handed: a third of the runs of vertex shaders.
+    pub triangles_drawn: u64,
+    /// Those that are left once what is outside is clipped off.
+    pub triangles_left: u64,
+    /// Runs of fragment shaders.
+    pub fragments: u64,
     /// Pixels that show a triangle.
     pub covered: u64,
 }
@@ -180,6 +197,7 @@ impl Row {
             passes: 0,
             bytes: 0,
             counted: None,
+            drawn: None,
             error: None,
             certified: None,
             refused: None,
@@ -240,6 +258,18 @@ impl Row {
             Some((name, value)) => format!("{} ({value} {name})", self.name()),
             None => self.name(),
         }
+    }
+}
+
+impl Drawn {
+    pub fn of(counts: DrawCounts, covered: u64) -> Drawn {
+        let DrawCounts { vertices, triangles, fragments } = counts;
+        Drawn { triangles_drawn: vertices / 3, triangles_left: triangles, fragments, covered }
+    }
+
+    /// Fragments for each pixel that shows a triangle.
+    pub fn overdraw(&self) -> f64 {
+        self.fragments as f64 / self.covered.max(1) as f64
     }
 }
 

@@ -6,7 +6,7 @@ use super::times::Times;
 use super::{Run, operations};
 use crate::input::{Error, Result};
 
-const COLUMNS: [&str; 54] = [
+const COLUMNS: [&str; 57] = [
     "suite",
     "commit",
     "case",
@@ -38,6 +38,9 @@ const COLUMNS: [&str; 54] = [
     "fragments_tested",
     "fragments_kept",
     "rechecked",
+    "triangles_drawn",
+    "triangles_left",
+    "fragments_drawn",
     "covered",
     "overdraw",
     "wrong_share",
@@ -80,11 +83,12 @@ pub fn csv(rows: &[Row]) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| failed(&e))
 }
 
-fn record(row: &Row) -> [String; 54] {
+fn record(row: &Row) -> [String; 57] {
     fn or_empty<T: ToString>(value: Option<T>) -> String {
         value.map_or(String::new(), |v| v.to_string())
     }
-    let (parameter, times, counted) = (row.parameter.as_ref(), row.times.as_ref(), row.counted.as_ref());
+    let (parameter, times) = (row.parameter.as_ref(), row.times.as_ref());
+    let (counted, drawn) = (row.counted.as_ref(), row.drawn.as_ref());
     let (error, paper, stiffness) = (row.error.as_ref(), row.paper.as_ref(), row.stiffness.as_ref());
     let z = error.and_then(|e| e.z);
     let stages: Vec<String> = row.stages.iter().map(|(name, ms)| format!("{name}={ms:.4}")).collect();
@@ -120,8 +124,11 @@ fn record(row: &Row) -> [String; 54] {
         or_empty(counted.map(|c| c.fragments_tested)),
         or_empty(counted.map(|c| c.fragments_kept)),
         or_empty(counted.map(|c| c.rechecked)),
-        or_empty(counted.map(|c| c.covered)),
-        or_empty(counted.map(|c| c.overdraw())),
+        or_empty(drawn.map(|d| d.triangles_drawn)),
+        or_empty(drawn.map(|d| d.triangles_left)),
+        or_empty(drawn.map(|d| d.fragments)),
+        or_empty(counted.map(|c| c.covered).or(drawn.map(|d| d.covered))),
+        or_empty(counted.map(|c| c.overdraw()).or(drawn.map(|d| d.overdraw()))),
         or_empty(error.map(|e| e.wrong_share)),
         or_empty(error.map(|e| e.wrong_hit_miss)),
         or_empty(error.map(|e| e.wrong_safe)),
@@ -284,22 +291,43 @@ pub const STIFF_HEADS: [&str; 9] = [
 
 /// What a row's frames take beside time; `None` where it was not counted.
 pub fn work(row: &Row) -> Option<[String; 8]> {
-    let c = row.counted.as_ref()?;
+    let counts = match (&row.counted, &row.drawn) {
+        (Some(c), _) => [
+            format!("{} of {}", c.pairs_kept, c.pairs_tested),
+            format!("{} of {}", c.fragments_kept, c.fragments_tested),
+            format!("{:.2}", c.overdraw()),
+            c.rechecked.to_string(),
+        ],
+        (None, Some(d)) => {
+            let replicas = d.triangles_drawn as f64 / row.triangles.max(1) as f64;
+            [
+                format!(
+                    "{} of {} triangles, {replicas:.2} a triangle of the scene",
+                    d.triangles_left, d.triangles_drawn
+                ),
+                format!("{} drawn", d.fragments),
+                format!("{:.2}", d.overdraw()),
+                String::new(),
+            ]
+        }
+        (None, None) => return None,
+    };
     let stages: Vec<String> = row.stages.iter().map(|(name, ms)| format!("{name} {ms:.2}")).collect();
-    Some([
-        row.label(),
-        stages.join(", "),
-        row.passes.to_string(),
-        format!("{:.1}", row.bytes as f64 / f64::from(1 << 20)),
-        format!("{} of {}", c.pairs_kept, c.pairs_tested),
-        format!("{} of {}", c.fragments_kept, c.fragments_tested),
-        format!("{:.2}", c.overdraw()),
-        c.rechecked.to_string(),
-    ])
+    let [pairs, fragments, overdraw, rechecked] = counts;
+    let mebibytes = format!("{:.1}", row.bytes as f64 / f64::from(1 << 20));
+    Some([row.label(), stages.join(", "), row.passes.to_string(), mebibytes, pairs, fragments, overdraw, rechecked])
 }
 
-pub const WORK_HEADS: [&str; 8] =
-    ["technique", "stages, ms", "passes", "MiB", "pairs kept", "fragments kept", "overdraw", "rechecked"];
+pub const WORK_HEADS: [&str; 8] = [
+    "technique",
+    "stages, ms",
+    "passes",
+    "MiB",
+    "pairs kept, or triangles drawn",
+    "fragments kept, or drawn",
+    "overdraw",
+    "rechecked",
+];
 
 pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
     let p = &run.provenance;
