@@ -286,6 +286,23 @@ impl Counted {
 }
 
 impl Error {
+    /// Nothing is wrong.
+    #[cfg(test)]
+    pub fn none() -> Error {
+        Error {
+            wrong_share: 0.0,
+            wrong_hit_miss: 0,
+            wrong_safe: 0,
+            wrong_not_near: None,
+            t_median: None,
+            t_p999: None,
+            t_max: None,
+            z: None,
+            psnr: None,
+            identical: true,
+        }
+    }
+
     /// Colours alone were compared with the truth; wrong pixels are not counted.
     pub fn is_of_colours(&self) -> bool {
         self.t_median.is_none() && self.wrong_share == 0.0 && (self.psnr.is_some() || self.identical)
