@@ -59,7 +59,10 @@ pub fn project_many(projector: &Projector, points: &[DVec3], gpu: Option<&Gpu>, 
                 let place = |i: &crate::gpu::layout::SolveImage| {
                     solve.place(0, i).map(|(place, piece)| (place.x, place.y, f64::from(i.t), piece))
                 };
-                return (images.iter().filter_map(place).collect(), None, true);
+                let mut places: Vec<Place> = images.iter().filter_map(place).collect();
+                // as the host lists them: cells are no pieces
+                places.sort_by(|a, b| a.3.cmp(&b.3).then(a.2.total_cmp(&b.2)));
+                return (places, None, true);
             }
             exact(projector.project_below(*point, |layer| solved.nodes(layer, k)))
         };

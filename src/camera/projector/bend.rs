@@ -109,7 +109,7 @@ mod tests {
             read(
                 "{ kind = 'cylinder', center = [0, 0, 0], axis = [0, 1, 0], radius = 2, height = 3, from = -40, to = 100 }",
             ),
-            read("{ kind = 'sphere', center = [1, 0, 0], radius = 2 }"),
+            read("{ kind = 'sphere', center = [1, 0, 0], radius = 2, lon = [-180, 180], lat = [90, -90] }"),
             read("{ kind = 'disc', center = [1, 0, 0], normal = [0, 0, 1], radius = 2 }"),
             read(bicubic),
             read(spline),
