@@ -34,6 +34,7 @@ use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
 use crate::gpu::device::GpuOptions;
+use crate::gpu::draw_counts::DrawCounts;
 pub use crate::gpu::kernels::Method;
 use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::{Passes, Recorder};
@@ -123,6 +124,8 @@ pub struct Rendered {
     /// Median GPU time of each stage, ms; empty without timestamps.
     pub stages: Vec<(&'static str, f64)>,
     pub counts: Counts,
+    /// What the rasterizer did for a rival that draws, where that was counted.
+    pub draws: Option<DrawCounts>,
     /// Device memory held, bytes.
     pub bytes: u64,
     pub left_out: Vec<LeftOut>,

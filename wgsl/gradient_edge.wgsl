@@ -34,7 +34,7 @@ fn sign_inside(edge: Edge) -> real {
     return real(select(-1.0f, 1.0f, dot(normal_of(edge.slot), ray_vector(edge.inside, 1u)) > real(0.0f)));
 }
 
-// Distances that differ by less are equal, px: 2^-20, far above the rounding of the one edge that two triangles share.
+// Distances (px), shares of a way, and depths (relative) that differ by less are equal: 2^-20, far above their rounding.
 const LEVEL: real = 9.5367431640625e-7;
 
 // What the pixel has, in the second word of its slot.
@@ -58,7 +58,7 @@ fn edge_left(inside: u32, outside: u32) -> Edge {
         let end = inner_side(edge, outside, sign);
         if end < real(0.0f) {
             let share = start / (start - end);
-            if share < least {
+            if share + LEVEL < least {
                 least = share;
                 found = edge;
             }
@@ -82,8 +82,9 @@ fn is_first(a: u32, b: u32) -> bool {
     }
     let depth_a = depth(a);
     let depth_b = depth(b);
+    let level = LEVEL * min(abs(depth_a), abs(depth_b));
     // slots ascend as ids do
-    return depth_a < depth_b || (depth_a == depth_b && slots[a].x < slots[b].x);
+    return depth_b - depth_a > level || (depth_a - depth_b <= level && slots[a].x < slots[b].x);
 }
 
 // The edge between two pixels that show different triangles.

@@ -79,6 +79,8 @@ impl AtlasRenderer {
         let (mut counts, mut passes) = (own.counts, own.passes);
         counts += frame.counts;
         passes.add(&frame.passes);
-        Ok(Rendered { stages, counts, bytes: own.bytes + frame.bytes, grown: own.grown + frame.grown, passes, ..frame })
+        let draws = own.draws.or(frame.draws);
+        let (bytes, grown) = (own.bytes + frame.bytes, own.grown + frame.grown);
+        Ok(Rendered { stages, counts, draws, bytes, grown, passes, ..frame })
     }
 }

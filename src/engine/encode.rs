@@ -50,7 +50,11 @@ impl Frames {
             (Step::Rival { band }, Some(rival)) => rival.passes(&self.target(*band)),
             _ => 0,
         };
-        let mut recorder = Recorder::new(gpu, passes(steps) + steps.iter().map(by_rival).sum::<u32>());
+        let rivals_passes = steps.iter().map(by_rival).sum::<u32>();
+        let mut recorder = Recorder::new(gpu, passes(steps) + rivals_passes);
+        if self.plan.variant.counting {
+            recorder = recorder.counting_draws(gpu, rivals_passes);
+        }
         let mut copies = Copies::new(readback(gpu, STATUS_BYTES * self.resident.job_count().max(1) as u64));
         let mut groups = self.bind_groups.lock().unwrap_or_else(PoisonError::into_inner);
         groups.rewind();

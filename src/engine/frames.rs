@@ -417,11 +417,11 @@ impl Frames {
         if self.rival.is_some() {
             return MethodUsed::default();
         }
-        let milliseconds = |cost: u64| cost as f64 / 1e4;
+        let milliseconds = |cost| self.resident.milliseconds(cost);
         let trace = milliseconds(self.resident.trace_cost(&self.plan));
-        let trace = format!("tracing every pixel is rated {trace:.1}");
+        let trace = format!("tracing every pixel is rated {trace:.2} ms");
         let raster = self.resident.raster_cost(self.timed.raster_cost.max(counts.raster_cost()));
-        let raster = format!("raster is rated {:.1}", milliseconds(raster));
+        let raster = format!("raster is rated {:.2} ms", milliseconds(raster));
         let (name, why) = match (self.plan.variant.method, counts.taken_over > 0) {
             (Method::Auto, _) if self.resident.bvh == BvhState::Preferred => {
                 ("trace", format!("{raster} in the first frame, {trace}"))
@@ -449,6 +449,7 @@ impl Frames {
             frame_ms: Vec::new(),
             stages: Vec::new(),
             counts,
+            draws: raw.draws,
             bytes: self.resident.bytes()
                 + self.rival.as_ref().map_or(0, |r| r.bytes())
                 + self.caustics.as_ref().map_or(0, |c| c.buffers.bytes()),

@@ -8,6 +8,7 @@ use crate::camera::ray_order::RayOrder;
 use crate::engine::plan::{Plan, Wanted};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::PendingRead;
+use crate::gpu::draw_counts::DrawCounts;
 use crate::image::frame::{Channel, Frame, NO_ID, Plane, normalised_depth};
 use crate::input::Result;
 use crate::scene::labels::Labels;
@@ -73,6 +74,7 @@ pub(super) struct PendingReads {
     edge_of: Vec<PendingRead>,
     samples: Vec<PendingRead>,
     times: Option<PendingRead>,
+    draws: Option<PendingRead>,
 }
 
 /// And what was read: counters by job, and words by band.
@@ -83,6 +85,8 @@ pub(super) struct RawFrame {
     pub edge_of: Vec<Vec<u32>>,
     pub samples: Vec<Vec<u32>>,
     pub stages: Vec<(&'static str, f64)>,
+    /// Of a rival that draws, if that is counted.
+    pub draws: Option<DrawCounts>,
 }
 
 /// A plane is brought to the host.
@@ -105,6 +109,7 @@ impl PendingReads {
             edge_of: all(&copies.edge_of),
             samples: all(&copies.samples),
             times: frame.recorded.read(),
+            draws: frame.recorded.read_draws(),
         }
     }
 
@@ -118,6 +123,7 @@ impl PendingReads {
             edge_of: all(self.edge_of)?,
             samples: all(self.samples)?,
             stages: frame.recorded.stages_read(gpu, self.times)?,
+            draws: frame.recorded.draws_read(gpu, self.draws)?,
         })
     }
 }

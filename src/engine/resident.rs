@@ -148,6 +148,11 @@ impl Resident {
         if lists == 0 { 0 } else { self.costs.stages + lists }
     }
 
+    /// A cost as time on an adapter like this one.
+    pub fn milliseconds(&self, cost: u64) -> f64 {
+        cost as f64 / f64::from(self.costs.millisecond)
+    }
+
     /// What building them would cost.
     pub fn build_cost(&self) -> u64 {
         let slots: u64 = self.chunks.iter().map(|chunk| u64::from(chunk.slots)).sum();
@@ -445,12 +450,14 @@ struct Costs {
     pixel: u64,
     /// Building a hierarchy on the CPU, a triangle.
     triangle: u64,
+    /// So many are a millisecond.
+    millisecond: u32,
 }
 
 impl Costs {
-    const SOFTWARE: Costs = Costs { stages: 0, pixel: 16, triangle: 15 };
+    const SOFTWARE: Costs = Costs { stages: 0, pixel: 16, triangle: 15, millisecond: 10_000 };
     /// An NVIDIA H200 does in 0.1 ns what a software adapter does in 0.1 µs.
-    const GPU: Costs = Costs { stages: 1_900_000, pixel: 2, triangle: 15_000 };
+    const GPU: Costs = Costs { stages: 1_900_000, pixel: 2, triangle: 15_000, millisecond: 10_000_000 };
 
     /// Tracing the rays of a band.
     fn trace(&self, plan: &Plan, band: &Band) -> u64 {

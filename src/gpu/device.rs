@@ -66,6 +66,9 @@ pub struct AdapterFeatures {
     pub timestamps: bool,
     /// Clip distances: rivals clip at the edges of a camera's pieces.
     pub clip_distances: bool,
+    /// The rasterizer counts what it does.
+    #[serde(skip)]
+    pub draw_counts: bool,
 }
 
 impl AdapterFeatures {
@@ -84,6 +87,7 @@ impl AdapterFeatures {
             by_pair: info.device_type != wgpu::DeviceType::Cpu,
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
             clip_distances: features.contains(wgpu::Features::CLIP_DISTANCES),
+            draw_counts: features.contains(wgpu::Features::PIPELINE_STATISTICS_QUERY),
         }
     }
 
@@ -101,6 +105,7 @@ impl AdapterFeatures {
         features.set(wgpu::Features::SUBGROUP, self.lanes);
         features.set(wgpu::Features::TIMESTAMP_QUERY, self.timestamps);
         features.set(wgpu::Features::CLIP_DISTANCES, self.clip_distances);
+        features.set(wgpu::Features::PIPELINE_STATISTICS_QUERY, self.draw_counts);
         features
     }
 }

@@ -5,6 +5,7 @@ pub mod buffers;
 mod compile;
 pub mod control;
 pub mod device;
+pub mod draw_counts;
 pub mod exact;
 pub mod kernels;
 pub mod layout;

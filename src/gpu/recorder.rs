@@ -2,18 +2,21 @@
 
 use super::buffers::{PendingRead, readback, wait};
 use super::device::Gpu;
+use super::draw_counts::{DrawCounts, DrawPass, DrawQueries};
 use crate::input::Result;
 
 /// Records passes, named after their stages.
 pub struct Recorder {
     pub encoder: wgpu::CommandEncoder,
     times: Option<Times>,
+    draws: Option<DrawQueries>,
     passes: Passes,
 }
 
 /// What is left to read once a submission is done.
 pub struct Recorded {
     times: Option<Times>,
+    draws: Option<DrawQueries>,
     pub submission: wgpu::SubmissionIndex,
     pub passes: Passes,
 }
@@ -81,7 +84,13 @@ impl Recorder {
             capacity: passes_max,
             resolved: readback(gpu, 8 * u64::from(count)),
         });
-        Recorder { encoder: gpu.device.create_command_encoder(&Default::default()), times, passes: Passes::default() }
+        let encoder = gpu.device.create_command_encoder(&Default::default());
+        Recorder { encoder, times, draws: None, passes: Passes::default() }
+    }
+
+    /// Counts what the rasterizer does in the passes of [`Recorder::draw`], where the adapter can.
+    pub fn counting_draws(self, gpu: &Gpu, passes_max: u32) -> Recorder {
+        Recorder { draws: DrawQueries::new(gpu, passes_max), ..self }
     }
 
     pub fn compute(&mut self, name: &'static str) -> wgpu::ComputePass<'_> {
@@ -116,6 +125,18 @@ impl Recorder {
         })
     }
 
+    /// A render pass whose work is counted, if that is asked for.
+    pub fn draw(
+        &mut self,
+        name: &'static str,
+        colours: &[Option<wgpu::RenderPassColorAttachment>],
+        depth: Option<wgpu::RenderPassDepthStencilAttachment>,
+    ) -> DrawPass<'_> {
+        let query = self.draws.as_mut().and_then(DrawQueries::next);
+        let set = self.draws.as_ref().map(|draws| draws.set().clone());
+        DrawPass::new(self.render(name, colours, depth), set.as_ref().zip(query))
+    }
+
     /// The first timestamp of the next pass.
     fn count(&mut self, name: &'static str) -> Option<u32> {
         self.passes.count(name);
@@ -128,9 +149,12 @@ impl Recorder {
         if let Some(times) = &self.times {
             times.resolve(gpu, &mut self.encoder);
         }
+        if let Some(draws) = &self.draws {
+            draws.resolve(gpu, &mut self.encoder);
+        }
         let submission = gpu.queue.submit([self.encoder.finish()]);
         gpu.failure()?;
-        Ok(Recorded { times: self.times, submission, passes: self.passes })
+        Ok(Recorded { times: self.times, draws: self.draws, submission, passes: self.passes })
     }
 }
 
@@ -145,6 +169,16 @@ impl Recorded {
     /// Starts to read the times, for [`Recorded::stages_read`].
     pub fn read(&self) -> Option<PendingRead> {
         self.times.as_ref().map(|t| PendingRead::start(&t.resolved))
+    }
+
+    /// Starts to read what the rasterizer counted, for [`Recorded::draws_read`].
+    pub fn read_draws(&self) -> Option<PendingRead> {
+        self.draws.as_ref().map(DrawQueries::start)
+    }
+
+    /// What it counted, once the submission is done; `None` if it did not.
+    pub fn draws_read(&self, gpu: &Gpu, pending: Option<PendingRead>) -> Result<Option<DrawCounts>> {
+        self.draws.as_ref().zip(pending).map(|(draws, pending)| draws.read(gpu, pending)).transpose()
     }
 
     /// As [`Recorded::stage_ms`], once the submission is done.

@@ -130,6 +130,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
         frame_ms,
         stages: Vec::new(),
         counts: Counts::default(),
+        draws: None,
         bytes: 0,
         method: MethodUsed::default(),
         left_out: without_style(scene, wanted).into_iter().collect(),

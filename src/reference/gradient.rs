@@ -88,7 +88,7 @@ fn is_inside_positive(seen: &Seen, edge: &Edge) -> bool {
     across(&ray, &(seen.corners)(edge.triangle).map(vector)) > 0.0
 }
 
-/// Distances that differ by less are equal, px.
+/// Distances (px), shares of a way, and depths (relative) that differ by less are equal: rounding does not choose between them.
 const LEVEL: f64 = 1.0 / (1 << 20) as f64;
 
 /// The nearest of the edges between the pixel and its neighbours.
@@ -127,8 +127,10 @@ fn edge_between(seen: &Seen, a: usize, b: usize) -> Option<(u32, usize, [u32; 2]
         NONE => f64::INFINITY,
         id => hit(&vectors(seen.rays[pixel]), &(seen.corners)(id).map(vector))[1],
     };
-    let is_first = |a: usize, b: usize| (depth(a), seen.ids[a]) < (depth(b), seen.ids[b]);
-    let order = if is_first(a, b) { [(a, b), (b, a)] } else { [(b, a), (a, b)] };
+    let [depth_a, depth_b] = [a, b].map(depth);
+    let level = LEVEL * depth_a.abs().min(depth_b.abs());
+    let is_first = depth_b - depth_a > level || (depth_a - depth_b <= level && seen.ids[a] < seen.ids[b]);
+    let order = if is_first { [(a, b), (b, a)] } else { [(b, a), (a, b)] };
     order.into_iter().find_map(|(inside, outside)| {
         let number = edge_left(seen, inside, outside)?;
         Some((seen.ids[inside], number, [inside as u32, outside as u32]))
@@ -151,7 +153,7 @@ fn edge_left(seen: &Seen, inside: usize, outside: usize) -> Option<usize> {
         let end = sign * side(&to, &corners, number);
         if end < 0.0 {
             let share = start / (start - end);
-            if first.is_none_or(|(least, _)| share < least) {
+            if first.is_none_or(|(least, _)| share + LEVEL < least) {
                 first = Some((share, number));
             }
         }

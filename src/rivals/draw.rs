@@ -5,6 +5,7 @@ use crate::engine::rival::{Setup, Target};
 use crate::engine::stage::{Scopes, dispatch_items};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Binder, Pipeline};
+use crate::gpu::draw_counts::DrawPass;
 use crate::gpu::kernels::Kernel;
 use crate::gpu::recorder::Recorder;
 use crate::input::{Error, Result};
@@ -131,7 +132,7 @@ impl RasterTarget {
     }
 
     /// A render pass over it; the first clears it.
-    pub fn pass<'a>(&self, recorder: &'a mut Recorder, name: &'static str, is_first: bool) -> wgpu::RenderPass<'a> {
+    pub fn pass<'a>(&self, recorder: &'a mut Recorder, name: &'static str, is_first: bool) -> DrawPass<'a> {
         let nothing = wgpu::Color { r: f64::from(u32::MAX), g: 0.0, b: 0.0, a: 0.0 };
         let seen = if is_first { LoadOp::Clear(nothing) } else { LoadOp::Load };
         let depth = if is_first { LoadOp::Clear(0.0) } else { LoadOp::Load };
@@ -146,7 +147,7 @@ impl RasterTarget {
             depth_ops: Some(Operations { load: depth, store: StoreOp::Store }),
             stencil_ops: None,
         };
-        recorder.render(name, &[Some(colour)], Some(depth))
+        recorder.draw(name, &[Some(colour)], Some(depth))
     }
 
     pub fn seen(&self) -> &wgpu::TextureView {

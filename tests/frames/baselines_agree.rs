@@ -4,12 +4,15 @@
 use crate::common;
 
 use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::rival::Choice;
+use anamorph::internals::image::frame::{Channel, NO_ID};
 use anamorph::internals::reference::image::judge;
 use anamorph::internals::rivals::TECHNIQUES;
 use anamorph::internals::scene::Scene;
 use common::file::load;
 use common::gpu::{Without, engine, hits, wanted};
+use glam::DVec3;
 
 /// A ball, a box that only its outside is visible of, a teapot and a floor; all within 3 of the origin.
 const THINGS: &str = r#"
@@ -229,6 +232,31 @@ fn all_glcs_at_once_and_one_by_one_are_one_picture() {
     for (one, all) in [("raster-splat-passes:5", "raster-splat:5"), ("raster-bound-passes", "raster-bound")] {
         let (Some(one), Some(all)) = (wrong(PIECES, one), wrong(PIECES, all)) else { return };
         assert_eq!(one, all);
+    }
+}
+
+#[test]
+fn the_rasterizer_counts_what_it_draws() {
+    let scene = scene(SLITS);
+    let camera = scene.camera().unwrap();
+    let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+    let mut draws = |by: &str, counting| {
+        let run = RunOptions { rival: Some(anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
+        let rendered = engine.render(&scene, &camera, &Wanted { counting, ..wanted() }, &run).unwrap();
+        let is_hit = |id: &&u32| **id != NO_ID;
+        let covered = rendered.frame.u32(Channel::TriangleId).unwrap().iter().filter(is_hit).count();
+        (rendered.draws, covered as u64)
+    };
+    assert_eq!(draws("raster-warp:0", false).0, None);
+    // the teapot's poles have triangles without area, which are left out
+    let corner = |k: u32| scene.mesh.positions[k as usize];
+    let has_area = |t: &&[u32; 3]| (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])) != DVec3::ZERO;
+    let corners = 3 * scene.mesh.triangles.iter().filter(has_area).count() as u64;
+    for (by, parts) in [("raster-warp:0", 1), ("raster-warp:2", 16)] {
+        let (Some(draws), covered) = draws(by, true) else { return common::needs::skip("the adapter counts no draws") };
+        assert_eq!(draws.vertices, parts * corners, "{by}");
+        assert!(draws.triangles > 0 && draws.triangles <= parts * corners / 3, "{by}: {draws:?}");
+        assert!(draws.fragments >= covered && covered > 0, "{by}: {draws:?}, {covered} pixels");
     }
 }
 

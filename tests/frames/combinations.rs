@@ -262,6 +262,7 @@ impl Case {
             by_pair: false,
             timestamps: false,
             clip_distances: false,
+            draw_counts: false,
             software: true,
             f64_is_wrong: false,
         };

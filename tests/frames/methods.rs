@@ -4,14 +4,14 @@ use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::{Method, Rendered, RunOptions};
+use anamorph::internals::engine::{Engine, Method, Rendered, RunOptions};
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::geometry::{generate, place};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, pinhole, raymap};
 use common::file::camera_of;
-use common::gpu::{Without, engine, render_with, words};
+use common::gpu::{Without, engine, engine_on, render_with, words};
 use common::layered;
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, scene, soup};
@@ -134,13 +134,18 @@ fn what_is_behind_the_ends_of_t_is_left_out() {
     }
 }
 
+/// An engine that rates raster and trace as on a software adapter: a GPU builds no hierarchy for scenes of this size.
+fn rated_as_software() -> Option<Engine> {
+    engine_on(|gpu| gpu.has.software = true)
+}
+
 #[test]
 fn trace_takes_over_where_raster_costs_more() {
     // each triangle covers the image
     let heavy = scene(soup(&mut Rng(7), 3000, 30.0));
     let light = scene(soup(&mut Rng(7), 300, 0.1));
     let camera = Arc::new(camera(pinhole(DVec3::new(0.1, 0.2, 9.0), DVec3::ZERO, 40.0), SIZE, FORWARD));
-    let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+    let Some(mut engine) = rated_as_software() else { return };
     let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
     let mut run = |scene: &Scene, method, repeat| {
         let run = RunOptions { repeat, ..by(method) };
@@ -162,7 +167,7 @@ fn frames_that_repeat_are_traced_once_that_has_paid() {
     // dear for raster, but not so that building a hierarchy for one frame pays
     let dense = scene(generate::icosphere(5));
     let camera = Arc::new(camera(pinhole(DVec3::new(0.0, 0.0, 9.0), DVec3::ZERO, 40.0), (24, 18), FORWARD));
-    let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+    let Some(mut engine) = rated_as_software() else { return };
     let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
     let mut frames = engine.prepare(&dense, camera, &wanted, &RunOptions::default()).unwrap();
     for _ in 0..8 {

@@ -32,6 +32,7 @@ const HAS_ALL: AdapterFeatures = AdapterFeatures {
     by_pair: false,
     timestamps: true,
     clip_distances: true,
+    draw_counts: false,
 };
 const HAS_NONE: AdapterFeatures = AdapterFeatures {
     f64: false,
@@ -41,6 +42,7 @@ const HAS_NONE: AdapterFeatures = AdapterFeatures {
     by_pair: false,
     timestamps: false,
     clip_distances: false,
+    draw_counts: false,
     software: true,
     f64_is_wrong: false,
 };

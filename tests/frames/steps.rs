@@ -54,6 +54,7 @@ const HAS: AdapterFeatures = AdapterFeatures {
     by_pair: false,
     timestamps: true,
     clip_distances: true,
+    draw_counts: false,
 };
 
 /// What frames are made of: a camera, an adapter, contents, and what is wanted of them.

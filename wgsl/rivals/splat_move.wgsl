@@ -1,12 +1,12 @@
 // splat_move: the second pass of Yu et al. 2009, section 3.3: every three neighbours of S are rendered as a triangle where the
-// camera shows them, so that no holes are left.
+// camera shows them, so that no holes are left. What lies behind an eye is clipped off.
 // Needs: Drawn, ID_MASK, SAMPLES, cell_piece, cell_slot, cell_texel, clip_place, drawn, file_normal, in_range, is_back_face,
 //   outline_contains, outline_distances, outline_ray, piece_at, piece_origin, triangle_at, vertex
 // Binds: outlines, s
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
-    @location(0) @interpolate(linear) t: f32,
+    @location(0) @interpolate(perspective) t: f32,
     @location(1) @interpolate(flat, either) cell: u32,
 }
 
@@ -14,7 +14,7 @@ struct Corner {
 struct Clipped {
     @builtin(position) position: vec4<f32>,
     @builtin(clip_distances) distances: array<f32, 3>,
-    @location(0) @interpolate(linear) t: f32,
+    @location(0) @interpolate(perspective) t: f32,
     @location(1) @interpolate(flat, either) cell: u32,
 }
 
@@ -36,8 +36,9 @@ fn splat_move_corner(@builtin(vertex_index) index: u32) -> Clipped {
     let parts = (SAMPLES - 1u) * (SAMPLES - 1u);
     let cell = index / 3u / parts;
     let sample = textureLoad(s, cell_texel(cell) + neighbour(index / 3u % parts, index % 3u), 0);
-    let distances = outline_distances(outlines[piece_at(cell_piece(cell)).number], vec3<f32>(sample.xy, 1.0));
-    return Clipped(vec4<f32>(clip_place(sample.xy), 0.5, 1.0), distances, sample.z, cell);
+    let place = vec3<f32>(sample.xy, 1.0) * sample.w;
+    let distances = outline_distances(outlines[piece_at(cell_piece(cell)).number], place);
+    return Clipped(vec4<f32>(clip_place(sample.xy), 0.5, 1.0) * sample.w, distances, sample.z, cell);
 }
 
 @fragment

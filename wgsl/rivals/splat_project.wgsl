@@ -1,5 +1,5 @@
 // splat_project: the first pass of Yu et al. 2009, section 3.3: every triangle fills a cell of the texture S, each texel with where
-// the camera shows it. A cell is for a triangle and a piece.
+// the camera shows it, its t, and the width of a pixel's beam there, below 0 behind an eye. A cell is for a triangle and a piece.
 // Needs: SAMPLES, cell_piece, cell_slot, cell_texel, image_of, piece_at, piece_origin, triangle_at, vertex
 // Binds: splat
 
@@ -24,5 +24,5 @@ fn splat_project_pixel(corner: Corner) -> @location(0) vec4<f32> {
     let v0 = vertex(triangle.x);
     let q = piece_at(cell_piece(corner.cell));
     let image = image_of(q, v0 + at.x * (vertex(triangle.y) - v0) + at.y * (vertex(triangle.z) - v0));
-    return vec4<f32>(piece_origin(q) + image.place, image.t, 0.0);
+    return vec4<f32>(piece_origin(q) + image.place, image.t, select(image.width, -image.width, image.t < 0.0));
 }

@@ -3,8 +3,11 @@
 //! A [`suites::Suite`] is a list of [`case::Case`]s, each one scene and its arms; a [`race`] of one gives [`row::Row`]s. A
 //! run is written as raw.csv, results.json, summary.md and plots; index.html beside all runs shows them together.
 
+mod bars;
 pub mod case;
+mod chart;
 mod closeups;
+mod marks;
 pub mod operations;
 pub mod page;
 mod plot;
@@ -14,6 +17,8 @@ pub mod row;
 mod stiff;
 pub mod suites;
 mod table;
+pub mod times;
+mod verdict;
 mod yardstick;
 
 use crate::gpu::device::AdapterFeatures;
@@ -137,15 +142,11 @@ impl<'a> Ongoing<'a> {
     }
 
     /// As a section of a page, the `k`-th; `None` without rows.
-    ///
-    /// # Errors
-    /// [`Error::Work`] if a plot fails.
-    pub fn section(&self, k: usize) -> Result<Option<String>> {
+    pub fn section(&self, k: usize) -> Option<String> {
         if self.run.rows.is_empty() {
-            return Ok(None);
+            return None;
         }
-        let plots = plot::plots(&self.run.rows, self.suite.plot)?;
-        Ok(Some(page::section(k, &self.run, &plots) + "</section>\n"))
+        Some(page::section(k, &self.run, &plot::plots(&self.run.rows, self.suite.plot, chart::LARGE)))
     }
 
     /// The cases that have no rows yet.
@@ -194,18 +195,18 @@ impl Run {
         let json = serde_json::to_string_pretty(self).map_err(|e| failed(&e))?;
         write_text(&folder.join(RESULTS), &(json + "\n"))?;
         write_text(&folder.join("raw.csv"), &table::csv(&self.rows)?)?;
-        let plots = plot::plots(&self.rows, plot)?;
+        let plots = plot::plots(&self.rows, plot, chart::LARGE);
         for (name, _, svg) in &plots {
-            write_text(&folder.join(name), svg)?;
+            write_text(&folder.join(name), &page::standalone(svg))?;
         }
         write_text(&folder.join("summary.md"), &table::markdown(self, &plots))
     }
 }
 
-/// The page over all runs.
+/// The page over all runs, and that of each run in its folder.
 pub const INDEX: &str = "index.html";
 
-/// Writes index.html over all runs in a folder; returns its path.
+/// Writes index.html over all runs in a folder, and in each run's own folder that of the run; returns the first one's path.
 ///
 /// # Errors
 /// [`Error::Input`] if a results.json in it is not by this program.
@@ -217,14 +218,15 @@ pub fn write_index(folder: &Path) -> Result<PathBuf> {
         names.extend(path.join(RESULTS).is_file().then_some(path));
     }
     names.sort();
-    let with_plots = |path: &PathBuf| {
-        let run = read(&path.join(RESULTS))?;
-        let plot = suites::SUITES.iter().find(|s| s.name == run.suite).map_or(Plot::Error, |s| s.plot);
-        let plots = plot::plots(&run.rows, plot)?;
+    let with_folder = |path: &PathBuf| {
         let folder = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        Ok((folder, run, plots))
+        Ok((folder, read(&path.join(RESULTS))?))
     };
-    let runs = names.iter().map(with_plots).collect::<Result<Vec<_>>>()?;
+    let runs = names.iter().map(with_folder).collect::<Result<Vec<_>>>()?;
+    for (path, (_, run)) in names.iter().zip(&runs) {
+        let plots = plot::plots(&run.rows, page::plot_of(run), chart::LARGE);
+        write_text(&path.join(INDEX), &page::run_page(run, &plots))?;
+    }
     let path = folder.join(INDEX);
     write_text(&path, &page::page(&runs))?;
     Ok(path)

@@ -1,81 +1,170 @@
-//! Pages over runs; they need nothing but the pictures beside them.
+//! Pages over runs: one over all of them, and one for each. They need nothing but the pictures beside them.
 
-use super::plot::Drawn;
-use super::table::{HEADS, REACH_HEADS, STIFF_HEADS, WORK_HEADS, about, cells, families, reach, stiff, work};
-use super::{Run, operations};
+use super::chart::SMALL;
+use super::closeups;
+use super::plot::{Drawn, file_name, plots};
+use super::row::Row;
+use super::suites::{Plot, SUITES};
+use super::table::{
+    ABOUT_TIMES, HEADS, REACH_HEADS, STIFF_HEADS, WORK_HEADS, about, cells, families, reach, stiff, work,
+};
+use super::verdict::verdict;
+use super::{Run, bars, marks, operations};
 
 const STYLE: &str = "
 :root { color-scheme: light dark; }
-body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 62rem; padding: 0 1rem; }
-table { border-collapse: collapse; margin: .6rem 0 1.2rem; font-size: 13px; }
+body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 64rem; padding: 0 1rem; }
+table { border-collapse: collapse; margin: .6rem 0 1.2rem; font-size: 13px; display: block; overflow-x: auto; }
 td, th { border-bottom: 1px solid color-mix(in srgb, currentColor 25%, transparent); padding: .2rem .7rem .2rem 0; text-align: left; }
-svg { max-width: 100%; height: auto; }
 .note { opacity: .8; }
-.closeups { display: grid; grid-template-columns: 1fr 1fr; gap: .6rem; }
+.multiples { display: grid; grid-template-columns: repeat(auto-fill, minmax(260px, 1fr)); gap: 1rem; }
 figure { margin: 0; }
 figure img { width: 100%; image-rendering: pixelated; }
-figcaption { font-size: 13px; }
+figcaption, .legend { font-size: 13px; }
+.legend span { display: inline-block; margin-right: 1rem; }
 nav a { margin-right: 1rem; }
-@media (prefers-color-scheme: dark) { svg { filter: invert(1) hue-rotate(180deg); } }
+details { border-bottom: 1px solid color-mix(in srgb, currentColor 15%, transparent); padding: .3rem 0; }
+summary { cursor: pointer; }
+.slider { position: relative; max-width: 640px; }
+.slider img { display: block; width: 100%; image-rendering: pixelated; }
+.slider img + img { position: absolute; inset: 0; clip-path: inset(0 0 0 var(--at, 50%)); }
+.slider input { width: 100%; }
 ";
 
-/// All runs, one after the other.
-pub fn page(runs: &[(String, Run, Vec<Drawn>)]) -> String {
-    let mut text = "<nav>".to_owned();
-    for (k, (_, run, _)) in runs.iter().enumerate() {
-        let p = &run.provenance;
-        text +=
-            &format!("<a href=\"#run{k}\">{} {} {}</a> ", escaped(&p.date), escaped(&run.suite), escaped(&p.adapter));
+/// Of charts; also in each file of one.
+const CHART_STYLE: &str = "
+.chart { max-width: 100%; height: auto; font: 11px system-ui, sans-serif; }
+.chart text { fill: currentColor; }
+.chart .m { text-anchor: middle; }
+.chart .e { text-anchor: end; }
+.chart .axes path { stroke: currentColor; fill: none; }
+.chart .axes .grid { opacity: .12; }
+.chart .axes .none { stroke-dasharray: 3 3; opacity: .5; }
+.chart g[class^=t] { stroke: currentColor; fill: currentColor; }
+.chart g[class^=t] polyline { fill: none; stroke-width: 1.2; }
+.chart g[class^=t] path { stroke-width: 2; opacity: .6; }
+.chart g[class^=t] text { stroke: none; font-size: 10px; }
+.chart .h { fill: Canvas; stroke-width: 1.5; }
+.legend svg { vertical-align: -3px; fill: currentColor; }
+";
+
+/// Moves the border between two pictures.
+const SLIDER: &str = "<script>for (const s of document.querySelectorAll('.slider input')) \
+    s.oninput = () => s.parentElement.style.setProperty('--at', s.value + '%');</script>\n";
+
+fn style() -> String {
+    [STYLE, CHART_STYLE, &marks::style(), &bars::style()].concat()
+}
+
+/// A chart as a file of its own.
+pub fn standalone(svg: &str) -> String {
+    let style = [":root { color-scheme: light dark; }", CHART_STYLE, &marks::style(), &bars::style()].concat();
+    let opened = svg.replacen("<svg ", "<svg xmlns=\"http://www.w3.org/2000/svg\" ", 1);
+    opened.replacen('>', &format!("><style>{style}</style>"), 1)
+}
+
+pub fn plot_of(run: &Run) -> Plot {
+    SUITES.iter().find(|s| s.name == run.suite).map_or(Plot::Error, |s| s.plot)
+}
+
+/// All runs, each with the name of its folder: a verdict, then each suite in small charts that lead to its run's page.
+pub fn page(runs: &[(String, Run)]) -> String {
+    let mut text = "<h2 id=\"verdict\">Verdict</h2>\n<p>Ratios are of times whose error is not larger than the rival's: above 1 this engine is \
+                    faster.</p>\n"
+        .to_owned();
+    let full = || runs.iter().map(|(_, run)| run).filter(|run| !run.provenance.quick);
+    let mut adapters: Vec<&str> = full().map(|run| run.provenance.adapter.as_str()).collect();
+    adapters.sort_unstable();
+    adapters.dedup();
+    for adapter in adapters {
+        text += &verdict(adapter, &full().filter(|run| run.provenance.adapter == adapter).collect::<Vec<_>>());
+    }
+    let has_rows = |name: &str| runs.iter().flat_map(|(_, run)| &run.rows).any(|row| row.technique == name);
+    text += &marks::legend(has_rows);
+    text += &format!("<p class=\"note\">{ABOUT_TIMES}</p>\n<nav>");
+    for (folder, run) in runs {
+        text += &format!("<a href=\"#{folder}\">{}</a> ", escaped(&name(run)));
     }
     text += "</nav>\n";
-    for (k, (folder, run, plots)) in runs.iter().enumerate() {
-        text += &section(k, run, plots);
-        text += &closeups(folder, run);
-        text += "</section>\n";
+    for (folder, run) in runs {
+        text += &format!(
+            "<section id=\"{folder}\"><h2><a href=\"{folder}/index.html\">{}</a></h2>\n<p class=\"note\">{}. {}</p>\n<div class=\"multiples\">\n",
+            escaped(&name(run)),
+            SUITES.iter().find(|s| s.name == run.suite).map_or("", |s| s.asks),
+            source(run)
+        );
+        for (_, title, svg) in plots(&run.rows, plot_of(run), SMALL).iter().filter(|_| plot_of(run) != Plot::Stages) {
+            let anchor = anchor(title);
+            text += &format!(
+                "<figure><figcaption><a href=\"{folder}/index.html#{anchor}\">{}</a></figcaption>{svg}</figure>\n",
+                escaped(title)
+            );
+        }
+        text += "</div></section>\n";
     }
     document("Error and run time", &text)
 }
 
-/// A whole page. Light and dark as the reader's system is; no script.
-pub fn document(heading: &str, body: &str) -> String {
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
-         content=\"width=device-width\">\n<link rel=\"icon\" href=\"data:,\">\n<title>anamorph: {heading}</title>\n\
-         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{heading}</h1>\n{body}</body>\n</html>\n"
-    )
+/// Of a run: its suite and adapter.
+fn name(run: &Run) -> String {
+    let quick = if run.provenance.quick { " (quick)" } else { "" };
+    format!("{}{quick}, {}, {}", run.suite, run.provenance.short_adapter(), run.provenance.date)
 }
 
-/// A run without its closing tag: closeups may follow.
-pub fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
+/// Where a run comes from.
+fn source(run: &Run) -> String {
     let p = &run.provenance;
     let commit = p.commit.as_deref().unwrap_or("unknown");
-    let mut text = format!(
-        "<section id=\"run{k}\">\n<h2>{}{}</h2>\n<p><code>{}</code>, {}, version {} ({}), {} {}, {} cores.</p>\n<p class=\"note\">{}</p>\n",
-        escaped(&run.suite),
-        if p.quick { " (quick)" } else { "" },
+    format!(
+        "<code>{}</code>, {}, version {} ({}), {} {}, {} cores.",
         escaped(&p.command),
         escaped(&p.date),
         escaped(&p.version),
         escaped(commit),
         escaped(&p.adapter),
         escaped(&p.driver),
-        p.cores,
-        p.fairness()
+        p.cores
+    )
+}
+
+/// The place of a case on its run's page.
+fn anchor(title: &str) -> String {
+    file_name(title).trim_end_matches(".svg").to_owned()
+}
+
+/// One run, in its own folder.
+pub fn run_page(run: &Run, plots: &[Drawn]) -> String {
+    let legend = marks::legend(|name| run.rows.iter().any(|row| row.technique == name));
+    let text = format!(
+        "<nav><a href=\"../index.html\">all runs</a></nav>\n{legend}<p class=\"note\">{ABOUT_TIMES}</p>\n{}{}</section>\n",
+        section(0, run, plots),
+        closeups_of(run)
     );
-    let drawn_of = |case: &str| plots.iter().find(|(_, title, _)| title == case);
+    document(&name(run), &text)
+}
+
+/// A whole page. Light and dark as the reader's system is.
+pub fn document(heading: &str, body: &str) -> String {
+    let script = if body.contains("class=\"slider\"") { SLIDER } else { "" };
+    let heading = escaped(heading);
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
+         content=\"width=device-width\">\n<link rel=\"icon\" href=\"data:,\">\n<title>anamorph: {heading}</title>\n\
+         <style>{}</style>\n</head>\n<body>\n<h1>{heading}</h1>\n{body}{script}</body>\n</html>\n",
+        style()
+    )
+}
+
+/// A run without its closing tag: closeups may follow. The details of each case are folded.
+pub fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
+    let mut text = format!(
+        "<section id=\"run{k}\">\n<h2>{}</h2>\n<p>{}</p>\n<p class=\"note\">{}</p>\n",
+        escaped(&name(run)),
+        source(run),
+        run.provenance.fairness()
+    );
     if families(&run.rows).next().is_some() {
-        text += "<h3>How far</h3>\n";
-        text += &table(&REACH_HEADS, families(&run.rows).filter_map(|(_, rows)| reach(rows)));
-    }
-    for (stiffness, rows) in families(&run.rows) {
-        text += &format!("<h3>{}</h3>\n", escaped(&stiffness.family));
-        text += &format!("<p class=\"note\">stiffness: {}</p>\n", escaped(&stiffness.parameter));
-        let own = plots.iter().filter(|(_, title, _)| title.starts_with(&format!("{}: error", stiffness.family)));
-        own.for_each(|(_, _, svg)| text += svg);
-        text += &table(&STIFF_HEADS, rows.iter().filter_map(stiff));
-    }
-    if families(&run.rows).next().is_some() {
-        return text;
+        return text + &stiff_families(run, plots);
     }
     if !run.operations.is_empty() {
         text += &format!("<h3>Operations</h3>\n<p class=\"note\">{}</p>\n", escaped(operations::ABOUT));
@@ -84,33 +173,74 @@ pub fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
     let cases: Vec<_> = run.rows.chunk_by(|a, b| a.case == b.case).collect();
     // plots over several cases come first
     for (_, title, svg) in plots.iter().filter(|(_, title, _)| !cases.iter().any(|c| c[0].case == *title)) {
-        text += &format!("<h3>{}</h3>\n{svg}\n", escaped(title));
+        text += &format!("<h3 id=\"{}\">{}</h3>\n{svg}\n", anchor(title), escaped(title));
     }
     for rows in cases {
-        text += &format!("<h3>{}</h3>\n<p class=\"note\">{}</p>\n", escaped(&rows[0].case), escaped(&about(&rows[0])));
-        text += &table(&HEADS, rows.iter().map(cells));
-        if rows.iter().any(|row| row.counted.is_some()) {
+        let case = &rows[0].case;
+        let svg = plots.iter().find(|(_, title, _)| title == case).map_or("", |(_, _, svg)| svg);
+        text += &format!(
+            "<details id=\"{}\"><summary>{}{}</summary>\n<p class=\"note\">{}</p>\n{}",
+            anchor(case),
+            escaped(case.trim()),
+            escaped(&best(rows)),
+            escaped(&about(&rows[0])),
+            table(&HEADS, rows.iter().map(cells))
+        );
+        if rows.iter().any(|row| row.counted.is_some() || row.drawn.is_some()) {
             text += &table(&WORK_HEADS, rows.iter().filter_map(work));
         }
-        if let Some((_, _, svg)) = drawn_of(&rows[0].case) {
-            text += svg;
+        text += &format!("{svg}</details>\n");
+    }
+    // a link to a case opens it
+    text + "<script>const open = () => { const d = document.getElementById(location.hash.slice(1)); if (d && d.tagName === 'DETAILS') d.open = true; }; \
+            addEventListener('hashchange', open); open();</script>\n"
+}
+
+/// The time of this engine's first row.
+fn best(rows: &[Row]) -> String {
+    let ours = rows.iter().find(|r| r.is_ours()).and_then(|r| r.times.as_ref());
+    ours.map_or(String::new(), |times| format!(": this engine {:.2} ms", times.median))
+}
+
+fn stiff_families(run: &Run, plots: &[Drawn]) -> String {
+    let mut text = "<h3>How far</h3>\n".to_owned();
+    text += &table(&REACH_HEADS, families(&run.rows).filter_map(|(_, rows)| reach(rows)));
+    for (stiffness, rows) in families(&run.rows) {
+        text += &format!("<h3>{}</h3>\n", escaped(&stiffness.family));
+        text += &format!("<p class=\"note\">stiffness: {}</p>\n", escaped(&stiffness.parameter));
+        for (_, title, svg) in
+            plots.iter().filter(|(_, title, _)| title.starts_with(&format!("{}: error", stiffness.family)))
+        {
+            text += &format!("<div id=\"{}\">{svg}</div>\n", anchor(title));
         }
+        text += &format!(
+            "<details><summary>rows</summary>{}</details>\n",
+            table(&STIFF_HEADS, rows.iter().filter_map(stiff))
+        );
     }
     text
 }
 
-/// Pictures of both techniques side by side.
-fn closeups(folder: &str, run: &Run) -> String {
-    let picture = |p: &super::closeups::Picture| {
-        let (folder, file, label) = (escaped(folder), escaped(&p.file), escaped(&p.label));
+/// Pictures of both techniques, one over the other, with a slider between.
+fn closeups_of(run: &Run) -> String {
+    let drawn = |c: &closeups::Drawn| {
+        let pairs = c.pictures.chunks(2).map(|pair| {
+            let images =
+                pair.iter().map(|p| format!("<img src=\"{}\" alt=\"{}\">", escaped(&p.file), escaped(&p.label)));
+            let labels = pair.iter().map(|p| format!("{}: {:.1} dB", escaped(&p.label), p.psnr));
+            format!(
+                "<figure><div class=\"slider\">{}<input type=\"range\" min=\"0\" max=\"100\" value=\"50\" \
+                 aria-label=\"how much of the left picture is seen\"></div><figcaption>{}</figcaption></figure>\n",
+                images.collect::<String>(),
+                labels.collect::<Vec<_>>().join(" (left); ")
+            )
+        });
         format!(
-            "<figure><img src=\"{folder}/{file}\" alt=\"{label}\"><figcaption>{label}: {:.1} dB</figcaption></figure>\n",
-            p.psnr
+            "<h3 id=\"{}\">{}</h3>\n<div class=\"multiples\">\n{}</div>\n",
+            anchor(&c.name),
+            escaped(&c.name),
+            pairs.collect::<String>()
         )
-    };
-    let drawn = |c: &super::closeups::Drawn| {
-        let pictures: String = c.pictures.iter().map(picture).collect();
-        format!("<h3>{}</h3>\n<div class=\"closeups\">\n{pictures}</div>\n", escaped(&c.name))
     };
     run.closeups.iter().map(drawn).collect()
 }

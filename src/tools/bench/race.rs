@@ -2,7 +2,8 @@
 //! frame is compared with one reference image.
 
 use super::case::{Arm, Case, Samples};
-use super::row::{Certified, Counted, Error, Moving, Row, Times};
+use super::row::{Certified, Counted, Drawn, Error, Moving, Row};
+use super::times::{Ratio, Times};
 use super::yardstick::Yardstick;
 use crate::camera::Camera;
 use crate::engine::plan::Wanted;
@@ -45,13 +46,15 @@ impl Engines {
 /// How cases are run.
 #[derive(Debug, Clone)]
 pub struct Rules {
-    /// Timed frames of each arm.
-    pub runs: u32,
+    /// Timed frames of each arm, at least and at most: between them those of an arm end once their interval is close.
+    pub runs: [u32; 2],
+    /// No round begins later than this after the first, s, once each arm has its least frames.
+    pub seconds_max: f64,
     /// A program that runs beside all arms of cases that it can show.
     pub yardstick: Option<PathBuf>,
     /// Triangles that a technique may draw a frame.
     pub draws_max: Option<u64>,
-    /// How long a technique's first frame may take, ms, to be repeated, where it is not within twice this engine's.
+    /// How long a technique's first frame may take, ms, to be repeated, where it is not within twice this engine's. Otherwise it is its time.
     pub first_ms_max: f64,
     /// How long each arm renders before its first timed frame, and before each, ms: a GPU that has nothing to do slows its clock down, and
     /// does not raise it at once.
@@ -59,12 +62,18 @@ pub struct Rules {
 }
 
 impl Rules {
-    /// Of a full run, or of a `quick` one. A software adapter draws some millions of triangles a second.
+    /// Of a full run, or of a `quick` one. A software adapter draws some hundred thousand triangles a second, a GPU some ten millions of small
+    /// ones that cover no pixel and more: nothing is drawn for longer than some minutes.
     pub fn new(quick: bool, is_software: bool) -> Rules {
         Rules {
-            runs: if quick { 3 } else { 9 },
+            runs: if quick { [3, 3] } else { [9, 50] },
+            seconds_max: if is_software { 30.0 } else { 1.5 },
             yardstick: None,
-            draws_max: is_software.then_some(if quick { 500_000 } else { 8_000_000 }),
+            draws_max: Some(match (quick, is_software) {
+                (true, _) => 500_000,
+                (false, true) => 50_000_000,
+                (false, false) => 400_000_000,
+            }),
             first_ms_max: if quick { 1500.0 } else { 10_000.0 },
             warm_ms: if is_software { [0.0; 2] } else { [200.0, 20.0] },
         }
@@ -118,10 +127,15 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     let moved: Vec<Vec<Camera>> = arms.iter().zip(&scenes).map(|(arm, scene)| cameras_separately(arm, scene)).collect();
     let mut entries: Vec<Entry> = Vec::new();
     for ((&arm, scene), moved) in arms.iter().zip(&scenes).zip(&moved) {
-        let mut entry = Entry { row: Row::new(suite, case, arm), arm: Some(arm), runner: None, times: Vec::new() };
+        let mut entry =
+            Entry { row: Row::new(suite, case, arm), arm: Some(arm), runner: None, rounds: Vec::new(), once_ms: None };
         let with_culling = |e: &&Entry| arm.no_cull && e.row.technique == entry.row.technique;
-        match (entries.iter().find(with_culling).and_then(|e| e.row.refused.clone()), scene) {
-            (Some(refused), _) => entry.row.refused = Some(format!("with culling, {refused}")),
+        let refused = |e: &Entry| match e.once_ms {
+            Some(ms) => Some(format!("with culling, a frame took {ms:.0} ms")),
+            None => e.row.refused.as_ref().map(|why| format!("with culling, {why}")),
+        };
+        match (entries.iter().find(with_culling).and_then(refused), scene) {
+            (Some(refused), _) => entry.row.refused = Some(refused),
             (None, Ok((scene, camera))) => {
                 let ours = entries.iter().find(|e| e.row.is_ours()).and_then(|e| e.runner.as_ref());
                 let first_ms_max = rules.first_ms_max.max(2.0 * ours.map_or(0.0, Runner::first_ms));
@@ -141,9 +155,19 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     if let Some((program, yardstick)) = program.zip(yardstick) {
         let mut row = Row::of_yardstick(suite, case, program);
         row.describe(&truth.0, &truth.1);
-        entries.push(Entry { row, arm: None, runner: Some(Runner::Yardstick(yardstick)), times: Vec::new() });
+        entries.push(Entry {
+            row,
+            arm: None,
+            runner: Some(Runner::Yardstick(yardstick)),
+            rounds: Vec::new(),
+            once_ms: None,
+        });
     }
-    let control_ms = time(&engines.computing, &all, &mut entries, rules)?;
+    // the arm for the program stands behind those of the case, and the program behind it
+    let bare_at = bare.as_ref().map(|_| case.arms.len());
+    let baselines: Vec<usize> = entries.iter().position(|e| e.row.is_ours()).into_iter().chain(bare_at).collect();
+    let control_ms = time(&engines.computing, &all, &mut entries, &baselines, rules)?;
+    let rounds: Vec<Vec<Option<f64>>> = entries.iter().map(Entry::rounds).collect();
 
     let mut judge = Judge { scene: &truth.0, camera: &truth.1, judgement: None, each: case.stiffness.is_some() };
     let filtered = case.filtered.map(|samples| box_filtered(&truth.0, &truth.1, samples));
@@ -151,11 +175,19 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     for (at, mut entry) in entries.into_iter().enumerate() {
         entry.row.control_ms = control_ms;
         let scene = scenes.get(at).and_then(|s| s.as_ref().ok());
+        let repeats = entry.once_ms.is_none();
         if let Some(frame) = entry.finish(scene.map(|s| &s.1)) {
             entry.row.error = match &filtered {
                 Some(truth) => Some(Error::of(&compare(&frame, truth, None, None)?)),
                 None => judge.error(&frame)?,
             };
+            if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, repeats) {
+                let draws = arm.choice()?.is_some_and(|c| c.technique.draws);
+                if draws && !matches!(arm.samples, Samples::Separate(_)) {
+                    let options = options(case, arm, rules)?;
+                    entry.row.drawn = drawn(&mut engines.drawing, scene, camera, &options, &frame)?;
+                }
+            }
             if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, entry.row.is_ours()) {
                 let options = options(case, arm, rules)?;
                 if case.counted && !arm.bare && arm.method.is_none() {
@@ -169,30 +201,40 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
         }
         rows.push(entry.row);
     }
-    let median = |row: &Row| row.times.as_ref().map(|t| t.median);
-    let ours = rows.iter().find(|r| r.is_ours()).and_then(median);
-    // the arm for the program stands behind those of the case, and the program behind it
-    let bare = rows.get(case.arms.len()).and_then(median);
-    let related = rows.iter_mut().enumerate();
-    related.for_each(|(at, row)| row.relate(if at > case.arms.len() { bare } else { ours }));
+    for (at, row) in rows.iter_mut().enumerate() {
+        let baseline = if bare_at.is_some_and(|bare| at > bare) { bare_at } else { baselines.first().copied() };
+        row.to_ours = baseline.filter(|_| row.times.is_some()).and_then(|b| Ratio::of(&rounds[at], &rounds[b]));
+    }
     Ok(rows)
 }
 
-/// Times all arms, alternating; returns the median time of an empty kernel between them, ms.
-fn time(engine: &Engine, scenes: &Scenes, entries: &mut [Entry], rules: &Rules) -> Result<f64> {
+/// Times all arms, alternating, and in the rounds after the least those that are not settled beside the `baselines`; returns the median
+/// time of an empty kernel between them, ms.
+fn time(engine: &Engine, scenes: &Scenes, entries: &mut [Entry], baselines: &[usize], rules: &Rules) -> Result<f64> {
     let mut control = Vec::new();
     let [first_ms, each_ms] = rules.warm_ms;
     entries.iter_mut().for_each(|entry| entry.warm(scenes, 0, first_ms));
-    for k in 0..rules.runs {
+    let [least, most] = rules.runs;
+    let started = Instant::now();
+    for k in 0..most {
+        let is_open: Vec<bool> = entries.iter().map(|e| k < least || !e.is_settled()).collect();
+        let is_late = k >= least && started.elapsed().as_secs_f64() > rules.seconds_max;
+        if is_late || !is_open.contains(&true) {
+            break;
+        }
         let mut order: Vec<usize> = (0..entries.len()).collect();
         if k % 2 == 1 {
             order.reverse();
         }
         control.push(engine.empty_frame()?);
-        order.into_iter().for_each(|at| {
-            entries[at].warm(scenes, k + 1, each_ms);
-            entries[at].time(scenes, k + 1);
-        });
+        for at in order {
+            let runs = is_open[at] || baselines.contains(&at);
+            if runs {
+                entries[at].warm(scenes, k + 1, each_ms);
+            }
+            let ms = if runs { entries[at].time(scenes, k + 1) } else { None };
+            entries[at].rounds.push(ms);
+        }
     }
     Ok(Times::of(&control).median)
 }
@@ -203,7 +245,10 @@ struct Entry<'a> {
     /// `None`: it is the program.
     arm: Option<&'a Arm>,
     runner: Option<Runner>,
-    times: Vec<f64>,
+    /// The time of its frame in each round, ms.
+    rounds: Vec<Option<f64>>,
+    /// The time of its only frame, ms, where that took too long for more.
+    once_ms: Option<f64>,
 }
 
 impl<'a> Entry<'a> {
@@ -231,9 +276,7 @@ impl<'a> Entry<'a> {
             Ok(frames) => {
                 let first_ms = frames.first_ms();
                 if first_ms > first_ms_max && !self.row.is_ours() {
-                    let most = format!("those over {first_ms_max:.0} are not repeated");
-                    let why = format!("its first frame took {first_ms:.0} ms; {most}");
-                    self.row.refused = Some(why);
+                    self.once_ms = Some(first_ms);
                 }
                 self.runner = Some(Runner::Frames(Box::new(frames)));
             }
@@ -244,31 +287,42 @@ impl<'a> Entry<'a> {
     /// Frames that are not timed, for so long.
     fn warm(&mut self, scenes: &Scenes, k: u32, ms: f64) {
         let started = Instant::now();
-        let timed = self.times.len();
-        while self.runner.is_some() && self.row.refused.is_none() && started.elapsed().as_secs_f64() * 1e3 < ms {
-            self.time(scenes, k);
-        }
-        self.times.truncate(timed);
+        while started.elapsed().as_secs_f64() * 1e3 < ms && self.time(scenes, k).is_some() {}
     }
 
-    /// One more frame, unless it is not repeated.
-    fn time(&mut self, scenes: &Scenes, k: u32) {
-        let Some(runner) = self.runner.as_mut().filter(|_| self.row.refused.is_none()) else { return };
+    /// One more frame, ms; `None` if it is not repeated or fails.
+    fn time(&mut self, scenes: &Scenes, k: u32) -> Option<f64> {
+        let runner = self.runner.as_mut().filter(|_| self.once_ms.is_none())?;
         let set = self.arm.map_or(&[][..], |arm| &arm.set);
         match runner.frame(scenes, set, k) {
-            Ok(ms) => self.times.push(ms),
+            Ok(ms) => Some(ms),
             Err(e) => {
                 self.row.refused = Some(e.to_string());
                 self.runner = None;
+                None
             }
         }
+    }
+
+    /// Its times by round; its only frame counts as of the first.
+    fn rounds(&self) -> Vec<Option<f64>> {
+        if self.once_ms.is_some() { vec![self.once_ms] } else { self.rounds.clone() }
+    }
+
+    fn times(&self) -> Times {
+        Times::of(&self.rounds().into_iter().flatten().collect::<Vec<f64>>())
+    }
+
+    /// More frames would tell nothing, or there are none.
+    fn is_settled(&self) -> bool {
+        self.runner.is_none() || self.once_ms.is_some() || self.times().is_settled()
     }
 
     /// The frame by the camera of the first frame; the times of all frames go to the row.
     fn finish(&mut self, first: Option<&Camera>) -> Option<Frame> {
         let runner = self.runner.take()?;
         if self.row.refused.is_none() {
-            self.row.times = Some(Times::of(&self.times));
+            self.row.times = Some(self.times());
         }
         match runner.finish(first, &mut self.row) {
             Ok(frame) => Some(frame),
@@ -382,8 +436,25 @@ fn counted(
 ) -> Result<Counted> {
     let wanted = Wanted { counting: true, ..seen(false, false) };
     let counts = engine.render(scene, camera, &wanted, options)?.counts;
-    let covered = frame.u32(Channel::TriangleId).map_or(0, |ids| ids.iter().filter(|id| **id != NO_ID).count());
-    Ok(Counted::of(counts, covered as u64))
+    Ok(Counted::of(counts, covered(frame)))
+}
+
+/// What the adapter's rasterizer does for one frame of a rival.
+fn drawn(
+    engine: &mut Engine,
+    scene: &Scene,
+    camera: &Camera,
+    options: &RunOptions,
+    frame: &Frame,
+) -> Result<Option<Drawn>> {
+    let wanted = Wanted { counting: true, ..seen(false, false) };
+    let draws = engine.render(scene, camera, &wanted, options)?.draws;
+    Ok(draws.map(|draws| Drawn::of(draws, covered(frame))))
+}
+
+/// Pixels that show a triangle.
+fn covered(frame: &Frame) -> u64 {
+    frame.u32(Channel::TriangleId).map_or(0, |ids| ids.iter().filter(|id| **id != NO_ID).count() as u64)
 }
 
 /// Proofs of one frame.

@@ -1,8 +1,10 @@
 //! One measured row: case, technique, times and errors.
 
 use super::case::{Arm, Case};
+use super::times::{Ratio, Times};
 use crate::camera::Camera;
 use crate::engine::{Counts, Rendered};
+use crate::gpu::draw_counts::DrawCounts;
 use crate::image::compare::Comparison;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -35,12 +37,15 @@ pub struct Row {
     /// Median time of an empty kernel, run in turn with the rest, ms.
     pub control_ms: f64,
     /// The time of this row over that of `anamorph` in the same case; of a yardstick, over that of `anamorph` asked for no more.
-    pub to_ours: Option<f64>,
+    pub to_ours: Option<Ratio>,
     /// Time on the device by stage, ms.
     pub stages: Vec<(String, f64)>,
     pub passes: u32,
     pub bytes: u64,
     pub counted: Option<Counted>,
+    /// Of a rival that draws, where the adapter counts it.
+    #[serde(default)]
+    pub drawn: Option<Drawn>,
     pub error: Option<Error>,
     #[serde(default)]
     pub certified: Option<Certified>,
@@ -107,12 +112,17 @@ pub struct Counted {
     pub covered: u64,
 }
 
-/// Wall times of frames, ms.
+/// What the adapter's rasterizer does for a frame of a rival.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Times {
-    pub median: f64,
-    pub quartiles: [f64; 2],
-    pub runs: usize,
+pub struct Drawn {
+    /// Triangles that it is handed: a third of the runs of vertex shaders.
+    pub triangles_drawn: u64,
+    /// Those that are left once what is outside is clipped off.
+    pub triangles_left: u64,
+    /// Runs of fragment shaders.
+    pub fragments: u64,
+    /// Pixels that show a triangle.
+    pub covered: u64,
 }
 
 /// Against the f64 reference.
@@ -159,9 +169,6 @@ pub struct Paper {
 /// This engine's name among the techniques.
 const OURS: &str = "anamorph";
 
-/// Where the middle half of the times is wider than this share of the median, a row is not to be trusted.
-const SPREAD_MAX: f64 = 0.2;
-
 impl Row {
     pub fn new(suite: &str, case: &Case, arm: &Arm) -> Row {
         let own_parameter = arm.parameter.map(|(name, value)| (name.to_owned(), value));
@@ -190,6 +197,7 @@ impl Row {
             passes: 0,
             bytes: 0,
             counted: None,
+            drawn: None,
             error: None,
             certified: None,
             refused: None,
@@ -239,11 +247,6 @@ impl Row {
         format!("  {:<56} {:<40} {time}{}\n", self.case, self.label(), wrong.unwrap_or_default())
     }
 
-    /// Relates the time to `ours` ms.
-    pub fn relate(&mut self, ours: Option<f64>) {
-        self.to_ours = self.times.as_ref().zip(ours).map(|(t, ours)| t.median / ours);
-    }
-
     /// The technique and its label.
     pub fn name(&self) -> String {
         self.label.as_ref().map_or_else(|| self.technique.clone(), |label| format!("{}, {label}", self.technique))
@@ -255,6 +258,18 @@ impl Row {
             Some((name, value)) => format!("{} ({value} {name})", self.name()),
             None => self.name(),
         }
+    }
+}
+
+impl Drawn {
+    pub fn of(counts: DrawCounts, covered: u64) -> Drawn {
+        let DrawCounts { vertices, triangles, fragments } = counts;
+        Drawn { triangles_drawn: vertices / 3, triangles_left: triangles, fragments, covered }
+    }
+
+    /// Fragments for each pixel that shows a triangle.
+    pub fn overdraw(&self) -> f64 {
+        self.fragments as f64 / self.covered.max(1) as f64
     }
 }
 
@@ -270,29 +285,24 @@ impl Counted {
     }
 }
 
-impl Times {
-    pub fn of(times: &[f64]) -> Times {
-        let mut sorted = times.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        // nearest rank, the upper of two
-        let at = |share: f64| {
-            let last = sorted.len().saturating_sub(1);
-            sorted.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
-        };
-        Times { median: at(0.5), quartiles: [at(0.25), at(0.75)], runs: sorted.len() }
-    }
-
-    /// Half of the times lie within this share of the median.
-    pub fn spread(&self) -> f64 {
-        (self.quartiles[1] - self.quartiles[0]) / self.median
-    }
-
-    pub fn is_trusted(&self) -> bool {
-        self.spread() <= SPREAD_MAX
-    }
-}
-
 impl Error {
+    /// Nothing is wrong.
+    #[cfg(test)]
+    pub fn none() -> Error {
+        Error {
+            wrong_share: 0.0,
+            wrong_hit_miss: 0,
+            wrong_safe: 0,
+            wrong_not_near: None,
+            t_median: None,
+            t_p999: None,
+            t_max: None,
+            z: None,
+            psnr: None,
+            identical: true,
+        }
+    }
+
     /// Colours alone were compared with the truth; wrong pixels are not counted.
     pub fn is_of_colours(&self) -> bool {
         self.t_median.is_none() && self.wrong_share == 0.0 && (self.psnr.is_some() || self.identical)

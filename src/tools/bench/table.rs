@@ -2,10 +2,11 @@
 
 use super::plot::{Drawn, Growth, growths};
 use super::row::{Moving, Row, Stiffness};
+use super::times::Times;
 use super::{Run, operations};
 use crate::input::{Error, Result};
 
-const COLUMNS: [&str; 52] = [
+const COLUMNS: [&str; 57] = [
     "suite",
     "commit",
     "case",
@@ -22,12 +23,14 @@ const COLUMNS: [&str; 52] = [
     "stiffness",
     "of",
     "median_ms",
-    "quartile1_ms",
-    "quartile3_ms",
+    "interval_low_ms",
+    "interval_high_ms",
     "runs",
-    "trusted",
+    "each_ms",
     "control_ms",
     "to_ours",
+    "to_ours_low",
+    "to_ours_high",
     "passes",
     "bytes",
     "pairs_tested",
@@ -35,6 +38,9 @@ const COLUMNS: [&str; 52] = [
     "fragments_tested",
     "fragments_kept",
     "rechecked",
+    "triangles_drawn",
+    "triangles_left",
+    "fragments_drawn",
     "covered",
     "overdraw",
     "wrong_share",
@@ -60,7 +66,12 @@ const COLUMNS: [&str; 52] = [
     "paper_hardware",
 ];
 
-/// Every row, every value. Stages are name=ms, separated by semicolons.
+/// What times are.
+pub const ABOUT_TIMES: &str = "Times are medians of frames that ran in turn with those of all other techniques, from the first submission until \
+     the results are complete on the device, with intervals that hold the median with 95 % probability, whatever the distribution; a ratio is \
+     the median over rounds in which both ran. (?): an end of the interval is more than 5 % from the median after all rounds. What takes over 10 s a frame ran once.";
+
+/// Every row, every value. Stages are name=ms, and the times of frames ms, separated by semicolons.
 pub fn csv(rows: &[Row]) -> Result<String> {
     let failed = |e: &dyn std::fmt::Display| Error::work(format!("raw.csv: {e}"));
     let mut writer = csv::Writer::from_writer(Vec::new());
@@ -72,11 +83,12 @@ pub fn csv(rows: &[Row]) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| failed(&e))
 }
 
-fn record(row: &Row) -> [String; 52] {
+fn record(row: &Row) -> [String; 57] {
     fn or_empty<T: ToString>(value: Option<T>) -> String {
         value.map_or(String::new(), |v| v.to_string())
     }
-    let (parameter, times, counted) = (row.parameter.as_ref(), row.times.as_ref(), row.counted.as_ref());
+    let (parameter, times) = (row.parameter.as_ref(), row.times.as_ref());
+    let (counted, drawn) = (row.counted.as_ref(), row.drawn.as_ref());
     let (error, paper, stiffness) = (row.error.as_ref(), row.paper.as_ref(), row.stiffness.as_ref());
     let z = error.and_then(|e| e.z);
     let stages: Vec<String> = row.stages.iter().map(|(name, ms)| format!("{name}={ms:.4}")).collect();
@@ -97,12 +109,14 @@ fn record(row: &Row) -> [String; 52] {
         or_empty(stiffness.map(|s| s.value)),
         or_empty(stiffness.map(|s| &s.parameter)),
         or_empty(times.map(|t| t.median)),
-        or_empty(times.map(|t| t.quartiles[0])),
-        or_empty(times.map(|t| t.quartiles[1])),
+        or_empty(times.and_then(|t| t.interval).map(|i| i[0])),
+        or_empty(times.and_then(|t| t.interval).map(|i| i[1])),
         or_empty(times.map(|t| t.runs)),
-        or_empty(times.map(|t| t.is_trusted())),
+        or_empty(times.map(each_ms)),
         row.control_ms.to_string(),
-        or_empty(row.to_ours),
+        or_empty(row.to_ours.map(|r| r.median)),
+        or_empty(row.to_ours.and_then(|r| r.interval).map(|i| i[0])),
+        or_empty(row.to_ours.and_then(|r| r.interval).map(|i| i[1])),
         row.passes.to_string(),
         row.bytes.to_string(),
         or_empty(counted.map(|c| c.pairs_tested)),
@@ -110,8 +124,11 @@ fn record(row: &Row) -> [String; 52] {
         or_empty(counted.map(|c| c.fragments_tested)),
         or_empty(counted.map(|c| c.fragments_kept)),
         or_empty(counted.map(|c| c.rechecked)),
-        or_empty(counted.map(|c| c.covered)),
-        or_empty(counted.map(|c| c.overdraw())),
+        or_empty(drawn.map(|d| d.triangles_drawn)),
+        or_empty(drawn.map(|d| d.triangles_left)),
+        or_empty(drawn.map(|d| d.fragments)),
+        or_empty(counted.map(|c| c.covered).or(drawn.map(|d| d.covered))),
+        or_empty(counted.map(|c| c.overdraw()).or(drawn.map(|d| d.overdraw()))),
         or_empty(error.map(|e| e.wrong_share)),
         or_empty(error.map(|e| e.wrong_hit_miss)),
         or_empty(error.map(|e| e.wrong_safe)),
@@ -136,11 +153,22 @@ fn record(row: &Row) -> [String; 52] {
     ]
 }
 
+/// Times in the order of the frames.
+fn each_ms(times: &Times) -> String {
+    let each: Vec<String> = times.each.iter().map(|ms| format!("{ms:.4}")).collect();
+    each.join(";")
+}
+
+/// An interval behind its median.
+fn between(interval: Option<[f64; 2]>) -> String {
+    interval.map_or(String::new(), |[lo, hi]| format!(" [{lo:.2}, {hi:.2}]"))
+}
+
 /// The words of a row that people read.
-pub fn cells(row: &Row) -> [String; 7] {
+pub fn cells(row: &Row) -> [String; 8] {
     let time = row.times.as_ref().map(|t| {
-        let untrusted = if t.is_trusted() { "" } else { " (?)" };
-        format!("{:.2} [{:.2}, {:.2}]{untrusted}", t.median, t.quartiles[0], t.quartiles[1])
+        let wide = if t.is_wide() { " (?)" } else { "" };
+        format!("{:.2}{}{wide}", t.median, between(t.interval))
     });
     let error = row.error.as_ref();
     let ids = error.filter(|e| !e.is_of_colours());
@@ -152,7 +180,8 @@ pub fn cells(row: &Row) -> [String; 7] {
     [
         row.label(),
         time.or_else(|| row.refused.clone()).unwrap_or_default(),
-        row.to_ours.map(|r| format!("{r:.2}")).unwrap_or_default(),
+        row.times.as_ref().map(|t| t.runs.to_string()).unwrap_or_default(),
+        row.to_ours.map(|r| format!("{:.2}{}", r.median, between(r.interval))).unwrap_or_default(),
         ids.map(|e| format!("{:.4}", 100.0 * e.wrong_share)).unwrap_or_default(),
         ids.map(|e| e.wrong_safe.to_string()).unwrap_or_default(),
         error.and_then(|e| e.t_p999).map(|t| format!("{t:.1e}")).unwrap_or_default(),
@@ -160,8 +189,16 @@ pub fn cells(row: &Row) -> [String; 7] {
     ]
 }
 
-pub const HEADS: [&str; 7] =
-    ["technique", "ms a frame [quartiles]", "to ours", "wrong %", "wrong safe px", "t error p99.9", "PSNR dB"];
+pub const HEADS: [&str; 8] = [
+    "technique",
+    "ms a frame [95 %]",
+    "frames",
+    "to ours [95 %]",
+    "wrong %",
+    "wrong safe px",
+    "t error p99.9",
+    "PSNR dB",
+];
 
 /// The rows of each family of stiff scenes, with the first one's stiffness.
 pub fn families(rows: &[Row]) -> impl Iterator<Item = (&Stiffness, &[Row])> {
@@ -243,7 +280,7 @@ pub fn stiff(row: &Row) -> Option<[String; 9]> {
 pub const STIFF_HEADS: [&str; 9] = [
     "stiffness",
     "technique",
-    "ms a frame [quartiles]",
+    "ms a frame [95 %]",
     "wrong px",
     "t error: median, p99.9, max",
     "Z error",
@@ -254,30 +291,49 @@ pub const STIFF_HEADS: [&str; 9] = [
 
 /// What a row's frames take beside time; `None` where it was not counted.
 pub fn work(row: &Row) -> Option<[String; 8]> {
-    let c = row.counted.as_ref()?;
+    let counts = match (&row.counted, &row.drawn) {
+        (Some(c), _) => [
+            format!("{} of {}", c.pairs_kept, c.pairs_tested),
+            format!("{} of {}", c.fragments_kept, c.fragments_tested),
+            format!("{:.2}", c.overdraw()),
+            c.rechecked.to_string(),
+        ],
+        (None, Some(d)) => {
+            let replicas = d.triangles_drawn as f64 / row.triangles.max(1) as f64;
+            [
+                format!(
+                    "{} of {} triangles, {replicas:.2} a triangle of the scene",
+                    d.triangles_left, d.triangles_drawn
+                ),
+                format!("{} drawn", d.fragments),
+                format!("{:.2}", d.overdraw()),
+                String::new(),
+            ]
+        }
+        (None, None) => return None,
+    };
     let stages: Vec<String> = row.stages.iter().map(|(name, ms)| format!("{name} {ms:.2}")).collect();
-    Some([
-        row.label(),
-        stages.join(", "),
-        row.passes.to_string(),
-        format!("{:.1}", row.bytes as f64 / f64::from(1 << 20)),
-        format!("{} of {}", c.pairs_kept, c.pairs_tested),
-        format!("{} of {}", c.fragments_kept, c.fragments_tested),
-        format!("{:.2}", c.overdraw()),
-        c.rechecked.to_string(),
-    ])
+    let [pairs, fragments, overdraw, rechecked] = counts;
+    let mebibytes = format!("{:.1}", row.bytes as f64 / f64::from(1 << 20));
+    Some([row.label(), stages.join(", "), row.passes.to_string(), mebibytes, pairs, fragments, overdraw, rechecked])
 }
 
-pub const WORK_HEADS: [&str; 8] =
-    ["technique", "stages, ms", "passes", "MiB", "pairs kept", "fragments kept", "overdraw", "rechecked"];
+pub const WORK_HEADS: [&str; 8] = [
+    "technique",
+    "stages, ms",
+    "passes",
+    "MiB",
+    "pairs kept, or triangles drawn",
+    "fragments kept, or drawn",
+    "overdraw",
+    "rechecked",
+];
 
 pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
     let p = &run.provenance;
     let commit = p.commit.as_deref().unwrap_or("unknown");
     let mut text = format!(
-        "# {}\n\n`{}`, {}, version {} ({commit}), {} {}, {} cores.\n\n{}\n\nTimes are medians of frames that ran in turn with \
-         those of all other techniques, from the first submission until the results are complete on the device. (?): half of \
-         them lie more than 20 % apart, so that the row is not to be trusted. Errors are against the f64 reference.\n",
+        "# {}\n\n`{}`, {}, version {} ({commit}), {} {}, {} cores.\n\n{}\n\n{ABOUT_TIMES} Errors are against the f64 reference.\n",
         run.suite,
         p.command,
         p.date,

@@ -29,7 +29,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let is_software = engines.computing.gpu.info.device_type == wgpu::DeviceType::Cpu;
     let selection = Selection { quick: args.quick, only: args.case.clone() };
     let mut rules = Rules { yardstick: args.yardstick.clone(), ..Rules::new(args.quick, is_software) };
-    rules.runs = args.runs.unwrap_or(rules.runs);
+    rules.runs = args.runs.map_or(rules.runs, |runs| [runs, runs]);
     for suite in asked {
         print(&format!("{}: {}\n", suite.name, suite.asks))?;
         let mut printed = Ok(());

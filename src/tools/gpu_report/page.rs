@@ -12,11 +12,11 @@ use std::path::{Path, PathBuf};
 pub fn write(folder: &Path, report: &Report, suites: &[Ongoing]) -> Result<PathBuf> {
     report.write(folder)?;
     let path = folder.join("index.html");
-    write_text(&path, &page(report, suites)?)?;
+    write_text(&path, &page(report, suites))?;
     Ok(path)
 }
 
-fn page(report: &Report, suites: &[Ongoing]) -> Result<String> {
+fn page(report: &Report, suites: &[Ongoing]) -> String {
     let p = &report.provenance;
     let mut text = format!(
         "<p>anamorph {}, {}, {} cores.</p>\n<h2>Adapter</h2>\n<pre>{}</pre>\n{}",
@@ -35,9 +35,9 @@ fn page(report: &Report, suites: &[Ongoing]) -> Result<String> {
         false => paragraph(&["The time was up. The same command with the same --out goes on with:"]) + &list(&left),
     };
     for (k, suite) in suites.iter().enumerate() {
-        text += &suite.section(k)?.unwrap_or_default();
+        text += &suite.section(k).unwrap_or_default();
     }
-    Ok(document(&format!("Report on {}", escaped(&p.adapter)), &text))
+    document(&format!("Report on {}", p.adapter), &text)
 }
 
 fn subgroups(widths: Option<[u32; 2]>) -> String {
