@@ -30,5 +30,6 @@ mod kernels {
     mod sift;
     mod small;
     mod solve;
+    mod solve_curves;
     mod write;
 }

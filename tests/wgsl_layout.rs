@@ -172,6 +172,21 @@ fn host() -> Layouts {
             corners_23,
             edges
         }),
+        layout!(SolveCell {
+            terms,
+            anchor_hi,
+            base_x,
+            anchor_lo,
+            base_y,
+            errors,
+            end,
+            size,
+            flags,
+            middle,
+            pad0,
+            pad1,
+            pad2
+        }),
         layout!(SolvePoint { hi, is_near, lo, pad0 }),
         layout!(SolveImage { point, piece, x_px, y_px, t, error_px, error_t, pixel }),
         layout!(Optic {

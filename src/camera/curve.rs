@@ -116,6 +116,47 @@ pub trait CurveMap: Debug + Send + Sync {
     fn piece_count(&self) -> usize {
         0
     }
+    /// Bounds that hold at every place of a rectangle, its least and greatest corner; `None`: not known. The curves then are all there, and
+    /// first and second derivatives of their control points do not jump.
+    fn bend(&self, _ab: [DVec2; 2]) -> Option<Bend> {
+        None
+    }
+}
+
+/// Largest magnitudes of third derivatives of any control point by (a, b): how far curves are from quadratic ones. World units.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Bend {
+    pub aaa: f64,
+    pub aab: f64,
+    pub abb: f64,
+    pub bbb: f64,
+}
+
+impl Bend {
+    pub fn max(self, other: Bend) -> Bend {
+        Bend {
+            aaa: self.aaa.max(other.aaa),
+            aab: self.aab.max(other.aab),
+            abb: self.abb.max(other.abb),
+            bbb: self.bbb.max(other.bbb),
+        }
+    }
+
+    /// Of what is so many times as large.
+    pub fn times(self, size: f64) -> Bend {
+        Bend { aaa: size * self.aaa, aab: size * self.aab, abb: size * self.abb, bbb: size * self.bbb }
+    }
+
+    /// Of the same curves by (a / x, b / y).
+    pub fn scaled(self, x: f64, y: f64) -> Bend {
+        let (x, y) = (x.abs(), y.abs());
+        Bend {
+            aaa: x * x * x * self.aaa,
+            aab: x * x * y * self.aab,
+            abb: x * y * y * self.abb,
+            bbb: y * y * y * self.bbb,
+        }
+    }
 }
 
 /// A map of curves over an image of pixels.

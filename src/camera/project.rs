@@ -14,7 +14,7 @@
 
 pub mod beam;
 mod columns;
-mod curved;
+pub mod curved;
 mod field;
 mod newton;
 mod pieces;

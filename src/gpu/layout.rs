@@ -584,6 +584,25 @@ pub struct SolvePiece {
     pub edges: [[f32; 4]; 4],
 }
 
+/// A cell of a layer of curves: 8 x 8 px and a span of t, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct SolveCell {
+    pub terms: [[f32; 4]; 24],
+    pub anchor_hi: [f32; 3],
+    pub base_x: i32,
+    pub anchor_lo: [f32; 3],
+    pub base_y: i32,
+    pub errors: [f32; 4],
+    pub end: [f32; 2],
+    pub size: f32,
+    pub flags: u32,
+    pub middle: f32,
+    pub pad0: u32,
+    pub pad1: u32,
+    pub pad2: u32,
+}
+
 /// A point about the camera's anchor, see the WGSL.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

@@ -34,7 +34,7 @@ type Place = (f64, f64, f64, u32);
 
 /// All images of all points. With a device the kernels `sift` and `solve` prove where there are none; the others are found in f64, so that
 /// the numbers are those without a device, to the last bit. Where `within_px` is over 0, images that the kernels prove to be within it are
-/// taken as they are.
+/// taken as they are, of curves too.
 ///
 /// # Errors
 /// [`crate::input::Error::Work`] where the device fails.
@@ -50,22 +50,19 @@ pub fn project_many(projector: &Projector, points: &[DVec3], gpu: Option<&Gpu>, 
         }
         return Ok(all);
     };
-    let is_one_layer = projector.camera().layers.len() == 1;
-    let mut solve = Solve::new(gpu, projector)?;
+    let is_near_enough = projector.camera().layers.len() == 1 && within_px > 0.0;
+    let mut solve = if is_near_enough { Solve::with_curves(gpu, projector)? } else { Solve::new(gpu, projector)? };
     each_solved(&mut solve, points, CHUNK, |solve, chunk, solved| {
-        let table = solve.table(0).filter(|_| is_one_layer && within_px > 0.0);
         let of = |(k, point): (usize, &DVec3)| {
-            let proven = table.and_then(|table| Some((table, solved.images(0, k)?)));
-            if let Some((table, images)) =
-                proven.filter(|(_, all)| all.iter().all(|i| f64::from(i.error_px) <= within_px))
-            {
+            let proven = solved.images(0, k).filter(|_| is_near_enough);
+            if let Some(images) = proven.filter(|all| all.iter().all(|i| f64::from(i.error_px) <= within_px)) {
                 let place = |i: &crate::gpu::layout::SolveImage| {
-                    let piece = &table.pieces[i.piece as usize];
-                    let (x, y) =
-                        (f64::from(piece.base_x) + f64::from(i.x_px), f64::from(piece.base_y) + f64::from(i.y_px));
-                    (x, y, f64::from(i.t), i.piece)
+                    solve.place(0, i).map(|(place, piece)| (place.x, place.y, f64::from(i.t), piece))
                 };
-                return (images.iter().map(place).collect(), None, true);
+                let mut places: Vec<Place> = images.iter().filter_map(place).collect();
+                // as the host lists them: cells are no pieces
+                places.sort_by(|a, b| a.3.cmp(&b.3).then(a.2.total_cmp(&b.2)));
+                return (places, None, true);
             }
             exact(projector.project_below(*point, |layer| solved.nodes(layer, k)))
         };

@@ -27,6 +27,7 @@ pub mod shade;
 pub mod sift;
 pub mod smooth;
 pub mod solve;
+pub mod solve_cell;
 pub mod surface;
 pub mod torus;
 pub mod wave;

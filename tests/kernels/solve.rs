@@ -246,9 +246,9 @@ fn errors_planted_in_the_kernels_are_noticed() {
     compared(&gpu).unwrap();
     let parts = [stage::solve::kernel(), stage::splat::claim(), stage::splat::contend()].map(|k| k.parts).concat();
     for (name, right, wrong) in [
-        ("solve.wgsl", "is_done = all(b > zero) || all(b < -zero);", "is_done = b.x > zero.x;"),
+        ("project/in_piece.wgsl", "is_done = all(b > zero) || all(b < -zero);", "is_done = b.x > zero.x;"),
         (
-            "solve.wgsl",
+            "project/in_piece.wgsl",
             "is_outside = is_outside || along < -(margin",
             "is_outside = is_outside || along < 0.5 - (margin",
         ),

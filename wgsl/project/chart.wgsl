@@ -1,8 +1,6 @@
 // The matrix whose kernel is a ray through a point, over one chart of t, with bounds of its rounding.
-// Provides: Chart, UNDERFLOW, UNIT_ROUNDING, bernstein, chart_of, matrix_value, separated
-
-// Rounding of one operation, relative: 2^-24.
-const UNIT_ROUNDING: f32 = 5.9604645e-8;
+// Provides: Chart, UNDERFLOW, bernstein, chart_of, matrix_value, separated
+// Needs: UNIT_ROUNDING
 
 // Magnitudes below which products are flushed to 0: 2^-126 times two columns of at most 2^21, eighteen times, and as much again.
 const UNDERFLOW: f32 = 1e-24;

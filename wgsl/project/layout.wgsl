@@ -1,5 +1,5 @@
 // Structs of `solve`, `claim` and `contend`, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
-// Provides: SolveImage, SolveParams, SolvePiece, SolvePoint
+// Provides: SolveCell, SolveImage, SolveParams, SolvePiece, SolvePoint
 
 // A chunk of points, and the camera whose images of them are sought.
 struct SolveParams {
@@ -37,6 +37,24 @@ struct SolvePiece {
     edges: array<vec4<f32>, 4>, // x u + y v + z is the distance inwards from an edge
 }
 
+// The curves of 8 x 8 px over a span of t: X is the sum of cubics in s times 1, u, v, u v, u^2 and v^2, and a rest; (u, v) in units of 4 px
+// from `base`, s in units of half the span from its middle. Lengths are in the camera's unit; X about the cell's anchor.
+struct SolveCell {
+    terms: array<vec4<f32>, 24>, // of each cubic those of s^0 to s^3
+    anchor_hi: vec3<f32>,
+    base_x: i32,            // px
+    anchor_lo: vec3<f32>,
+    base_y: i32,
+    errors: vec4<f32>,      // bounds of the rest's magnitude, and of its derivatives by u, v and s
+    end: vec2<f32>,         // greatest u and v: the image's border or 1
+    size: f32,              // bound of the magnitude of all terms together
+    flags: u32,             // SOLVABLE | OUTER << axis | OUTER << (3 + axis)
+    middle: f32,            // t at s = 0
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+}
+
 // A point about the camera's anchor, in its unit: the sum of two.
 struct SolvePoint {
     hi: vec3<f32>,
@@ -48,8 +66,8 @@ struct SolvePoint {
 // A proven image: the only one within its bounds.
 struct SolveImage {
     point: u32,             // of the chunk
-    piece: u32,
-    x_px: f32,              // about the piece's base
+    piece: u32,             // or cell
+    x_px: f32,              // about its base
     y_px: f32,
     t: f32,
     error_px: f32,          // of x and of y

@@ -1,6 +1,6 @@
 // From a guess to a proven root of m_0 + u m_1 + v m_2 = 0.
-// Provides: Proof, max_abs, prove
-// Needs: Chart, UNDERFLOW, UNIT_ROUNDING, matrix_value
+// Provides: Proof, prove
+// Needs: Chart, UNDERFLOW, UNIT_ROUNDING, matrix_value, max_abs
 
 // The only root (u, v, s) within `radius` of `at`, if it is one.
 struct Proof {
@@ -17,10 +17,6 @@ const CHART_END: f32 = 1.0001;
 
 fn sum_abs(v: vec3<f32>) -> f32 {
     return abs(v.x) + abs(v.y) + abs(v.z);
-}
-
-fn max_abs(v: vec3<f32>) -> f32 {
-    return max(abs(v.x), max(abs(v.y), abs(v.z)));
 }
 
 // Newton's method, then Krawczyk's test (1969): with r an approximate inverse of the slopes, the map z - r f(z) takes a box into its own

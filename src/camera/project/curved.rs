@@ -23,7 +23,7 @@ pub struct Search<'a> {
 }
 
 /// Spans of t that a tile's curves are cut into, each a leaf: a power of 2.
-const SPANS: u32 = 1 << SPAN_HALVINGS;
+pub const SPANS: u32 = 1 << SPAN_HALVINGS;
 const SPAN_HALVINGS: u32 = 3;
 
 /// Most halvings of a pixel's cell.
@@ -70,7 +70,7 @@ impl<'a> Search<'a> {
     }
 
     /// At and below the nodes `from` of the tree.
-    pub fn images(&self, point: DVec3, from: &[u32]) -> Shown {
+    pub(super) fn images(&self, point: DVec3, from: &[u32]) -> Shown {
         let mut shown = Shown::default();
         self.tree.walk(point, from, |leaf| {
             let (tile, whole) = (leaf / SPANS, (span(leaf % SPANS), T_HALVINGS - SPAN_HALVINGS));
@@ -315,12 +315,12 @@ fn distance(a: &Curve, b: &Curve) -> f64 {
 }
 
 /// The `k`-th of the [`SPANS`].
-fn span(k: u32) -> [f64; 2] {
+pub fn span(k: u32) -> [f64; 2] {
     [k, k + 1].map(|k| f64::from(k) / f64::from(SPANS))
 }
 
-/// Tiles a row, and rows.
-fn tiles(curves: &Curves) -> UVec2 {
+/// Tiles a row, and rows. The leaves of tile k, row by row, are those from `SPANS k` on.
+pub fn tiles(curves: &Curves) -> UVec2 {
     UVec2::new(curves.width.div_ceil(TILE), curves.height.div_ceil(TILE))
 }
 

@@ -3,6 +3,7 @@
 //! `X(a, b, t) = sum of Bernstein(i, m)(t) S_i(u, v)`, t in [0, 1], with `(u, v) = reparam(a, b)` (sections 3.2, 3.4, 4.1):
 //! the projector of an image place is the Bezier curve over one point of each of the m + 1 surfaces.
 
+mod bend;
 pub mod facets;
 pub mod patch;
 pub mod reparam;
@@ -10,7 +11,7 @@ pub mod round;
 pub mod surface;
 
 use super::bundle::Ray;
-use super::curve::{Curve, CurveMap, Curves};
+use super::curve::{Bend, Curve, CurveMap, Curves};
 use super::field::RayMap;
 use super::pieces::Pieces;
 use super::recipe::{Built, Recipe, Setting};
@@ -192,6 +193,10 @@ impl CurveMap for Volume {
 
     fn piece_count(&self) -> usize {
         self.piece_count as usize
+    }
+
+    fn bend(&self, ab: [DVec2; 2]) -> Option<Bend> {
+        self.bend_over(ab)
     }
 }
 

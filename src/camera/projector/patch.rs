@@ -3,6 +3,7 @@
 //! A Bezier patch is the B-spline patch whose knots are 0 and 1 only; a NURBS patch is a B-spline patch in homogeneous
 //! coordinates (w x, w y, w z, w). (Brosz et al. 2007, section 5, on Glassner's and the magnification lens's surfaces.)
 
+use crate::camera::curve::Bend;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3, DVec4};
@@ -89,6 +90,47 @@ impl Patch {
         (point.w > 0.0).then(|| point.truncate() / point.w)
     }
 
+    /// Over a rectangle of (u, v): the control points of each of its polynomials, by blossoms, bound their derivatives. `None` of a rational
+    /// patch, and where it has a kink.
+    pub(super) fn bend(&self, [lo, hi]: [DVec2; 2]) -> Option<Bend> {
+        if self.rational {
+            return None;
+        }
+        let (across, down) = (self.u.parts([lo.x, hi.x])?, self.v.parts([lo.y, hi.y])?);
+        let all = across.iter().flat_map(|u| down.iter().map(move |v| self.bend_of(*u, *v)));
+        Some(all.fold(Bend::default(), Bend::max))
+    }
+
+    /// Of one polynomial, over spans of both parameters.
+    fn bend_of(&self, (first_u, ends_u): (usize, [f64; 2]), (first_v, ends_v): (usize, [f64; 2])) -> Bend {
+        let (p, q, columns) = (self.u.degree, self.v.degree, self.u.points());
+        let row = |i: usize, j: usize| {
+            let start = (first_v - q + j) * columns + first_u - p;
+            self.u.blossom(first_u, |r| ends_u[usize::from(r <= i)], |k| self.points[start + k])
+        };
+        let point =
+            |i: usize, j: usize| self.v.blossom(first_v, |r| ends_v[usize::from(r <= j)], |k| row(i, k)).truncate();
+        let net: Vec<Vec<DVec3>> = (0..=q).map(|j| (0..=p).map(|i| point(i, j)).collect()).collect();
+        let u = |net: &[Vec<DVec3>]| -> Vec<Vec<DVec3>> {
+            net.iter().map(|row| row.windows(2).map(|w| w[1] - w[0]).collect()).collect()
+        };
+        let v = |net: &[Vec<DVec3>]| -> Vec<Vec<DVec3>> {
+            net.windows(2).map(|w| w[0].iter().zip(&w[1]).map(|(a, b)| *b - *a).collect()).collect()
+        };
+        let most = |net: &[Vec<DVec3>]| net.iter().flatten().fold(0.0_f64, |m, d| m.max(d.length()));
+        let (uu, vv) = (u(&u(&net)), v(&v(&net)));
+        let (p, q) = (p as f64, q as f64);
+        let differences = Bend {
+            aaa: p * (p - 1.0) * (p - 2.0) * most(&u(&uu)),
+            aab: p * (p - 1.0) * q * most(&v(&uu)),
+            abb: q * (q - 1.0) * p * most(&u(&vv)),
+            bbb: q * (q - 1.0) * (q - 2.0) * most(&v(&vv)),
+        };
+        let scale =
+            |basis: &Basis, [t0, t1]: [f64; 2]| (basis.knots[basis.points()] - basis.knots[basis.degree]) / (t1 - t0);
+        differences.scaled(scale(&self.u, ends_u), scale(&self.v, ends_v))
+    }
+
     /// Greville's abscissae of a uniform basis: a patch whose control points lie at these places of a plane is that plane, with
     /// its (u, v).
     pub(crate) fn greville(degree: usize, count: usize) -> Vec<f64> {
@@ -124,15 +166,41 @@ impl Basis {
         below.find(is_span).or_else(|| beyond.find(is_span)).unwrap_or(p)
     }
 
+    /// The spans that places between two ends lie in, each with the parameters that it has of them. `None` where a first or second derivative may
+    /// jump between the ends.
+    fn parts(&self, ends: [f64; 2]) -> Option<Vec<(usize, [f64; 2])>> {
+        let [mut from, to] = ends.map(|x| self.knot_at(x));
+        let mut parts = Vec::new();
+        while from < to {
+            let span = self.span(from);
+            let knot = self.knots[span + 1];
+            let is_last = knot >= to || knot >= self.knots[self.points()];
+            parts.push((span, [from, if is_last { to } else { knot }]));
+            if is_last {
+                return Some(parts);
+            }
+            if self.knots.iter().filter(|k| **k == knot).count() + 2 > self.degree {
+                return None;
+            }
+            from = knot;
+        }
+        None
+    }
+
     /// de Boor: the `degree + 1` points of a span, `point(0)` the first, blended at `t`.
     fn blend(&self, span: usize, t: f64, point: impl Fn(usize) -> DVec4) -> DVec4 {
+        self.blossom(span, |_| t, point)
+    }
+
+    /// The same with a parameter for each step, from 1 to the degree (Ramshaw 1989).
+    fn blossom(&self, span: usize, t: impl Fn(usize) -> f64, point: impl Fn(usize) -> DVec4) -> DVec4 {
         let p = self.degree;
         let mut d = [DVec4::ZERO; DEGREE_MAX + 1];
         d.iter_mut().take(p + 1).enumerate().for_each(|(j, d)| *d = point(j));
         for r in 1..=p {
             for j in (r..=p).rev() {
                 let (low, high) = (self.knots[span - p + j], self.knots[span + 1 + j - r]);
-                let s = (t - low) / (high - low);
+                let s = (t(r) - low) / (high - low);
                 d[j] = (1.0 - s) * d[j - 1] + s * d[j];
             }
         }

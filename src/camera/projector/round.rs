@@ -1,5 +1,6 @@
 //! Round control surfaces: cylinder, sphere, disc. The formulas are those of the `projector` camera's description.
 
+use crate::camera::curve::Bend;
 use crate::camera::kinds::values::direction;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
@@ -68,6 +69,10 @@ impl Cylinder {
         let (sin, cos) = (self.from + uv.x * (self.to - self.from)).sin_cos();
         self.center + self.radius * (cos * self.e1 + sin * self.e2) + self.height * (uv.y - 0.5) * self.axis
     }
+
+    pub(super) fn bend(&self) -> Bend {
+        Bend { aaa: self.radius * (self.to - self.from).abs().powi(3), ..Bend::default() }
+    }
 }
 
 impl Sphere {
@@ -88,6 +93,11 @@ impl Sphere {
         let (sin_p, cos_p) = (self.lat[0] + uv.y * (self.lat[1] - self.lat[0])).sin_cos();
         self.center + self.radius * DVec3::new(cos_p * sin_l, sin_p, cos_p * cos_l)
     }
+
+    pub(super) fn bend(&self) -> Bend {
+        let of_angles = Bend { aaa: self.radius, aab: self.radius, abb: self.radius, bbb: self.radius };
+        of_angles.scaled(self.lon[1] - self.lon[0], self.lat[1] - self.lat[0])
+    }
 }
 
 impl Disc {
@@ -107,6 +117,12 @@ impl Disc {
     pub fn at(&self, uv: DVec2) -> DVec3 {
         let (sin, cos) = (TAU * uv.x).sin_cos();
         self.center + uv.y * self.radius * (cos * self.e1 + sin * self.e2)
+    }
+
+    /// Over a rectangle of (u, v).
+    pub(super) fn bend(&self, [lo, hi]: [DVec2; 2]) -> Bend {
+        let turned = self.radius * TAU * TAU;
+        Bend { aaa: lo.y.abs().max(hi.y.abs()) * turned * TAU, aab: turned, ..Bend::default() }
     }
 }
 

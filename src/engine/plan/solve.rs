@@ -1,11 +1,13 @@
 //! What `solve` knows of a camera's pieces and of points: each piece about an anchor of its own, so that f32 holds what a point's image
-//! depends on.
+//! depends on. Curves: [`cells`].
+
+pub mod cells;
 
 use crate::camera::Camera;
 use crate::camera::mesh::overlap::first_overlap;
 use crate::camera::pieces::{Piece, Pieces};
 use crate::camera::project::tree::{INNER, Tree};
-use crate::gpu::layout::{NONE, SolvePiece, SolvePoint};
+use crate::gpu::layout::{NONE, SolveImage, SolvePiece, SolvePoint};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -16,6 +18,12 @@ pub struct SolveTable {
     pub leaves: Vec<u32>,
     /// Ends of t_range; [`ENDLESS`] in place of what is beyond.
     pub t_range: [f32; 2],
+    origin: Origin,
+}
+
+/// Where the camera's coordinates in f32 begin.
+#[derive(Debug, Clone, Copy)]
+struct Origin {
     anchor: DVec3,
     /// The length that is 1: a power of 2.
     unit: f64,
@@ -47,25 +55,53 @@ impl SolveTable {
     pub fn new(camera: &Camera, pieces: &Pieces, tree: &Tree) -> SolveTable {
         let all = &pieces.pieces;
         let longest = all.iter().map(|p| (p.bundle.d[0] / p.bundle.h[0]).abs().max_element()).fold(0.0, f64::max);
+        let origin = Origin::new(tree.anchor, longest);
+        let size = DVec2::new(camera.width.into(), camera.height.into());
+        let corners: Option<Vec<[DVec2; 3]>> = all.iter().map(|p| p.corners_px).collect();
+        let is_alone = all.len() == 1 || corners.is_some_and(|corners| first_overlap(&corners).is_none());
+        let flags = SOLVABLE | if is_alone { ALONE } else { 0 };
+        let packed = all.par_iter().map(|p| packed(p, size, &origin, flags).unwrap_or(bytemuck::Zeroable::zeroed()));
+        let t_range = camera.t_range.map(|t| t.clamp(-ENDLESS, ENDLESS) as f32);
+        SolveTable { pieces: packed.collect(), leaves: leaves(tree), t_range, origin }
+    }
+
+    /// A point about the anchor.
+    pub fn point(&self, point: DVec3) -> SolvePoint {
+        self.origin.point(point)
+    }
+
+    /// Where an image lies, px.
+    pub fn place_px(&self, image: &SolveImage) -> DVec2 {
+        let piece = &self.pieces[image.piece as usize];
+        let base = DVec2::new(piece.base_x.into(), piece.base_y.into());
+        base + DVec2::new(image.x_px.into(), image.y_px.into())
+    }
+}
+
+/// The leaf of each node; [`NONE`] of those that are none.
+fn leaves(tree: &Tree) -> Vec<u32> {
+    tree.nodes.iter().map(|n| if n.leaf == INNER { NONE } else { n.leaf }).collect()
+}
+
+impl Origin {
+    /// For rays that are so long.
+    fn new(anchor: DVec3, longest: f64) -> Origin {
         let unit = if longest > 0.0 && longest.is_finite() {
             longest.log2().ceil().clamp(-1000.0, 1000.0).exp2()
         } else {
             1.0
         };
-        let size = DVec2::new(camera.width.into(), camera.height.into());
-        let corners: Option<Vec<[DVec2; 3]>> = all.iter().map(|p| p.corners_px).collect();
-        let is_alone = all.len() == 1 || corners.is_some_and(|corners| first_overlap(&corners).is_none());
-        let anchor = tree.anchor;
-        let flags = SOLVABLE | if is_alone { ALONE } else { 0 };
-        let packed =
-            all.par_iter().map(|p| packed(p, size, anchor, unit, flags).unwrap_or(bytemuck::Zeroable::zeroed()));
-        let t_range = camera.t_range.map(|t| t.clamp(-ENDLESS, ENDLESS) as f32);
-        let leaves = tree.nodes.iter().map(|n| if n.leaf == INNER { NONE } else { n.leaf }).collect();
-        SolveTable { pieces: packed.collect(), leaves, t_range, anchor, unit }
+        Origin { anchor, unit }
     }
 
-    /// A point about the anchor.
-    pub fn point(&self, point: DVec3) -> SolvePoint {
+    /// The two halves of a place of the world, and the place that they are.
+    fn split(&self, place: DVec3) -> ([[f32; 3]; 2], DVec3) {
+        let [hi, lo] = pair((place - self.anchor) / self.unit);
+        let own = DVec3::from_array(hi.map(f64::from)) + DVec3::from_array(lo.map(f64::from));
+        ([hi, lo], self.anchor + self.unit * own)
+    }
+
+    fn point(&self, point: DVec3) -> SolvePoint {
         let x = (point - self.anchor) / self.unit;
         if !x.is_finite() || x.abs().max_element() > FARTHEST {
             return SolvePoint { hi: [0.0; 3], is_near: 0, lo: [0.0; 3], pad0: 0 };
@@ -82,7 +118,7 @@ fn pair(x: DVec3) -> [[f32; 3]; 2] {
 }
 
 /// `None` where f32 does not hold it.
-fn packed(piece: &Piece, size: DVec2, anchor: DVec3, unit: f64, flags: u32) -> Option<SolvePiece> {
+fn packed(piece: &Piece, size: DVec2, origin: &Origin, flags: u32) -> Option<SolvePiece> {
     let outline = match piece.corners_px {
         Some(corners) => corners.to_vec(),
         None => vec![DVec2::ZERO, DVec2::new(size.x, 0.0), size, DVec2::new(0.0, size.y)],
@@ -102,9 +138,8 @@ fn packed(piece: &Piece, size: DVec2, anchor: DVec3, unit: f64, flags: u32) -> O
         return None;
     }
     let scale = [1.0 / h0, half_px / h0, half_px / h0];
-    let [anchor_hi, anchor_lo] = pair((b.p[0] / h0 - anchor) / unit);
-    let own = DVec3::from_array(anchor_hi.map(f64::from)) + DVec3::from_array(anchor_lo.map(f64::from));
-    let at = anchor + unit * own;
+    let ([anchor_hi, anchor_lo], at) = origin.split(b.p[0] / h0);
+    let unit = origin.unit;
     let h = [0, 1, 2].map(|k| scale[k] * b.h[k]);
     let p = [0, 1, 2].map(|k| scale[k] * (b.p[k] - at * b.h[k]) / unit);
     let d = [0, 1, 2].map(|k| scale[k] * b.d[k] / unit);

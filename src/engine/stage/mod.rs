@@ -116,8 +116,9 @@ kernels! {
 /// The kernels of a variant whose frames have these planes, and those that are no part of a frame but the ones of [`gradient`].
 pub fn all_kernels(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     let of_frames = KernelId::ALL.into_iter().filter_map(|id| id.kernel(variant, planes));
-    let others = [mip::kernel(), sift::kernel(), solve::kernel(), splat::claim(), splat::contend(), deposit::kernel()];
-    of_frames.chain(others).collect()
+    let solve = [solve::kernel(), solve::kernel_of_curves()];
+    let others = [mip::kernel(), sift::kernel(), splat::claim(), splat::contend(), deposit::kernel()];
+    of_frames.chain(solve).chain(others).collect()
 }
 
 impl KernelId {

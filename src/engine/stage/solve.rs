@@ -1,19 +1,20 @@
-//! solve: the images of points in the pieces that sift listed, in f32 with bounds.
+//! solve: the images of points in the leaves that sift listed, in f32 with bounds.
 //!
-//! A candidate is proven to hold no image, or images that are each the only one within its bounds; or nothing of it is proven. Only pieces
-//! are solved: of a layer of other rays nothing is.
+//! A candidate is proven to hold no image, or images that are each the only one within its bounds; or nothing of it is proven. Pieces are
+//! solved, and curves between control surfaces if asked for ([`Solve::with_curves`]); of a layer of other rays nothing is.
 
 use super::dispatch_items;
 use super::sift::{Sift, Sifted, Started};
 use crate::camera::Rays;
 use crate::camera::project::Projector;
 use crate::engine::plan::solve::SolveTable;
+use crate::engine::plan::solve::cells::CellTable;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
 use crate::gpu::kernels::parts::*;
-use crate::gpu::layout::{NONE, SolveImage, SolveParams};
+use crate::gpu::layout::{NONE, SolveImage, SolveParams, SolvePoint};
 use crate::input::Result;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use wgpu::BufferUsages;
 
@@ -21,9 +22,19 @@ pub(super) const LAYOUT: Parts = snippets!("project/layout.wgsl");
 
 /// Candidates of points in a layer of pieces; no part of a frame.
 pub fn kernel() -> Kernel {
+    let own = snippets!("project/chart.wgsl", "project/prove.wgsl", "project/in_piece.wgsl");
+    kernel_of(reads("pieces", "array<SolvePiece>"), own)
+}
+
+/// The same in a layer of curves.
+pub fn kernel_of_curves() -> Kernel {
+    kernel_of(reads("cells", "array<SolveCell>"), snippets!("project/in_cell.wgsl"))
+}
+
+fn kernel_of(table: Binding, own: Parts) -> Kernel {
     let bindings = vec![
         uniform("solving", "SolveParams"),
-        reads("pieces", "array<SolvePiece>"),
+        table,
         reads("leaves", "array<u32>"),
         reads("points", "array<SolvePoint>"),
         reads("found", "array<u32>"),
@@ -32,37 +43,43 @@ pub fn kernel() -> Kernel {
         writes("counts", "array<atomic<u32>>"),
         writes("wanted", "array<atomic<u32>>"),
     ];
-    let own = snippets!("project/chart.wgsl", "project/prove.wgsl", "solve.wgsl");
-    Kernel::new("solve", bindings, &[PARAMS, ITEMS, LAYOUT, own])
+    let ends = [snippets!("project/answer.wgsl"), own, snippets!("solve.wgsl")];
+    Kernel::new("solve", bindings, &[&[PARAMS, ITEMS, LAYOUT][..], &ends].concat())
 }
 
-/// The kernels, compiled, and a camera's trees and pieces on the device.
+/// The kernels, compiled, and a camera's trees and pieces or cells on the device.
 pub struct Solve<'g> {
     pub(super) gpu: &'g Gpu,
     pub(super) sift: Sift<'g>,
-    pipeline: Pipeline,
-    /// `None`: not of pieces.
+    /// `None`: not solved.
     layers: Vec<Option<Layer>>,
     size: [u32; 2],
 }
 
 struct Layer {
-    table: SolveTable,
-    /// `pieces` and `leaves`: written by the host, read by the kernel.
+    table: Table,
+    pipeline: Pipeline,
+    /// `pieces` or `cells`, and `leaves`: written by the host, read by the kernel.
     tables: Buffers,
+}
+
+/// What the kernel knows of a layer.
+enum Table {
+    Pieces(SolveTable),
+    Cells(CellTable),
 }
 
 /// A chunk that the device is at work on.
 pub struct SolveStarted {
     sifted: Started,
-    /// Of each layer of pieces: what `solved`, `images` and `counts` come to.
+    /// Of each layer that is solved: what `solved`, `images` and `counts` come to.
     lists: Vec<Option<[wgpu::Buffer; 3]>>,
 }
 
 /// What was found for the points of a chunk.
 pub struct Solved {
     sifted: Sifted,
-    /// Of each layer of pieces: the status of each slot, and images by point.
+    /// Of each layer that is solved: the status of each slot, and images by point.
     layers: Vec<Option<(Vec<u32>, Vec<SolveImage>)>>,
 }
 
@@ -73,26 +90,46 @@ const SAMPLE: usize = 2048;
 const IMAGE_BYTES: u64 = size_of::<SolveImage>() as u64;
 
 impl<'g> Solve<'g> {
-    /// For the points of one camera; the device holds 64 bytes a node of its trees, and 240 a piece.
+    /// For the points of one camera, in pieces; the device holds 64 bytes a node of its trees, and 240 a piece.
     pub fn new(gpu: &'g Gpu, projector: &Projector) -> Result<Solve<'g>> {
+        Solve::of(gpu, projector, false)
+    }
+
+    /// The same in curves too, for images with errors; 464 bytes for 8 x 8 px and an eighth of t. To the host's own images that is no help:
+    /// nearly all of its search is in the leaves that hold them.
+    pub fn with_curves(gpu: &'g Gpu, projector: &Projector) -> Result<Solve<'g>> {
+        Solve::of(gpu, projector, true)
+    }
+
+    fn of(gpu: &'g Gpu, projector: &Projector, has_curves: bool) -> Result<Solve<'g>> {
         let sift = Sift::new(gpu, projector)?;
-        let pipeline = Pipeline::new(gpu, kernel())?;
         let camera = projector.camera();
         let layer = |(rays, tree): (&Rays, _)| {
-            let Rays::Pieces(pieces) = rays else { return Ok(None) };
-            let table = SolveTable::new(camera, pieces, tree);
-            let mut tables = Buffers::default();
+            let table = match rays {
+                Rays::Pieces(pieces) => Table::Pieces(SolveTable::new(camera, pieces, tree)),
+                Rays::Curves(curves) if has_curves => Table::Cells(CellTable::new(camera, curves, tree)),
+                _ => return Ok(None),
+            };
             // a list that no binding holds is the host's
-            let bytes = std::mem::size_of_val(table.pieces.as_slice()) as u64;
-            if bytes > gpu.binding_limit() {
+            if table.bytes() as u64 > gpu.binding_limit() || table.is_empty() {
                 return Ok(None);
             }
-            tables.upload(gpu, "pieces", &table.pieces)?;
-            tables.upload(gpu, "leaves", &table.leaves)?;
-            Ok(Some(Layer { table, tables }))
+            let mut tables = Buffers::default();
+            let (kernel, leaves) = match &table {
+                Table::Pieces(table) => {
+                    tables.upload(gpu, "pieces", &table.pieces)?;
+                    (kernel(), &table.leaves)
+                }
+                Table::Cells(table) => {
+                    tables.upload(gpu, "cells", &table.cells)?;
+                    (kernel_of_curves(), &table.leaves)
+                }
+            };
+            tables.upload(gpu, "leaves", leaves)?;
+            Ok(Some(Layer { table, pipeline: Pipeline::new(gpu, kernel)?, tables }))
         };
         let layers = camera.layers.iter().zip(projector.trees()).map(layer).collect::<Result<_>>()?;
-        Ok(Solve { gpu, sift, pipeline, layers, size: [camera.width, camera.height] })
+        Ok(Solve { gpu, sift, layers, size: [camera.width, camera.height] })
     }
 
     /// Points of a chunk at most.
@@ -135,7 +172,7 @@ impl<'g> Solve<'g> {
         Ok(SolveStarted { sifted: started, lists })
     }
 
-    /// Appends the dispatch of a layer's chunk after sift's; its buffers; `None` if the layer has no pieces.
+    /// Appends the dispatch of a layer's chunk after sift's; its buffers; `None` if the layer is not solved.
     ///
     /// `solved`: a word each slot of a point. `images`: two for each point. `counts`: a word. `wanted`: a bit each point.
     pub(super) fn encode(
@@ -147,9 +184,10 @@ impl<'g> Solve<'g> {
         sifted: &Buffers,
     ) -> Result<Option<Buffers>> {
         let gpu = self.gpu;
-        let Some(Layer { table, tables }) = &self.layers[layer] else { return Ok(None) };
+        let Some(Layer { table, pipeline, tables }) = &self.layers[layer] else { return Ok(None) };
         let mut chunk = Buffers::default();
         let packed: Vec<_> = points.par_iter().map(|p| table.point(*p)).collect();
+        let [t_min, t_max] = table.t_range();
         chunk.upload(gpu, "points", &packed)?;
         let count = points.len() as u64;
         let most = u64::from(Solve::images_most(gpu, points.len()));
@@ -165,16 +203,16 @@ impl<'g> Solve<'g> {
                 slots,
                 images_most: most as u32,
                 pad0: 0,
-                t_min: table.t_range[0],
-                t_max: table.t_range[1],
+                t_min,
+                t_max,
                 width: self.size[0],
                 height: self.size[1],
             },
         )?;
-        let group = self.pipeline.bind(gpu, &[&chunk, tables, sifted])?;
+        let group = pipeline.bind(gpu, &[&chunk, tables, sifted])?;
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("solve"), timestamp_writes: None });
-        pass.set_pipeline(self.pipeline.raw());
+        pass.set_pipeline(pipeline.raw());
         pass.set_bind_group(0, &group, &[]);
         dispatch_items(gpu, &mut pass, count as u32 * slots);
         drop(pass);
@@ -205,7 +243,10 @@ impl<'g> Solve<'g> {
             let mut images: Vec<SolveImage> =
                 all[..count.min(all.len())].iter().filter(|i| i.point < points as u32).copied().collect();
             images.par_sort_unstable_by(|a, b| (a.point, a.piece).cmp(&(b.point, b.piece)).then(a.t.total_cmp(&b.t)));
-            sifted.keep(layer, |slot| status[slot] != 0);
+            // of curves the host's search in a leaf without images may end in an image of the next one, with last bits of its own
+            if matches!(&self.layers[layer], Some(Layer { table: Table::Pieces(_), .. })) {
+                sifted.keep(layer, |slot| status[slot] != 0);
+            }
             layers.push(Some((status, images)));
         }
         Ok(Solved { sifted, layers })
@@ -213,7 +254,60 @@ impl<'g> Solve<'g> {
 
     /// The table of a layer of pieces.
     pub fn table(&self, layer: usize) -> Option<&SolveTable> {
-        self.layers[layer].as_ref().map(|l| &l.table)
+        match &self.layers[layer].as_ref()?.table {
+            Table::Pieces(table) => Some(table),
+            Table::Cells(_) => None,
+        }
+    }
+
+    /// The table of a layer of curves.
+    pub fn cells(&self, layer: usize) -> Option<&CellTable> {
+        match &self.layers[layer].as_ref()?.table {
+            Table::Pieces(_) => None,
+            Table::Cells(table) => Some(table),
+        }
+    }
+
+    /// Where an image of a layer lies, px, and its piece in the layer; `None` where the layer is not solved.
+    pub fn place(&self, layer: usize, image: &SolveImage) -> Option<(DVec2, u32)> {
+        match &self.layers[layer].as_ref()?.table {
+            Table::Pieces(table) => Some((table.place_px(image), image.piece)),
+            // control surfaces in pieces are not solved
+            Table::Cells(table) => Some((table.place_px(image), 0)),
+        }
+    }
+
+    /// The kernels prove images in a layer.
+    pub fn solves(&self, layer: usize) -> bool {
+        self.layers[layer].is_some()
+    }
+}
+
+impl Table {
+    fn bytes(&self) -> usize {
+        match self {
+            Table::Pieces(table) => size_of_val(table.pieces.as_slice()),
+            Table::Cells(table) => size_of_val(table.cells.as_slice()),
+        }
+    }
+
+    /// Nothing in it can be solved.
+    fn is_empty(&self) -> bool {
+        matches!(self, Table::Cells(table) if table.solvable() == 0)
+    }
+
+    fn point(&self, point: DVec3) -> SolvePoint {
+        match self {
+            Table::Pieces(table) => table.point(point),
+            Table::Cells(table) => table.point(point),
+        }
+    }
+
+    fn t_range(&self) -> [f32; 2] {
+        match self {
+            Table::Pieces(table) => table.t_range,
+            Table::Cells(_) => [0.0, 1.0],
+        }
     }
 }
 

@@ -52,11 +52,14 @@ pub struct SplatStarted {
 }
 
 impl<'g> Splat<'g> {
-    /// An image without points; `None` for a camera that is not one layer of pieces.
+    /// An image without points; `None` for a camera that is not one layer of pieces, or of curves that solve has bounds of.
     pub fn new(gpu: &'g Gpu, projector: &Projector) -> Result<Option<Splat<'g>>> {
         let camera = projector.camera();
-        let solve = Solve::new(gpu, projector)?;
-        if camera.layers.len() != 1 || solve.table(0).is_none() {
+        if camera.layers.len() != 1 {
+            return Ok(None);
+        }
+        let solve = Solve::with_curves(gpu, projector)?;
+        if !solve.solves(0) {
             return Ok(None);
         }
         let pixels = vec![u32::MAX; camera.width as usize * camera.height as usize];
