@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn every_rival_has_a_mark_of_its_own() {
-        for rival in &rivals::TECHNIQUES {
+        for rival in rivals::TECHNIQUES {
             assert_ne!(class(rival.name), "tx", "{}", rival.name);
         }
         let mut looks: Vec<String> = TECHNIQUES.iter().map(|t| format!("{:?} {:?}", t.colours, t.mark)).collect();
