@@ -13,6 +13,10 @@ PEERS := pycolmap trimesh rtree
 # A virtual environment, and the wheel that it is tested in.
 VENV := $(BUILD)/venv
 TESTED := $(BUILD)/tested-wheel
+CARGO_TEST := cargo test --locked --features internals
+LONG_TESTS := appearance frames kernels
+ALL_TESTS := $(basename $(notdir $(wildcard tests/*.rs))) $(patsubst tests/%/main.rs,%,$(wildcard tests/*/main.rs))
+OTHER_TESTS := $(filter-out $(LONG_TESTS),$(ALL_TESTS))
 # Installs packages, by sudo where that asks for no password.
 install = as=; [ "$$(id -u)" = 0 ] || as="sudo -n"; command -v apt-get >/dev/null && $$as true 2>/dev/null && \
 	$$as apt-get update -qq && $$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $(1) >/dev/null
@@ -37,10 +41,13 @@ agreement: rust driver
 wheel: rust venv
 	@$(VENV)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(BUILD)/wheels
 
-# All tests; installs a software Vulkan driver first where there is none and apt-get may.
+# All tests; installs a software Vulkan driver first where there is none and apt-get may. The longest programs run beside the others, since
+# tests of one program wait for one another's engine; what they print comes last. Examples are compiled by clippy in .ci/run.
 test: rust driver venv
-	cargo test --locked --features internals
-	@$(MAKE) test-python
+	$(CARGO_TEST) --lib --bins --tests --no-run
+	@$(CARGO_TEST) $(addprefix --test ,$(LONG_TESTS)) >$(BUILD)/long-tests.txt 2>&1 & long=$$!; \
+	$(CARGO_TEST) --lib --bins $(addprefix --test ,$(OTHER_TESTS)) && $(CARGO_TEST) --doc && $(MAKE) test-python; others=$$?; \
+	wait $$long; long=$$?; cat $(BUILD)/long-tests.txt; [ $$others = 0 ] && [ $$long = 0 ]
 
 # Only those of the Python package: a wheel that is built in a hurry, and installed.
 test-python: rust driver venv

@@ -60,9 +60,11 @@ pub fn bars(rows: &[Row], width: f64) -> String {
 }
 
 /// Colours of stages.
-const CLASSES: usize = 10;
-const COLOURS: [&str; CLASSES] =
-    ["#4477aa", "#cc6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#999933", "#bbbbbb", "#ee7733", "#117733"];
+const CLASSES: usize = 14;
+const COLOURS: [&str; CLASSES] = [
+    "#4477aa", "#cc6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#999933", "#bbbbbb", "#ee7733", "#117733",
+    "#882255", "#44aa99", "#999999", "#ddaa33",
+];
 
 /// Their style sheet.
 pub fn style() -> String {

@@ -1,6 +1,6 @@
 //! Pages over runs: one over all of them, and one for each. They need nothing but the pictures beside them.
 
-use super::chart::SMALL;
+use super::chart::{LARGE, SMALL};
 use super::closeups;
 use super::plot::{Drawn, file_name, plots};
 use super::row::Row;
@@ -93,12 +93,17 @@ pub fn page(runs: &[(String, Run)]) -> String {
             SUITES.iter().find(|s| s.name == run.suite).map_or("", |s| s.asks),
             source(run)
         );
-        for (_, title, svg) in plots(&run.rows, plot_of(run), SMALL).iter().filter(|_| plot_of(run) != Plot::Stages) {
-            let anchor = anchor(title);
-            text += &format!(
-                "<figure><figcaption><a href=\"{folder}/index.html#{anchor}\">{}</a></figcaption>{svg}</figure>\n",
-                escaped(title)
-            );
+        if plot_of(run) == Plot::Stages {
+            text += "</div><div>";
+            text += &plots(&run.rows, Plot::Stages, LARGE).into_iter().map(|(_, _, svg)| svg).collect::<String>();
+        } else {
+            for (_, title, svg) in plots(&run.rows, plot_of(run), SMALL) {
+                text += &format!(
+                    "<figure><figcaption><a href=\"{folder}/index.html#{}\">{}</a></figcaption>{svg}</figure>\n",
+                    anchor(&title),
+                    escaped(&title)
+                );
+            }
         }
         text += "</div></section>\n";
     }

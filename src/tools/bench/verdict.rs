@@ -151,7 +151,7 @@ pub fn verdict(adapter: &str, runs: &[&Run]) -> String {
         a.ratios
             .first()
             .filter(|r| r.0 < 1.0 - DRAW)
-            .map(|r| format!("{} in {:.2} of our time ({})", a.rival, r.0, r.1))
+            .map(|r| format!("{} in {:.2} of our time ({})", a.rival, r.0, r.1.trim()))
     };
     let lost: Vec<String> = all.iter().filter_map(worst).collect();
     let lost = if lost.is_empty() { "nowhere".to_owned() } else { lost.join("; ") };
