@@ -55,8 +55,8 @@ impl DrawQueries {
         })
     }
 
-    /// The query of the next pass.
-    pub fn next(&mut self) -> Option<u32> {
+    /// The query of one more pass; `None` where they are full.
+    pub fn add_pass(&mut self) -> Option<u32> {
         let query = self.passes;
         self.passes += 1;
         (query < self.capacity).then_some(query)

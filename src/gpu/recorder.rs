@@ -132,7 +132,7 @@ impl Recorder {
         colours: &[Option<wgpu::RenderPassColorAttachment>],
         depth: Option<wgpu::RenderPassDepthStencilAttachment>,
     ) -> DrawPass<'_> {
-        let query = self.draws.as_mut().and_then(DrawQueries::next);
+        let query = self.draws.as_mut().and_then(DrawQueries::add_pass);
         let set = self.draws.as_ref().map(|draws| draws.set().clone());
         DrawPass::new(self.render(name, colours, depth), set.as_ref().zip(query))
     }
