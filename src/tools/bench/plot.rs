@@ -57,7 +57,7 @@ fn at_time(row: &Row, y: f64) -> Option<Point> {
 }
 
 /// The error of colours, root mean square of full scale; `None` where they are the same.
-fn rms(row: &Row) -> Option<f64> {
+pub fn rms(row: &Row) -> Option<f64> {
     Some(10f64.powf(row.error.as_ref()?.psnr? / -20.0))
 }
 

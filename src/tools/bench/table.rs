@@ -67,9 +67,10 @@ const COLUMNS: [&str; 57] = [
 ];
 
 /// What times are.
-pub const ABOUT_TIMES: &str = "Times are medians of frames that ran in turn with those of all other techniques, from the first submission until \
-     the results are complete on the device, with intervals that hold the median with 95 % probability, whatever the distribution; a ratio is \
-     the median over rounds in which both ran. (?): an end of the interval is more than 5 % from the median after all rounds. What takes over 10 s a frame ran once.";
+pub const ABOUT_TIMES: &str = "Times are medians of frames that ran in turn with those of all other techniques. A frame lasts from the first \
+     submission until the results are complete on the device. Intervals hold the median with 95 % probability, whatever the distribution. A \
+     ratio is the median over rounds in which both ran. (?): an end of the interval is more than 5 % from the median after all rounds. What \
+     takes over 10 s a frame ran once.";
 
 /// Every row, every value. Stages are name=ms, and the times of frames ms, separated by semicolons.
 pub fn csv(rows: &[Row]) -> Result<String> {

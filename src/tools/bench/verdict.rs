@@ -3,6 +3,7 @@
 
 use super::Run;
 use super::page::{escaped, table};
+use super::plot::rms;
 use super::row::Row;
 
 /// Suites whose rows are compared: the others have no rivals, or scenes that are made to be hard.
@@ -28,11 +29,8 @@ struct Against {
 /// Smaller is better; of two rows of one case.
 fn error(row: &Row) -> Option<f64> {
     let error = row.error.as_ref()?;
-    match (error.is_of_colours(), error.psnr) {
-        (true, Some(psnr)) => Some(10f64.powf(psnr / -20.0)),
-        (true, None) => Some(0.0),
-        (false, _) => Some(error.wrong_share),
-    }
+    // without an rms the colours are the same
+    Some(if error.is_of_colours() { rms(row).unwrap_or(0.0) } else { error.wrong_share })
 }
 
 fn time(row: &Row) -> Option<f64> {
