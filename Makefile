@@ -1,6 +1,6 @@
-# What a person types: make demo, make gallery, make wheel, make test, make test-python, make check, make test-adapters, make agreement.
+# What a person types: make demo, make gallery, make wheel, make test, make test-python, make check, make test-adapters, make agreement, make reproduce-quick.
 
-.PHONY: demo gallery agreement wheel test test-python test-adapters check rust driver venv
+.PHONY: demo gallery agreement reproduce-quick wheel test test-python test-adapters check rust driver venv
 
 BUILD := $(or $(CARGO_TARGET_DIR),target)
 RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
@@ -36,6 +36,12 @@ gallery: rust driver
 # Compare every camera with the reference on a city of 35,000 triangles and on the models in the folder MODELS: hours on a CPU.
 agreement: rust driver
 	@cargo run --release --locked --quiet --features internals --example agreement -- out/agreement $(MODELS)
+
+# Ten cases of the committed runs again: does each row agree? Ten minutes on a CPU.
+reproduce-quick: rust driver
+	@cargo build --release --locked
+	@status=0; while read -r row; do $(BUILD)/release/anamorph bench reproduce --runs 6 "$$row" || status=1; done <benches/reproduce-quick.txt; \
+	exit $$status
 
 # The Python package as a wheel, into target/wheels.
 wheel: rust venv

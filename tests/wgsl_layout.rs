@@ -77,7 +77,7 @@ fn rivals() -> Layouts {
     use anamorph::internals::rivals::layout as own;
     Layouts::from([
         layout!(own, Outline { a, b, c, is_whole, layer }),
-        layout!(own, Cube { eye, side }),
+        layout!(own, Cube { eye, side, right, pad0, up, pad1, forward, pad2 }),
         layout!(own, Splat { side, first, slots, pad0 }),
         layout!(own, Cone { eye, first, axis, count, angle, pad0, pad1, pad2 }),
     ])

@@ -265,6 +265,18 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// Each `step`-th row alone, the first one first.
+    pub(crate) fn rows(&self, step: u32) -> Frame {
+        let width = self.width as usize;
+        let kept = |k: &usize| (k / width).is_multiple_of(step as usize);
+        let plane = |plane: &Plane| match plane {
+            Plane::F32(v) => Plane::F32((0..v.len()).filter(kept).map(|k| v[k]).collect()),
+            Plane::U32(v) => Plane::U32((0..v.len()).filter(kept).map(|k| v[k]).collect()),
+        };
+        let planes = self.planes.iter().map(|(channel, values)| (*channel, plane(values))).collect();
+        Frame { width: self.width, height: self.height.div_ceil(step), planes }
+    }
+
     /// The values of a channel of numbers; `None` if the frame does not have it.
     pub fn f32(&self, channel: Channel) -> Option<&[f32]> {
         self.planes.iter().find_map(|(c, p)| match p {

@@ -31,40 +31,62 @@ pub struct Judgement {
 
 /// The asked-for channels of the reference's frame.
 pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
-    let has_colour = channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B));
-    let maps = if has_colour { caustics(scene) } else { None };
-    image_with_caustics(scene, camera, channels, maps.as_ref())
+    rows_of_image(scene, camera, channels, EVERY_ROW)
 }
 
-/// The same with given caustics.
+/// The same of each `step`-th row alone, the first one first.
+pub fn rows_of_image(scene: &Scene, camera: &Camera, channels: &[Channel], step: u32) -> Frame {
+    let has_colour = channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B));
+    let maps = if has_colour { caustics(scene) } else { None };
+    rows_with_caustics(scene, camera, channels, maps.as_ref(), step)
+}
+
+/// A frame with given caustics.
 pub fn image_with_caustics(scene: &Scene, camera: &Camera, channels: &[Channel], maps: Option<&CausticMaps>) -> Frame {
+    rows_with_caustics(scene, camera, channels, maps, EVERY_ROW)
+}
+
+const EVERY_ROW: u32 = 1;
+
+fn rows_with_caustics(
+    scene: &Scene,
+    camera: &Camera,
+    channels: &[Channel],
+    maps: Option<&CausticMaps>,
+    step: u32,
+) -> Frame {
     if let Some(composition) = camera.layered() {
         let scenes = scene.of_each_camera(composition);
         let composed = Composed::new(scene, composition, &scenes);
-        return frame(camera, &each_pixel(camera, |i, j| composed.values(i, j)), channels);
+        return frame(camera, &each_pixel(camera, step, |i, j| composed.values(i, j)), channels);
     }
     let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
     let casters = scene.of_casters();
     let view = CameraView::new(scene, camera, &casters, maps);
-    frame(camera, &each_pixel(camera, |i, j| view.values(i, j)), channels)
+    frame(camera, &each_pixel(camera, step, |i, j| view.values(i, j)), channels)
 }
 
 /// Compares `frame`'s triangle ids with the reference.
 pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
+    judge_rows(scene, camera, frame_seen, EVERY_ROW)
+}
+
+/// The same in each `step`-th row alone: what comes has these rows only.
+pub fn judge_rows(scene: &Scene, camera: &Camera, frame_seen: &Frame, step: u32) -> Judgement {
     let ids = frame_seen.u32(Channel::TriangleId);
     let id = |i: u32, j: u32| ids.map(|ids| ids[j as usize * camera.width as usize + i as usize]);
     let judged = if let Some(composition) = camera.layered() {
         let scenes = scene.of_each_camera(composition);
         let composed = Composed::new(scene, composition, &scenes);
-        each_pixel(camera, |i, j| composed.judged((i, j), id(i, j)))
+        each_pixel(camera, step, |i, j| composed.judged((i, j), id(i, j)))
     } else {
         let maps = caustics(scene);
         let camera = &*own(camera);
         let scene = &*scene.with_optics(camera);
         let casters = scene.of_casters();
         let view = CameraView::new(scene, camera, &casters, maps.as_ref());
-        each_pixel(camera, |i, j| {
+        each_pixel(camera, step, |i, j| {
             let judged = view.judged(i, j);
             let is_near = id(i, j).is_none_or(|id| names_near(&judged.finding, id));
             (judged.values, judged.finding.safe, judged.scale, is_near)
@@ -153,9 +175,10 @@ pub(super) fn names_near(finding: &Finding, id: u32) -> bool {
     id == own || (!finding.safe && if id == NO_ID { finding.may_miss } else { finding.candidates.contains(&id) })
 }
 
-fn each_pixel<T: Send>(camera: &Camera, f: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
-    let w = camera.width as usize;
-    (0..w * camera.height as usize).into_par_iter().map(|k| f((k % w) as u32, (k / w) as u32)).collect()
+fn each_pixel<T: Send>(camera: &Camera, step: u32, f: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
+    let (w, step) = (camera.width as usize, step as usize);
+    let rows = (camera.height as usize).div_ceil(step);
+    (0..w * rows).into_par_iter().map(|k| f((k % w) as u32, (k / w * step) as u32)).collect()
 }
 
 fn pixel(
@@ -267,10 +290,12 @@ fn light_left(camera: &Camera, outcome: &Outcome) -> [f64; 3] {
     [0, 1, 2].map(|k| outcome.light * tint(k))
 }
 
+/// Of whole rows.
 fn frame<P: Borrow<PixelValues>>(camera: &Camera, pixels: &[P], channels: &[Channel]) -> Frame {
     let plane = |channel: Channel| Plane::of_words(channel, pixels.iter().map(|p| p.borrow().word(channel)).collect());
     let mut channels = channels.to_vec();
     channels.sort_unstable();
     channels.dedup();
-    Frame { width: camera.width, height: camera.height, planes: channels.into_iter().map(|c| (c, plane(c))).collect() }
+    let height = pixels.len() as u32 / camera.width;
+    Frame { width: camera.width, height, planes: channels.into_iter().map(|c| (c, plane(c))).collect() }
 }

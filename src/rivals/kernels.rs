@@ -11,7 +11,8 @@ const RANGE: Parts = snippets!("rivals/range.wgsl");
 const DRAWN: Parts = snippets!("rivals/drawn.wgsl");
 const OUTLINE: Parts = snippets!("rivals/outline.wgsl");
 const PROJECT: Parts = snippets!("rivals/project.wgsl");
-const FACE: Parts = snippets!("rivals/cube_face.wgsl");
+const CUBE_FACE: Parts = snippets!("rivals/cube_face.wgsl");
+const ONE_FACE: Parts = snippets!("rivals/one_face.wgsl");
 const SPLAT_CELLS: Parts = snippets!("rivals/splat_cells.wgsl");
 const PERSPECTIVE: Parts = snippets!("rivals/perspective_image.wgsl");
 
@@ -111,22 +112,27 @@ pub fn replicate(culling: bool) -> Kernel {
     kernel
 }
 
-/// Triangles onto a cube around the eye.
-pub fn cube() -> Kernel {
+/// The faces of a cube map, or the one of an ordinary picture.
+fn face(is_cube: bool) -> Parts {
+    if is_cube { CUBE_FACE } else { ONE_FACE }
+}
+
+/// Triangles onto a cube around the eye, or onto one picture.
+pub fn cube(is_cube: bool) -> Kernel {
     let bindings = [&[params(), uniform("cube", "Cube")][..], &mesh()].concat();
     Kernel::new(
         "cube",
         bindings,
-        &[PARAMS, VERTEX, PACKED_TRIANGLE, LAYOUT, DRAWN, FACE, snippets!("rivals/cube.wgsl")],
+        &[PARAMS, VERTEX, PACKED_TRIANGLE, LAYOUT, DRAWN, face(is_cube), snippets!("rivals/cube.wgsl")],
     )
 }
 
-/// The cube map to the camera's picture.
-pub fn unfold(variant: Variant) -> Kernel {
+/// The cube map, or the one picture, to the camera's picture.
+pub fn unfold(variant: Variant, is_cube: bool) -> Kernel {
     let mut bindings = vec![params(), uniform("cube", "Cube"), texture("picture", "texture_2d<u32>")];
     bindings.push(writes("visibility", "array<vec2<u32>>"));
     bindings.extend(variant.pixel_rays());
-    let own = [PACKED_TRIANGLE, LAYOUT, RANGE, FACE, snippets!("rivals/unfold.wgsl")];
+    let own = [PACKED_TRIANGLE, LAYOUT, RANGE, face(is_cube), snippets!("rivals/unfold.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SLABS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = Kernel::new("unfold", bindings, &snippets);
     kernel.constants = variant.constants();
@@ -154,9 +160,8 @@ pub fn splat_move(layers: u32, culling: bool, samples: u32) -> Kernel {
 /// The compute kernels for cameras of a variant.
 pub fn all(variant: Variant) -> Vec<Kernel> {
     let layers = if variant.slabbed { 2 } else { 1 };
-    let mut all =
-        vec![trace(variant, layers, 4, false), trace(variant, layers, 1, true), take(variant), unfold(variant)];
-    all.push(replicate(true));
+    let mut all = vec![trace(variant, layers, 4, false), trace(variant, layers, 1, true), take(variant)];
+    all.extend([unfold(variant, true), unfold(variant, false), replicate(true)]);
     all
 }
 
@@ -168,7 +173,8 @@ pub fn draws(layers: u32) -> Vec<Kernel> {
         warp(layers, true, 2, 3),
         bound(layers, true, centre),
         perspective(layers, true),
-        cube(),
+        cube(true),
+        cube(false),
         onto_s,
         splat_move(layers, true, 10),
     ]

@@ -14,7 +14,7 @@ pub struct Outline {
     pub layer: u32,
 }
 
-/// Where a cube map is taken, and how fine.
+/// Where a cube map, or one ordinary picture, is taken, and how fine.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Cube {
@@ -22,6 +22,13 @@ pub struct Cube {
     pub eye: [f32; 3],
     /// Texels of a face.
     pub side: u32,
+    /// Of the one picture: the dot products of what it shows with these are [-1, 1] times that with `forward`. A cube map has none.
+    pub right: [f32; 3],
+    pub pad0: u32,
+    pub up: [f32; 3],
+    pub pad1: u32,
+    pub forward: [f32; 3],
+    pub pad2: u32,
 }
 
 /// What a pair of passes by the texture S is over.

@@ -55,6 +55,13 @@ pub const TECHNIQUES: &[Technique] = &[
         draws: true,
         make: cubemap::cubemap,
     },
+    Technique {
+        name: "raster-image",
+        parameter: Some(Parameter { name: "texels a side", default: 2048, least: 16, most: 8192 }),
+        culls: false,
+        draws: true,
+        make: cubemap::image,
+    },
 ];
 
 /// Texels that a triangle has a side.

@@ -99,7 +99,7 @@ fn assert_is_filtered(kind: PatternKind, size: f64) {
         Material { diffuse: [1.0; 3], pattern: Some(pattern), ..Material::default() };
     scene.lights = vec![Light::distant(DVec3::NEG_Y)];
     for (name, camera) in families() {
-        let exact = box_filtered(&scene, &camera, 256);
+        let exact = box_filtered(&scene, &camera, 64);
         let seen = rendered(&mut engine, &scene, &camera, 1);
         let (error, unfiltered) = (flip(&exact, &seen, SIZE), flip(&exact, &box_filtered(&scene, &camera, 1), SIZE));
         println!("{kind:?}, {name}: FLIP {error:.4}, {:.1} dB; unfiltered {unfiltered:.4}", psnr(&exact, &seen));

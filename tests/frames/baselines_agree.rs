@@ -5,7 +5,7 @@ use crate::common;
 
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::rival::Choice;
+use anamorph::internals::engine::rival::{Choice, Technique};
 use anamorph::internals::image::frame::{Channel, NO_ID};
 use anamorph::internals::reference::image::judge;
 use anamorph::internals::rivals::TECHNIQUES;
@@ -224,6 +224,7 @@ fn the_error_of_what_approximates_falls_with_its_number() {
     falls(SLITS, "raster-warp", &[0, 2], 0.5);
     falls(SLITS, "raster-splat", &[2, 9], 0.5);
     falls(FISHEYE, "raster-cubemap", &[32, 256], 0.25);
+    falls(FISHEYE, "raster-image", &[32, 256], 0.25);
     falls(CURVED, "raymarch-segments", &[1, 16], 0.1);
 }
 
@@ -282,7 +283,10 @@ fn what_a_rival_cannot_show_it_refuses_in_a_line() {
     says(SLITS, "raymarch-segments", "straight");
     says(SLITS, "raster-pieces", "perspective");
     says(SLITS, "raster-cubemap:64", "one point");
-    for technique in TECHNIQUES.iter().filter(|t| t.name.starts_with("raster") && t.name != "raster-cubemap") {
+    says(SLITS, "raster-image:64", "one point");
+    says(&FISHEYE.replace("fov = 120", "fov = 200"), "raster-image:64", "raster-cubemap");
+    let looks_up = |t: &&Technique| ["raster-cubemap", "raster-image"].contains(&t.name);
+    for technique in TECHNIQUES.iter().filter(|t| t.name.starts_with("raster") && !looks_up(t)) {
         says(FISHEYE, technique.name, "pieces");
     }
     let mirror = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 1, 5], target = [0, 0, 0], vfov = 40 }\n\

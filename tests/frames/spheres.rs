@@ -266,8 +266,8 @@ fn all_arithmetic_sees_the_same_spheres() {
         [("pieces", pieces), ("field", raymap(64, 64, FORWARD)), ("curves", wavy(2, 0.4, false, (64, 64)))]
     {
         let Some(frame) = render(&scene, &camera) else { return };
-        // f64 in words takes minutes to compile for curves
-        if !camera.is_curved() {
+        // f64 in words takes long to compile, for curves minutes
+        if name == "field" {
             assert_same_without_f64(name, &scene, &camera, &frame);
         }
         let Some(rendered) = render_with(&scene, &camera, Without::Int64Atomics, &RunOptions::default()) else {

@@ -125,7 +125,9 @@ fn rays_on_edges_and_through_corners_see_the_references_triangle() {
         let most = most_differing(&name);
         for (seed, step) in (1..).zip([1, 2, 3, 5]) {
             let grid_scene = scene(grid(&camera, step, 0.7, depth, &mut Rng(seed)));
-            for without in [Without::Nothing, Without::Int64Atomics, Without::F64Depths] {
+            // other arithmetic where most corners meet, and where fewest do
+            let others = [Without::Int64Atomics, Without::F64Depths].into_iter().filter(|_| [1, 5].contains(&step));
+            for without in [Without::Nothing].into_iter().chain(others) {
                 let Some(frame) = frame(&grid_scene, &camera, without, false) else { return };
                 let differ = differing(&grid_scene, &camera, &frame);
                 let hits = ids(&frame).iter().filter(|id| **id != NO_ID).count();

@@ -10,10 +10,16 @@ struct Outline {
     layer: u32,
 }
 
-// Where a cube map is taken, and how fine.
+// Where a cube map, or one ordinary picture, is taken, and how fine.
 struct Cube {
     eye: vec3<f32>,         // relative to the anchor
     side: u32,              // texels of a face
+    right: vec3<f32>,       // of the one picture: dot products with these are [-1, 1] times that with forward
+    pad0: u32,
+    up: vec3<f32>,
+    pad1: u32,
+    forward: vec3<f32>,
+    pad2: u32,
 }
 
 // What a pair of passes by the texture S is over.

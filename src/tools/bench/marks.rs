@@ -31,7 +31,7 @@ const CUBE: [&str; 2] = ["#555555", "#aaaaaa"];
 const OTHER: Technique =
     Technique { name: "", colours: ["#111111", "#eeeeee"], mark: Mark::Diamond, what: "a program beside" };
 
-const TECHNIQUES: [Technique; 12] = [
+const TECHNIQUES: [Technique; 13] = [
     Technique { name: "anamorph", colours: ["#0062b8", "#5fb0ff"], mark: Mark::Circle, what: "this engine" },
     Technique { name: "raytrace", colours: TRACE, mark: Mark::Square, what: "rays through a hierarchy" },
     Technique { name: "raytrace-refit", colours: TRACE, mark: Mark::Diamond, what: "its hierarchy refitted" },
@@ -44,6 +44,7 @@ const TECHNIQUES: [Technique; 12] = [
     Technique { name: "raster-bound-passes", colours: BOUND, mark: Mark::Down, what: "the same, a camera a pass" },
     Technique { name: "raster-pieces", colours: PIECES, mark: Mark::Square, what: "replicas (Lorenz and Doellner)" },
     Technique { name: "raster-cubemap", colours: CUBE, mark: Mark::Square, what: "looked up in a cube map" },
+    Technique { name: "raster-image", colours: CUBE, mark: Mark::Down, what: "looked up in one picture" },
 ];
 
 fn technique(name: &str) -> &'static Technique {

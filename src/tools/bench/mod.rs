@@ -13,6 +13,7 @@ pub mod page;
 mod plot;
 mod provenance;
 pub mod race;
+mod reproduce;
 pub mod row;
 mod stiff;
 pub mod suites;
@@ -28,6 +29,7 @@ use case::Case;
 use operations::KernelOperations;
 pub use provenance::Provenance;
 use race::{Engines, Rules, race};
+pub use reproduce::reproduce;
 use row::Row;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -206,24 +208,26 @@ impl Run {
 /// The page over all runs, and that of each run in its folder.
 pub const INDEX: &str = "index.html";
 
+/// All runs in a folder, by the names of their own folders.
+fn runs(folder: &Path) -> Result<Vec<(String, Run)>> {
+    let failed = |e: std::io::Error| Error::work(format!("{}: {e}", folder.display()));
+    let mut names: Vec<String> = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        names.extend(entry.path().join(RESULTS).is_file().then(|| entry.file_name().to_string_lossy().into_owned()));
+    }
+    names.sort();
+    names.into_iter().map(|name| Ok((name.clone(), read(&folder.join(name).join(RESULTS))?))).collect()
+}
+
 /// Writes index.html over all runs in a folder, and in each run's own folder that of the run; returns the first one's path.
 ///
 /// # Errors
 /// [`Error::Input`] if a results.json in it is not by this program.
 pub fn write_index(folder: &Path) -> Result<PathBuf> {
-    let failed = |e: std::io::Error| Error::work(format!("{}: {e}", folder.display()));
-    let mut names: Vec<PathBuf> = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
-        names.extend(path.join(RESULTS).is_file().then_some(path));
-    }
-    names.sort();
-    let with_folder = |path: &PathBuf| {
-        let folder = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        Ok((folder, read(&path.join(RESULTS))?))
-    };
-    let runs = names.iter().map(with_folder).collect::<Result<Vec<_>>>()?;
-    for (path, (_, run)) in names.iter().zip(&runs) {
+    let runs = runs(folder)?;
+    for (name, run) in &runs {
+        let path = folder.join(name);
         let plots = plot::plots(&run.rows, page::plot_of(run), chart::LARGE);
         write_text(&path.join(INDEX), &page::run_page(run, &plots))?;
     }

@@ -14,7 +14,7 @@ use crate::gpu::device::{GpuOptions, NO_ADAPTER};
 use crate::image::compare::compare;
 use crate::image::frame::{Channel, Frame, NO_ID, Plane};
 use crate::input::Result;
-use crate::reference::image::{Judgement, image, judge};
+use crate::reference::image::{Judgement, judge_rows, rows_of_image};
 use crate::scene::Scene;
 use glam::DVec2;
 use std::path::PathBuf;
@@ -52,6 +52,8 @@ pub struct Rules {
     pub seconds_max: f64,
     /// A program that runs beside all arms of cases that it can show.
     pub yardstick: Option<PathBuf>,
+    /// What this engine does is counted in all cases: they hold for every adapter.
+    pub counts: bool,
     /// Triangles that a technique may draw a frame.
     pub draws_max: Option<u64>,
     /// How long a technique's first frame may take, ms, to be repeated, where it is not within twice this engine's. Otherwise it is its time.
@@ -69,6 +71,7 @@ impl Rules {
             runs: if quick { [3, 3] } else { [9, 50] },
             seconds_max: if is_software { 30.0 } else { 1.5 },
             yardstick: None,
+            counts: is_software && !quick,
             draws_max: Some(match (quick, is_software) {
                 (true, _) => 500_000,
                 (false, true) => 50_000_000,
@@ -80,8 +83,16 @@ impl Rules {
     }
 }
 
-/// Frames of more pixels are not compared with the reference: it takes minutes.
-const JUDGED_MAX: u64 = 1 << 20;
+/// Pixels of a frame that are compared with the reference, and samples of its filtered pixels, some minutes' worth: of what has more each
+/// second row is, or each third, and so on.
+const JUDGED_MAX: u64 = 1 << 19;
+const FILTERED_MAX: u64 = 1 << 22;
+
+/// Each how many-th row of a camera's frame is compared, of so many samples a pixel.
+fn row_step(camera: &Camera, samples: u32) -> u32 {
+    let all = u64::from(camera.width) * u64::from(camera.height) * u64::from(samples);
+    all.div_ceil(if samples > 1 { FILTERED_MAX } else { JUDGED_MAX }) as u32
+}
 
 /// The running state of an arm.
 enum Runner {
@@ -130,8 +141,10 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
         let mut entry =
             Entry { row: Row::new(suite, case, arm), arm: Some(arm), runner: None, rounds: Vec::new(), once_ms: None };
         let with_culling = |e: &&Entry| arm.no_cull && e.row.technique == entry.row.technique;
-        let refused = |e: &Entry| match e.once_ms {
-            Some(ms) => Some(format!("with culling, a frame took {ms:.0} ms")),
+        // without culling it takes tens of times as long
+        let refused = |e: &Entry| match e.runner.as_ref().map(Runner::first_ms) {
+            Some(ms) if ms > rules.first_ms_max / 2.0 => Some(format!("with culling, a frame took {ms:.0} ms")),
+            Some(_) => None,
             None => e.row.refused.as_ref().map(|why| format!("with culling, {why}")),
         };
         match (entries.iter().find(with_culling).and_then(refused), scene) {
@@ -170,17 +183,17 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     let rounds: Vec<Vec<Option<f64>>> = entries.iter().map(Entry::rounds).collect();
 
     let mut judge = Judge { scene: &truth.0, camera: &truth.1, judgement: None, each: case.stiffness.is_some() };
-    let filtered = case.filtered.map(|samples| box_filtered(&truth.0, &truth.1, samples));
+    let filtered = case.filtered.map(|samples| Filtered::new(&truth.0, &truth.1, samples));
     let mut rows = Vec::new();
     for (at, mut entry) in entries.into_iter().enumerate() {
         entry.row.control_ms = control_ms;
         let scene = scenes.get(at).and_then(|s| s.as_ref().ok());
         let repeats = entry.once_ms.is_none();
         if let Some(frame) = entry.finish(scene.map(|s| &s.1)) {
-            entry.row.error = match &filtered {
-                Some(truth) => Some(Error::of(&compare(&frame, truth, None, None)?)),
+            entry.row.error = Some(match &filtered {
+                Some(truth) => truth.error(&frame)?,
                 None => judge.error(&frame)?,
-            };
+            });
             if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, repeats) {
                 let draws = arm.choice()?.is_some_and(|c| c.technique.draws);
                 if draws && !matches!(arm.samples, Samples::Separate(_)) {
@@ -190,8 +203,11 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
             }
             if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, entry.row.is_ours()) {
                 let options = options(case, arm, rules)?;
-                if case.counted && !arm.bare && arm.method.is_none() {
-                    entry.row.counted = Some(counted(&mut engines.computing, scene, camera, &options, &frame)?);
+                let is_plain = !arm.bare && arm.method.is_none() && !matches!(arm.samples, Samples::Separate(_));
+                if (case.counted || rules.counts) && is_plain {
+                    let counted = counted(&mut engines.computing, scene, camera, &options, &frame)?;
+                    // of frames that trace nothing is counted
+                    entry.row.counted = Some(counted).filter(|c| c.pairs_tested > 0);
                 }
                 let is_provable = camera.optics.is_none() && arm.arithmetic == Arithmetic::Rechecked;
                 if let (true, true, Some(truth)) = (case.stiffness.is_some(), is_provable, judge.truth()) {
@@ -344,17 +360,14 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// `None` where the frame is too large to be compared with the reference.
-    fn error(&mut self, frame: &Frame) -> Result<Option<Error>> {
-        if u64::from(self.camera.width) * u64::from(self.camera.height) > JUDGED_MAX {
-            return Ok(None);
-        }
+    fn error(&mut self, frame: &Frame) -> Result<Error> {
         if self.each {
             self.judgement = None;
         }
-        let truth = self.judgement.get_or_insert_with(|| judge(self.scene, self.camera, frame));
-        let error = Error::of(&compare(frame, &truth.truth, Some(&truth.safe), Some(&truth.scales))?);
-        Ok(Some(Error { wrong_not_near: self.each.then_some(truth.not_near), ..error }))
+        let row_step = row_step(self.camera, 1);
+        let truth = self.judgement.get_or_insert_with(|| judge_rows(self.scene, self.camera, frame, row_step));
+        let error = Error::of(&compare(&frame.rows(row_step), &truth.truth, Some(&truth.safe), Some(&truth.scales))?);
+        Ok(Error { wrong_not_near: self.each.then_some(truth.not_near), row_step, ..error })
     }
 
     /// The reference's frame, once a frame has been compared with it.
@@ -375,10 +388,24 @@ fn cameras_separately(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera>
 
 pub(super) const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
 
-/// The colours of the reference, with so many samples per pixel.
-fn box_filtered(scene: &Scene, camera: &Camera, samples: u32) -> Frame {
-    let frame = |place: DVec2| image(scene, &camera.with_sample_offset(place.x, place.y), &COLOURS);
-    mean(sample_offsets(samples).into_iter().map(frame))
+/// The colours of the reference, with so many samples per pixel, in the rows that are compared.
+struct Filtered {
+    truth: Frame,
+    row_step: u32,
+}
+
+impl Filtered {
+    fn new(scene: &Scene, camera: &Camera, samples: u32) -> Filtered {
+        let row_step = row_step(camera, samples);
+        let frame =
+            |place: DVec2| rows_of_image(scene, &camera.with_sample_offset(place.x, place.y), &COLOURS, row_step);
+        Filtered { truth: mean(sample_offsets(samples).into_iter().map(frame)), row_step }
+    }
+
+    fn error(&self, frame: &Frame) -> Result<Error> {
+        let error = Error::of(&compare(&frame.rows(self.row_step), &self.truth, None, None)?);
+        Ok(Error { row_step: self.row_step, ..error })
+    }
 }
 
 /// The means of all frames' colours.

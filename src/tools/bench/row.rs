@@ -128,7 +128,10 @@ pub struct Drawn {
 /// Against the f64 reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Error {
-    /// Pixels with another triangle, of all.
+    /// Each how many-th row was compared.
+    #[serde(default = "every_row")]
+    pub row_step: u32,
+    /// Pixels with another triangle, of those compared.
     pub wrong_share: f64,
     pub wrong_hit_miss: u64,
     /// Wrong pixels whose answer no shift by 1/16 px changes.
@@ -150,6 +153,10 @@ pub struct Error {
     /// `None`: identical colours, or none to compare.
     pub psnr: Option<f64>,
     pub identical: bool,
+}
+
+fn every_row() -> u32 {
+    1
 }
 
 /// What a paper prints.
@@ -232,6 +239,7 @@ impl Row {
 
     pub fn took(&mut self, rendered: &Rendered) {
         self.stages = rendered.stages.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
+        self.stages.extend(rendered.caustics.as_ref().map(|c| ("deposit (once)".to_owned(), c.ms)));
         self.passes = rendered.passes.total();
         self.bytes = rendered.bytes;
     }
@@ -290,6 +298,7 @@ impl Error {
     #[cfg(test)]
     pub fn none() -> Error {
         Error {
+            row_step: every_row(),
             wrong_share: 0.0,
             wrong_hit_miss: 0,
             wrong_safe: 0,
@@ -312,6 +321,7 @@ impl Error {
         let share = |n: Option<u64>| n.unwrap_or(0) as f64 / c.pixels as f64;
         let finite = |value: f64| Some(value).filter(|v| v.is_finite());
         Error {
+            row_step: every_row(),
             wrong_share: share(c.wrong_triangle),
             wrong_hit_miss: c.wrong_hit_miss.unwrap_or(0),
             wrong_safe: c.wrong_safe.unwrap_or(0),

@@ -6,7 +6,7 @@ use super::times::Times;
 use super::{Run, operations};
 use crate::input::{Error, Result};
 
-const COLUMNS: [&str; 57] = [
+const COLUMNS: [&str; 58] = [
     "suite",
     "commit",
     "case",
@@ -43,6 +43,7 @@ const COLUMNS: [&str; 57] = [
     "fragments_drawn",
     "covered",
     "overdraw",
+    "row_step",
     "wrong_share",
     "wrong_hit_miss",
     "wrong_safe",
@@ -84,7 +85,7 @@ pub fn csv(rows: &[Row]) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| failed(&e))
 }
 
-fn record(row: &Row) -> [String; 57] {
+fn record(row: &Row) -> [String; 58] {
     fn or_empty<T: ToString>(value: Option<T>) -> String {
         value.map_or(String::new(), |v| v.to_string())
     }
@@ -130,6 +131,7 @@ fn record(row: &Row) -> [String; 57] {
         or_empty(drawn.map(|d| d.fragments)),
         or_empty(counted.map(|c| c.covered).or(drawn.map(|d| d.covered))),
         or_empty(counted.map(|c| c.overdraw()).or(drawn.map(|d| d.overdraw()))),
+        or_empty(error.map(|e| e.row_step)),
         or_empty(error.map(|e| e.wrong_share)),
         or_empty(error.map(|e| e.wrong_hit_miss)),
         or_empty(error.map(|e| e.wrong_safe)),
@@ -253,7 +255,7 @@ pub fn stiff(row: &Row) -> Option<[String; 9]> {
     let error = row.error.as_ref();
     let errors = |of: [Option<f64>; 3]| of.map(|e| e.map_or("-".to_owned(), |e| format!("{e:.0e}"))).join(", ");
     let wrong = |e: &super::row::Error| {
-        let all = (e.wrong_share * f64::from(row.width) * f64::from(row.height)).round();
+        let all = (e.wrong_share * f64::from(row.width) * f64::from(row.height.div_ceil(e.row_step))).round();
         format!("{} safe, {} far, {all} in all", e.wrong_safe, e.wrong_not_near.unwrap_or(0))
     };
     let certified = |c: &super::row::Certified| {
@@ -391,6 +393,9 @@ pub fn about(row: &Row) -> String {
         "{} triangles, {} x {} pixels{moving}; an empty kernel: {:.2} ms.",
         row.triangles, row.width, row.height, row.control_ms
     );
+    if let Some(step) = row.error.as_ref().map(|e| e.row_step).filter(|step| *step > 1) {
+        text += &format!(" Compared with the reference: one row in {step}.");
+    }
     if let Some(p) = &row.paper {
         let fps = p.fps.map_or("prints no time".to_owned(), |fps| {
             let no_cull = p.fps_no_cull.map(|fps| format!(", {fps} without culling,")).unwrap_or_default();

@@ -111,17 +111,20 @@ impl Against {
     }
 }
 
-/// Why runs have no verdict together; `None` if they do.
-fn why_none(runs: &[&Run]) -> Option<String> {
-    let mut commits: Vec<&str> = runs.iter().map(|r| r.provenance.commit.as_deref().unwrap_or("unknown")).collect();
-    commits.extend(runs.iter().flat_map(|r| &r.rows).filter_map(|row| row.commit.as_deref()));
-    commits.sort_unstable();
-    commits.dedup();
-    match commits.as_slice() {
-        [one] if *one != "unknown" && !one.ends_with("-dirty") => None,
-        [one] => Some(format!("their source is no commit ({one})")),
-        several => Some(format!("they are of several commits ({})", several.join(", "))),
-    }
+/// The runs of the newest commit, of those of one day the one with most rows; without one, why there is none.
+fn of_one_commit<'a>(runs: &[&'a Run]) -> Result<(&'a str, Vec<&'a Run>), String> {
+    let commit = |run: &'a Run| {
+        let own = run.provenance.commit.as_deref().unwrap_or("unknown");
+        let is_one = run.rows.iter().all(|row| row.commit.as_deref().is_none_or(|c| c == own));
+        Some(own).filter(|own| is_one && *own != "unknown" && !own.ends_with("-dirty"))
+    };
+    let of = |one: &str| runs.iter().copied().filter(|run| commit(run) == Some(one)).collect::<Vec<_>>();
+    let key = |one: &str| {
+        let rows: usize = of(one).iter().map(|run| run.rows.len()).sum();
+        (of(one).iter().map(|run| run.provenance.date.clone()).max(), rows)
+    };
+    let newest = runs.iter().filter_map(|run| commit(run)).max_by_key(|one| key(one));
+    newest.map(|one| (one, of(one))).ok_or_else(|| "none is of one commit".to_owned())
 }
 
 /// What runs of one adapter came to, as a part of a page.
@@ -130,13 +133,23 @@ pub fn verdict(adapter: &str, runs: &[&Run]) -> String {
     if let Some(first) = runs.first() {
         text += &format!("<p class=\"note\">{}</p>\n", first.provenance.fairness());
     }
-    if let Some(why) = why_none(runs) {
-        return text + &format!("<p>No verdict over these runs: {}. Each row stands for itself.</p>\n", escaped(&why));
-    }
+    let (commit, runs) = match of_one_commit(runs) {
+        Ok(found) => found,
+        Err(why) => {
+            return text + &format!("<p>No verdict over these runs: {why}. Each row stands for itself.</p>\n");
+        }
+    };
+    let suites: Vec<&str> = runs.iter().map(|run| run.suite.as_str()).collect();
+    let cases: usize = runs.iter().map(|run| run.rows.chunk_by(|a, b| a.case == b.case).count()).sum();
+    text += &format!("<p>Over {cases} cases of {}, all at commit {}.</p>\n", suites.join(", "), escaped(commit));
     let rows = || runs.iter().flat_map(|r| &r.rows);
     let plain = || rows().filter(|r| r.is_ours() && r.label.is_none() && r.parameter.is_none());
     let judged: Vec<&Row> = plain().filter(|r| r.error.as_ref().is_some_and(|e| !e.is_of_colours())).collect();
-    let pixels: u64 = judged.iter().map(|r| u64::from(r.width) * u64::from(r.height)).sum();
+    let pixels = |row: &Row| {
+        let step = row.error.as_ref().map_or(1, |e| e.row_step);
+        u64::from(row.width) * u64::from(row.height.div_ceil(step))
+    };
+    let pixels: u64 = judged.iter().map(|row| pixels(row)).sum();
     let safe: u64 = judged.iter().filter_map(|r| r.error.as_ref()).map(|e| e.wrong_safe).sum();
     text += &format!(
         "<p>{} frames of this engine, {pixels} pixels, compared with an f64 reference: {safe} wrong of those whose answer no shift by \

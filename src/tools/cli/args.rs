@@ -455,8 +455,11 @@ pub struct ExampleArgs {
 
 #[derive(Debug, Args)]
 pub struct BenchArgs {
-    /// papers, pareto, glc, samples, stages, dynamic or stiff [default: all]
+    /// papers, pareto, glc, samples, stages, dynamic or stiff [default: all]; or reproduce
     pub suite: Option<String>,
+    /// With reproduce: the case to run again and to compare with what a run in --out says, for example 'papers/Yu 1'
+    #[arg(value_name = "SUITE/CASE", requires = "suite")]
+    pub row: Option<String>,
     /// Small cases, under a minute each
     #[arg(long)]
     pub quick: bool,

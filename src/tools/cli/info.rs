@@ -115,7 +115,11 @@ fn about(info: &wgpu::AdapterInfo, limits: &wgpu::Limits, has: AdapterFeatures, 
                 false => "pair by pair",
             },
             stage_times: either(has.timestamps, "GPU timestamps", "none"),
-            clipping: either(has.clip_distances, "yes", "none: raster-* are refused but raster-cubemap"),
+            clipping: either(
+                has.clip_distances,
+                "yes",
+                "none: raster-* are refused but raster-cubemap and raster-image",
+            ),
             usable: lacks(limits).map_or("yes".into(), |lack| format!("no: {lack}; use --engine reference")),
         },
     }
