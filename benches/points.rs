@@ -9,8 +9,8 @@ use std::time::Instant;
 /// Pixels of the image.
 const SIZE: (u32, u32) = (1024, 768);
 
-/// Cameras: the three classes of GLCs that are used most, and pieces.
-const CAMERAS: [(&str, &str); 4] = [
+/// Cameras: the three classes of GLCs that are used most, pieces, and a volume of curves between control surfaces.
+const CAMERAS: [(&str, &str); 5] = [
     ("pinhole", "kind = 'pinhole'\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nvfov = 40"),
     (
         "cross-slit",
@@ -19,6 +19,7 @@ const CAMERAS: [(&str, &str); 4] = [
     ),
     ("pushbroom", "kind = 'pushbroom'\nstart = [-1, 0, 4]\nend = [1, 0.2, 4]\nlook = [0, 0, -1]\nvfov = 30"),
     ("pieces", "kind = 'panorama'\ncenter = [0, 0, 0]\nradius = 3\nheight = 2"),
+    ("volume", "kind = 'twist'\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nvfov = 40\ndegree = 3\nangle = 70"),
 ];
 
 fn main() -> anamorph::Result<()> {
@@ -40,8 +41,8 @@ fn main() -> anamorph::Result<()> {
     let scene = Scene::new();
     for (name, keys) in CAMERAS {
         let camera = Camera::parse(keys, ".", &scene, Some(SIZE))?;
-        // a point of a panorama takes the CPU some 0.1 ms
-        let most = if name == "pieces" { 100_000 } else { usize::MAX };
+        // a point of a panorama takes the CPU some 0.1 ms, and one of a volume more
+        let most = if ["pieces", "volume"].contains(&name) { 100_000 } else { usize::MAX };
         for &count in counts.iter().filter(|count| **count <= most) {
             let points = points(count);
             let (cpu, exact) = timed(|| project_many(&camera, &points, &Device::Cpu, 0.0));
