@@ -157,14 +157,14 @@ fn every_kernel_is_valid_and_portable() {
     });
     // of each kind of adapter with f64, with and without counting: ten cameras, one with lights in places, three with samples, three of
     // each kind of surface, three kinds of which are smooth, and two with an atlas; six cameras have curves, which are not rechecked;
-    // rivals trace in two ways
+    // rivals trace in two ways, and look up in two kinds of pictures
     let all = 10 + 1 + 3 + 12 + 2;
     let (raster_certify_and_shade, recheck, bounce, meet, paste) = (3 * all, all - 6, 12, 9, 2);
-    let rivals = (10 + 1 + 3) * (2 + 1 + 1);
+    let rivals = (10 + 1 + 3) * (2 + 1 + 2);
     let sample_and_resolve = 3 * 2;
     let by_pair = 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals + sample_and_resolve);
     // and four cameras of triangles with alpha masks, one of curves, and a mirror of facets with the rays that it bounces
-    let masked = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 1) + 2 * (3 + 1 + 1));
+    let masked = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 2) + 2 * (3 + 1 + 1));
     // with 64-bit atomics too, and subgroups of either kind: raster of what is rechecked; sample and recheck_samples where the camera is
     // no chain
     let by_tile = 2 * 2 * (all - 6 + 2 * 2);
@@ -172,17 +172,17 @@ fn every_kernel_is_valid_and_portable() {
     let small = 2 * 2 * (1 + 1 + 5);
     // where rays may be traced: pieces with both ways, by tile and with small too; pieces and a field without raster, three cameras of curves,
     // with rivals each; and the bounced rays of four kinds of optics, three of them smooth
-    let traced = 4 * (5 + 2 * 4 + 3 * 3 + 6 * 4 + 4 * 5 + 3) + 2 * 2 + 2;
+    let traced = 4 * (5 + 2 * 4 + 3 * 3 + 6 * 5 + 4 * 5 + 3) + 2 * 2 + 2;
     // and where things move: a camera of pieces, a field and curves, with rivals each, and a mirror of facets with the rays that it bounces
-    let timed = 4 * (2 * 4 + 3 + 3 * 4 + 2 * 5);
+    let timed = 4 * (2 * 4 + 3 + 3 * 5 + 2 * 5);
     // and with pictures on surfaces: pieces and a field with rivals, by tile too, and small for pieces; curves; pieces as things move; the rays
     // that a mirror of facets bounces; and samples
-    let pictures = 4 * ((8 + 1 + 1) + (8 + 1) + 7 + 8 + (5 + 1) + (10 + 3));
+    let pictures = 4 * ((9 + 1 + 1) + (9 + 1) + 8 + 9 + (5 + 1) + (11 + 3));
     // and where there are spheres: four cameras of straight rays and three of curves, with rivals each, and a lens with the rays that it bends
-    let spheres = 4 * (4 * (4 + 4) + 3 * (3 + 4) + 2 * 6);
+    let spheres = 4 * (4 * (4 + 5) + 3 * (3 + 5) + 2 * 6);
     // and where there is a volume of each of three kinds: cameras of pieces, a field and curves, with rivals each; the first two by tile, and
     // the first with small
-    let volumes = 4 * (3 * 2 * (3 + 1 + 1 + 4) + 3 * (3 + 1 + 4)) + 2 * 2 * 3 * 2 + 2 * 3 * 2;
+    let volumes = 4 * (3 * 2 * (3 + 1 + 1 + 5) + 3 * (3 + 1 + 5)) + 2 * 2 * 3 * 2 + 2 * 3 * 2;
     // and where optics are seen along layers: of pieces and of other straight rays, before four kinds of optics, three of them smooth; and along
     // curves of degree 2 and 3, before facets
     let layered_optics = 4 * ((4 * 5 + 3) + (4 * 4 + 3) + 2 * 4);

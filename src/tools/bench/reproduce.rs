@@ -139,6 +139,17 @@ mod tests {
         }
     }
 
+    /// Rows that the docs name can be run.
+    #[test]
+    fn claims_name_cases_that_are_there() {
+        let quick = include_str!("../../../benches/reproduce-quick.txt");
+        assert_eq!(quick.lines().map(|row| find(row).map(|_| row)).collect::<Result<Vec<_>>>().unwrap().len(), 10);
+        let claims = include_str!("../../../docs/claims.md");
+        let is_row = |text: &&str| SUITES.iter().any(|s| text.strip_prefix(s.name).is_some_and(|t| t.starts_with('/')));
+        let named: Vec<&str> = claims.split('`').filter(is_row).collect();
+        assert!(named.len() >= 8 && named.iter().all(|row| find(row).is_ok()), "{named:?}");
+    }
+
     #[test]
     fn rows_agree_whose_errors_and_ratios_are_near() {
         let then = row(0.02, [1.0, 1.2]);
