@@ -1,9 +1,10 @@
 // sample: one thread per (slot, tile) pair, once the edge pixels are listed.
-// Reads what recheck reads, the listed pixels and which cells samples lie in; finds in recheck arithmetic which samples of those
-// pixels the triangle covers, and merges their keys into the records of `samples`: a pixel, and a visibility key per sample.
-// Needs: COUNT_PAIRS, NODE_PX, NONE, SAMPLE_REACH, TILE, all_samples, box_mask, conics, first_bit, flat_of, item_index, may_cover,
-//   pair_from, pair_slot, pair_tile, pair_to, pixels_in_part, real3, recheck_hits, tile_corner, triangle_at, vertex, vertex_real,
-//   without_bit
+// Reads what recheck reads, the listed pixels and which cells samples lie in; finds in f32, and where that proves nothing in recheck
+// arithmetic, which samples of those pixels the triangle covers, and merges their keys into the records of `samples`: a pixel, and a
+// visibility key per sample.
+// Needs: COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, TILE, box_mask, conic_sign, conics, first_bit, flat_of, item_index,
+//   may_cover, pair_from, pair_slot, pair_tile, pair_to, pixels_in_part, real3, recheck_hits, sample_offset, tile_corner, triangle_at,
+//   vertex, vertex_real, without_bit
 // Binds: cells, counters, edge_of, nodes, pairs, params, tile_start
 
 @compute @workgroup_size(64)
@@ -44,8 +45,31 @@ fn sample(
             let number = edge_of[(corner.y + y) * params.width + corner.x + x];
             let place = (vec2<f32>(f32(x), f32(y)) + 0.5) * NODE_PX - 1.0;
             if number != 0u && may_cover(sides, place.x, place.y, SAMPLE_REACH * NODE_PX) {
-                recheck_hits(cell, k, vec2<u32>(x, y), 0u, all_samples(), number - 1u, triangle, flat, v);
+                let covered = covered_samples(sides, place);
+                recheck_hits(cell, k, vec2<u32>(x, y), 0u, covered.may, covered.sure, number - 1u, triangle, flat, v);
             }
         }
     }
+}
+
+// Samples of a pixel that the triangle may cover, and those of them that it is proven to, as bits.
+struct Covered {
+    may: u32,
+    sure: u32,
+}
+
+// The bounds of a node hold perturbed rays too.
+fn covered_samples(sides: Conics, place: vec2<f32>) -> Covered {
+    var covered = Covered(0u, 0u);
+    for (var n = 0u; n < SAMPLES; n++) {
+        let at = place + NODE_PX * sample_offset(n);
+        let s01 = conic_sign(sides.e01, at.x, at.y, 0.0);
+        let s20 = -conic_sign(sides.e02, at.x, at.y, 0.0);
+        let s12 = conic_sign(sides.e12, at.x, at.y, 0.0);
+        let least = min(s01, min(s20, s12));
+        let most = max(s01, max(s20, s12));
+        covered.may |= select(0u, 1u << n, least >= 0 || most <= 0);
+        covered.sure |= select(0u, 1u << n, least > 0 || most < 0);
+    }
+    return covered;
 }

@@ -346,7 +346,7 @@ enum Dispatching {
 /// A snippet, its text, what is planted, and what notices it.
 type Planted = (&'static str, &'static str, &'static str, Dispatching, Check);
 
-const PLANTED: [Planted; 58] = [
+const PLANTED: [Planted; 60] = [
     ("shared/nearest_bounded.wgsl", "share = 1.0 / across;", "share = 1.0 / abs(across);", Dispatching::Bounded, seen),
     (
         "shared/nearest_bounded.wgsl",
@@ -454,7 +454,9 @@ const PLANTED: [Planted; 58] = [
         sampled,
     ),
     ("edges.wgsl", "s01 == s20 && s01 == s12", "s01 == s20", Dispatching::ByPair, sampled),
-    ("sample.wgsl", "0u, all_samples(), number", "0u, 7u, number", Dispatching::ByPair, sampled),
+    ("sample.wgsl", "covered.may, covered.sure", "covered.may & 7u, covered.sure & 7u", Dispatching::ByPair, sampled),
+    ("sample.wgsl", "least > 0 || most < 0", "least >= 0 || most < 0", Dispatching::ByPair, sampled),
+    ("samples/hits.wgsl", "here & ~sure", "0u", Dispatching::ByPair, sampled),
     ("sample.wgsl", "let y = bit / TILE;", "let y = bit / TILE / 2u;", Dispatching::ByPair, sampled),
     (
         "edges_by_tile.wgsl",

@@ -4,13 +4,15 @@
 //   pixels_of_sample, ray_meeting, reach3, real, real3, sample_bundle, tile_layer, triangle_id, triangle_reversed, visibility_key
 // Binds: params
 
-// Merges the keys of those of the samples from `first` on, bit by bit of `some`, that lie in the cell and that the triangle covers.
+// Merges the keys of those of the samples from `first` on, bit by bit of `some`, that lie in the cell and that the triangle covers, which is
+// known of those of `sure`.
 fn recheck_hits(
     cell: Cell,
     number: u32,
     at: vec2<u32>,
     first: u32,
     some: u32,
+    sure: u32,
     record: u32,
     triangle: vec4<u32>,
     flat: Flat,
@@ -18,17 +20,23 @@ fn recheck_hits(
 ) {
     let whole = cell_bundle(cell);
     let own = bit_mask(at.y * TILE + at.x);
+    var here = 0u;
     for (var left = some; left != 0u; left &= left - 1u) {
+        let bit = firstTrailingBit(left);
+        here |= select(0u, 1u << bit, any((pixels_of_sample(number, first + bit) & own) != vec2<u32>(0u)));
+    }
+    // loops of their own: software adapters take every branch
+    var covered = here & sure;
+    for (var left = here & ~sure; left != 0u; left &= left - 1u) {
+        let bit = firstTrailingBit(left);
+        let b = sample_bundle(whole, cell, at.x, at.y, first + bit);
+        covered |= select(0u, 1u << bit, is_between(perturbed(b, real(params.scene_size)), v));
+    }
+    for (var left = covered; left != 0u; left &= left - 1u) {
         let n = first + firstTrailingBit(left);
-        if all((pixels_of_sample(number, n) & own) == vec2<u32>(0u)) {
-            continue;
-        }
-        let b = sample_bundle(whole, cell, at.x, at.y, n);
-        if is_between(perturbed(b, real(params.scene_size)), v) {
-            let met = flat_meeting(flat, b);
-            if met.visible {
-                merge(record * (SAMPLES + 1u) + 1u + n, ~visibility_key(tile_layer(cell.tile), met.t, triangle_id(triangle)));
-            }
+        let met = flat_meeting(flat, sample_bundle(whole, cell, at.x, at.y, n));
+        if met.visible {
+            merge(record * (SAMPLES + 1u) + 1u + n, ~visibility_key(tile_layer(cell.tile), met.t, triangle_id(triangle)));
         }
     }
 }

@@ -26,7 +26,14 @@ pub fn kernel(variant: Variant) -> Kernel {
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
     let own = [WITHIN, variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
     let rays = variant.sample_rays(&mut bindings);
-    let all = [&snippets[..], &own, rays, &[snippets!("sample.wgsl")]].concat();
+    let offsets: &[Parts] = match variant.rays {
+        RaysKind::Pieces => &[],
+        _ => {
+            bindings.push(uniform("sample_offsets", "SampleOffsets"));
+            &[SAMPLE_OFFSETS]
+        }
+    };
+    let all = [&snippets[..], &own, rays, offsets, &[snippets!("sample.wgsl")]].concat();
     let mut kernel = Kernel::new("sample", bindings, &all);
     kernel.constants = variant.sample_constants();
     kernel
