@@ -98,7 +98,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 53] = [
+pub const EXAMPLES: [Example; 54] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -125,6 +125,10 @@ pub const EXAMPLES: [Example; 53] = [
     example!("teapot-panorama", Some("Yu 7"), "a teapot from 270 degrees around"),
     example!("mirror-ball", Some("Yu 8"), "a mirror ball of 960 facets, one GLC each"),
     example!("hinge", Some("Yu 9"), "faux animation: a cow turns its head by a second camera"),
+    example!("car", Some("Brosz 1"), "a car seen nearly all round, along curved rays", || vec![
+        ("car.obj", Part::Text(include_str!("example/car.obj").into())),
+        ("car.mtl", Part::Text(include_str!("example/car.mtl").into())),
+    ]),
     example!("columns", Some("Brosz 5"), "irregular perspective: columns that keep their shape"),
     example!("cylinders", Some("Brosz 6"), "a cylindrical panorama between nested cylinders"),
     example!("angular-fisheye", Some("Brosz 8"), "a city from above between two hemispheres"),
