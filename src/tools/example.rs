@@ -98,7 +98,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 54] = [
+pub const EXAMPLES: [Example; 55] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -129,6 +129,7 @@ pub const EXAMPLES: [Example; 54] = [
         ("car.obj", Part::Text(include_str!("example/car.obj").into())),
         ("car.mtl", Part::Text(include_str!("example/car.mtl").into())),
     ]),
+    example!("three-projections", Some("Brosz 4"), "perspective, parallel and inverse perspective, side by side"),
     example!("columns", Some("Brosz 5"), "irregular perspective: columns that keep their shape"),
     example!("cylinders", Some("Brosz 6"), "a cylindrical panorama between nested cylinders"),
     example!("angular-fisheye", Some("Brosz 8"), "a city from above between two hemispheres"),
