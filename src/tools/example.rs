@@ -98,7 +98,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 55] = [
+pub const EXAMPLES: [Example; 56] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -148,6 +148,10 @@ pub const EXAMPLES: [Example; 55] = [
     example!("morph", Some("Popescu 6"), "a camera of two regions half-way to its plain view"),
     example!("opposite", Some("Popescu 9"), "two opposite views of a street, continuous"),
     example!("graph-camera", Some("Popescu 9"), "the same two views by a graph camera, with its breaks"),
+    example!("aeroplane", Some("Popescu 11"), "an aeroplane across a joint of segments, smooth", || vec![
+        ("aeroplane.obj", Part::Text(include_str!("example/aeroplane.obj").into())),
+        ("aeroplane.mtl", Part::Text(include_str!("example/aeroplane.mtl").into())),
+    ]),
     example!("city-cylinder", Some("Lorenz 1, 4"), "a city all around in 160 perspective strips"),
     example!("deformation", Some("Lorenz 5, 6"), "a city deformed by a grid of offsets", make::offsets),
     example!("mirror-ring", Some("Hou 1, 6"), "a mirror of mixed curvature that sees itself"),
