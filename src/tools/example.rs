@@ -98,7 +98,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 56] = [
+pub const EXAMPLES: [Example; 58] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -121,8 +121,10 @@ pub const EXAMPLES: [Example; 56] = [
     example!("composite", None, "a street, a fisheye and a map of a city in one picture: three cameras"),
     example!("table", None, "a table from above, and each thing on it from its own best side: five cameras"),
     example!("city-cross-slit", Some("Yu 1"), "a city of 15,000 triangles through two slits"),
+    example!("primitives", Some("Yu 5"), "a ball, a cylinder and a box through two slits"),
     example!("cow-panorama", Some("Yu 6"), "a cow from all around"),
     example!("teapot-panorama", Some("Yu 7"), "a teapot from 270 degrees around"),
+    example!("teapot-above", Some("Yu 7"), "the same teapot from above, and from all around at once"),
     example!("mirror-ball", Some("Yu 8"), "a mirror ball of 960 facets, one GLC each"),
     example!("hinge", Some("Yu 9"), "faux animation: a cow turns its head by a second camera"),
     example!("car", Some("Brosz 1"), "a car seen nearly all round, along curved rays", || vec![
