@@ -98,7 +98,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 53] = [
+pub const EXAMPLES: [Example; 58] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -121,10 +121,17 @@ pub const EXAMPLES: [Example; 53] = [
     example!("composite", None, "a street, a fisheye and a map of a city in one picture: three cameras"),
     example!("table", None, "a table from above, and each thing on it from its own best side: five cameras"),
     example!("city-cross-slit", Some("Yu 1"), "a city of 15,000 triangles through two slits"),
+    example!("primitives", Some("Yu 5"), "a ball, a cylinder and a box through two slits"),
     example!("cow-panorama", Some("Yu 6"), "a cow from all around"),
     example!("teapot-panorama", Some("Yu 7"), "a teapot from 270 degrees around"),
+    example!("teapot-above", Some("Yu 7"), "the same teapot from above, and from all around at once"),
     example!("mirror-ball", Some("Yu 8"), "a mirror ball of 960 facets, one GLC each"),
     example!("hinge", Some("Yu 9"), "faux animation: a cow turns its head by a second camera"),
+    example!("car", Some("Brosz 1"), "a car seen nearly all round, along curved rays", || vec![
+        ("car.obj", Part::Text(include_str!("example/car.obj").into())),
+        ("car.mtl", Part::Text(include_str!("example/car.mtl").into())),
+    ]),
+    example!("three-projections", Some("Brosz 4"), "perspective, parallel and inverse perspective, side by side"),
     example!("columns", Some("Brosz 5"), "irregular perspective: columns that keep their shape"),
     example!("cylinders", Some("Brosz 6"), "a cylindrical panorama between nested cylinders"),
     example!("angular-fisheye", Some("Brosz 8"), "a city from above between two hemispheres"),
@@ -143,6 +150,10 @@ pub const EXAMPLES: [Example; 53] = [
     example!("morph", Some("Popescu 6"), "a camera of two regions half-way to its plain view"),
     example!("opposite", Some("Popescu 9"), "two opposite views of a street, continuous"),
     example!("graph-camera", Some("Popescu 9"), "the same two views by a graph camera, with its breaks"),
+    example!("aeroplane", Some("Popescu 11"), "an aeroplane across a joint of segments, smooth", || vec![
+        ("aeroplane.obj", Part::Text(include_str!("example/aeroplane.obj").into())),
+        ("aeroplane.mtl", Part::Text(include_str!("example/aeroplane.mtl").into())),
+    ]),
     example!("city-cylinder", Some("Lorenz 1, 4"), "a city all around in 160 perspective strips"),
     example!("deformation", Some("Lorenz 5, 6"), "a city deformed by a grid of offsets", make::offsets),
     example!("mirror-ring", Some("Hou 1, 6"), "a mirror of mixed curvature that sees itself"),
