@@ -31,7 +31,14 @@ fn certify(
 
     // follow its ray in every layer
     let layers = select(1u, params.tiles_y / max(params.slab_rows * params.spans, 1u), SLABBED);
-    for (var layer = 0u; layer < layers; layer++) {
+    var layer = 0u;
+    // as in trace
+    var is_finished = false;
+    loop {
+        if layer == layers {
+            is_finished = true;
+            break;
+        }
         if has_ray(layer, at.x, at.y) {
             let path = path_of(layer, at.x, at.y);
             take_cell(path.item);
@@ -40,6 +47,10 @@ fn certify(
                 atomicOr(&proofs[2u * (at.y * params.width + at.x) + 1u], PROOF_CONTESTED);
             }
         }
+        layer++;
+    }
+    if !is_finished && step.value != STEP_BOUND {
+        atomicOr(&proofs[2u * (at.y * params.width + at.x) + 1u], PROOF_CONTESTED);
     }
 }
 

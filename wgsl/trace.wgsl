@@ -23,8 +23,11 @@ fn trace(
     // follow its path, layer by layer and stretch by stretch, to the first triangle
     let layers = select(1u, params.tiles_y / max(params.slab_rows * params.spans, 1u), SLABBED);
     var layer = 0u;
+    // software adapters end all loops of threads that together have taken 65535 rounds: then this one does not come to its end
+    var is_finished = false;
     loop {
         if layer == layers {
+            is_finished = true;
             break;
         }
         if has_ray(layer, at.x, at.y) {
@@ -63,5 +66,8 @@ fn trace(
             }
         }
         layer++;
+    }
+    if !is_finished {
+        atomicAdd(&counters[COUNT_UNFINISHED], 1u);
     }
 }

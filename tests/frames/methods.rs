@@ -9,6 +9,7 @@ use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::geometry::{generate, place};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
+use anamorph::internals::tools::example::EXAMPLES;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, pinhole, raymap};
 use common::file::camera_of;
 use common::gpu::{Without, engine, engine_on, render_with, words};
@@ -187,5 +188,23 @@ fn what_takes_pairs_is_rastered_and_says_so() {
     ] {
         let seen = engine.render(&all, camera.clone(), &wanted, &by(Method::Trace)).unwrap();
         assert!(seen.method.name == "raster" && seen.method.why.contains("pairs"), "{:?}", seen.method);
+    }
+}
+
+/// A software adapter ends the loops of threads that together took 65535 rounds: many triangles near curves that bend much. Such a frame is
+/// rasterized, and where tracing was asked for refused.
+#[test]
+fn what_takes_too_many_rounds_is_rasterized() {
+    let folder = tempfile::tempdir().unwrap();
+    let example = EXAMPLES.iter().find(|e| e.name == "tree").unwrap();
+    let keys = ["image.width=120", "image.height=90", "camera.near=70", "camera.cut=60"].map(str::to_owned);
+    let scene = Scene::load(&example.write(folder.path()).unwrap(), &keys, 0.0).unwrap();
+    let camera = scene.camera().unwrap();
+    let Some((frame, ..)) = common::gpu::check("tree", &scene, &camera) else { return };
+    assert!(common::gpu::hits(&frame) > 5000);
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    // a GPU has no such limit
+    if let Err(error) = engine.render(&scene, &camera, &common::gpu::wanted(), &by(Method::Trace)) {
+        assert!(error.to_string().contains("too many steps"), "{error}");
     }
 }

@@ -455,7 +455,7 @@ const PLANTED: [Planted; 60] = [
     ),
     ("edges.wgsl", "s01 == s20 && s01 == s12", "s01 == s20", Dispatching::ByPair, sampled),
     ("sample.wgsl", "covered.may, covered.sure", "covered.may & 7u, covered.sure & 7u", Dispatching::ByPair, sampled),
-    ("sample.wgsl", "least > 0 || most < 0", "least >= 0 || most < 0", Dispatching::ByPair, sampled),
+    ("sample.wgsl", "place + NODE_PX * sample_offset(n)", "place", Dispatching::ByPair, sampled),
     ("samples/hits.wgsl", "here & ~sure", "0u", Dispatching::ByPair, sampled),
     ("sample.wgsl", "let y = bit / TILE;", "let y = bit / TILE / 2u;", Dispatching::ByPair, sampled),
     (
@@ -474,7 +474,13 @@ const PLANTED: [Planted; 60] = [
         Dispatching::ByTile,
         sampled,
     ),
-    ("recheck_samples.wgsl", "item.y & 15u, record", "item.y & 8u, record", Dispatching::ByTile, no_holes_at_samples),
+    (
+        "recheck_samples.wgsl",
+        "item.y & 15u, 0u, record",
+        "item.y & 8u, 0u, record",
+        Dispatching::ByTile,
+        no_holes_at_samples,
+    ),
     ("resolve.wgsl", "coverage += share;", "coverage += 0.5 * share;", Dispatching::ByPair, sampled),
     ("resolve.wgsl", "colour += share * beyond", "colour += 0.0 * share * beyond", Dispatching::ByPair, sampled),
     (

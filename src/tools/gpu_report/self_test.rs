@@ -192,14 +192,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn there_are_67_frames_and_a_wrong_pixel_is_told() {
-        assert_eq!((views().len(), views().iter().filter(|v| v.fallback).count()), (67, BY_FALLBACK.len()));
+    fn there_are_72_frames_and_a_wrong_pixel_is_told() {
+        assert_eq!((views().len(), views().iter().filter(|v| v.fallback).count()), (72, BY_FALLBACK.len()));
         let right = Tested { scene: "demo".into(), ..Default::default() };
         let wrong = Tested { wrong: 1, ..right.clone() };
         let failed = Tested { failed: Some("device lost".into()), ..right.clone() };
         assert!(right.is_right() && !wrong.is_right() && !failed.is_right());
         assert!(
-            result(&[right]).starts_with("right: 1 of 67") && result(std::slice::from_ref(&wrong)).starts_with("WRONG")
+            result(&[right]).starts_with("right: 1 of 72") && result(std::slice::from_ref(&wrong)).starts_with("WRONG")
         );
         assert!(wrong.to_string().contains("WRONG: 1 pixels") && failed.to_string().contains("FAILED: device lost"));
     }
