@@ -58,7 +58,7 @@ fn sorted(numbers: &[f64]) -> Vec<f64> {
 }
 
 /// Of an even count the mean of the two in the middle.
-fn median(sorted: &[f64]) -> f64 {
+pub fn median(sorted: &[f64]) -> f64 {
     let count = sorted.len();
     match count {
         0 => f64::NAN,

@@ -5,6 +5,7 @@ use super::Run;
 use super::page::{escaped, table};
 use super::plot::rms;
 use super::row::Row;
+use super::times::median;
 
 /// Suites whose rows are compared: the others have no rivals, or scenes that are made to be hard.
 const COMPARED: [&str; 5] = ["papers", "pareto", "glc", "samples", "dynamic"];
@@ -86,7 +87,8 @@ const HEADS: [&str; 8] = [
 
 impl Against {
     fn median(&self) -> Option<f64> {
-        self.ratios.get(self.ratios.len() / 2).map(|r| r.0)
+        let ratios: Vec<f64> = self.ratios.iter().map(|r| r.0).collect();
+        Some(median(&ratios)).filter(|_| !ratios.is_empty())
     }
 
     fn slower(&self) -> usize {
@@ -97,7 +99,7 @@ impl Against {
         let ends = self.ratios.first().zip(self.ratios.last());
         let ratio = self.median().zip(ends).map(|(m, (lo, hi))| format!("{m:.2} [{:.2}, {:.2}]", lo.0, hi.0));
         let faster = self.ratios.iter().filter(|r| r.0 > 1.0 + DRAW).count();
-        let wrong = self.wrong.get(self.wrong.len() / 2).map(|w| format!("{:.4}", 100.0 * w));
+        let wrong = Some(median(&self.wrong)).filter(|_| !self.wrong.is_empty()).map(|w| format!("{:.4}", 100.0 * w));
         [
             self.rival.clone(),
             self.ratios.len().to_string(),
