@@ -41,7 +41,7 @@ fn a_report_is_gone_on_with_and_wrong_pixels_are_an_error() {
     assert_eq!(report(&place)["frames"], first["frames"]);
     assert!(!is_software || again.contains("; stages, 3 of 4 cases (cow-panorama, "), "{again}");
     let page = std::fs::read_to_string(folder(&place).join("index.html")).unwrap();
-    let says = ["right: 1 of 67 frames", "Occupancy: not told", "read_only", "glc, all"];
+    let says = ["right: 1 of 72 frames", "Occupancy: not told", "read_only", "glc, all"];
     assert!(says.iter().all(|text| page.contains(text)), "{page}");
     assert!(!is_software || page.contains("<summary>city-cross-slit"), "{page}");
 
@@ -52,7 +52,7 @@ fn a_report_is_gone_on_with_and_wrong_pixels_are_an_error() {
     assert_one_line(&ran, "wrong pixels");
     assert!(ran.code == 1 && ran.err.contains("the self-test failed: 1 wrong frames"), "{}", ran.err);
     let page = std::fs::read_to_string(folder(&place).join("index.html")).unwrap();
-    assert!(page.contains("WRONG: 1 of 67 frames"));
+    assert!(page.contains("WRONG: 1 of 72 frames"));
 
     // of another version nothing is kept
     planted["provenance"]["version"] = json!("0.0.0");
