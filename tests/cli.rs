@@ -6,6 +6,7 @@ mod needs;
 mod cli {
     pub mod bad;
     pub mod batch;
+    pub mod docs;
     pub mod drawn;
     pub mod good;
     pub mod gpu_report;

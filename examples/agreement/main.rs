@@ -130,7 +130,7 @@ impl Bench {
     /// Writes the contact sheet of a mesh: all its pictures that are there.
     fn write_sheet(&self, subject: &Subject, views: &[View]) -> Result<()> {
         let picture = |view: &View| image::open(view.path(&self.folder, subject.name, "png")).ok();
-        let small = |of: image::DynamicImage| sheet::small(of.width(), of.height(), &of.into_rgba8());
+        let small = |of: image::DynamicImage| sheet::small(&of.into_rgb8());
         let all: Vec<_> = views.iter().filter_map(|v| Some((v.name.as_str(), small(picture(v)?)))).collect();
         let sheet = sheet::sheet(&all, SHEET_COLUMNS);
         let path = self.folder.with_file_name(format!("{}.png", subject.name));

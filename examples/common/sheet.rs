@@ -11,15 +11,12 @@ const GAP: u32 = 4;
 const PAPER: Rgb<u8> = Rgb([255; 3]);
 const INK: Rgb<u8> = Rgb([0; 3]);
 
-/// A picture of `width` x `height` pixels of RGBA, as large as a cell of the sheet allows.
-pub fn small(width: u32, height: u32, rgba: &[u8]) -> RgbImage {
-    let rgb = |x: u32, y: u32| {
-        let at = 4 * (y as usize * width as usize + x as usize);
-        Rgb([rgba[at], rgba[at + 1], rgba[at + 2]])
-    };
+/// A picture as large as a cell of the sheet allows.
+pub fn small(picture: &RgbImage) -> RgbImage {
+    let (width, height) = picture.dimensions();
     let shrink = (f64::from(CELL[0]) / f64::from(width)).min(f64::from(CELL[1]) / f64::from(height));
     let [width_small, height_small] = [width, height].map(|n| (f64::from(n) * shrink).round().max(1.0) as u32);
-    resize(&RgbImage::from_fn(width, height, rgb), width_small, height_small, FilterType::Triangle)
+    resize(picture, width_small, height_small, FilterType::Triangle)
 }
 
 /// All pictures in rows of `columns`, each over its name.

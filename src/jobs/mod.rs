@@ -21,4 +21,4 @@ pub use backend::Backend;
 pub use files::CAMERA;
 pub use job::{Change, EngineName, RenderJob, load, load_shape};
 pub use memory::{check as check_memory, need as memory_need};
-pub use work::{Seen, Work, Written, refuse_missing};
+pub use work::{Seen, Work, Written, counted, refuse_missing};

@@ -408,7 +408,8 @@ fn wanted(asked: &[Channel], files: &Files, has_no_matte: bool) -> Wanted {
     Wanted { srgb8, ..Wanted::of(channels) }
 }
 
-fn counted(scene: &Scene, camera: &Camera) -> String {
+/// Triangles, spheres and pieces, in words.
+pub fn counted(scene: &Scene, camera: &Camera) -> String {
     let of = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let spheres = scene.mesh.sphere_count();
     let triangles = match (scene.mesh.triangles.len() - spheres, of(spheres, "sphere")) {

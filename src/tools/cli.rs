@@ -8,11 +8,14 @@ mod bench;
 mod camera;
 mod compare;
 mod diagram;
+mod doctor;
 mod example;
 mod export;
 mod gpu_report;
 mod info;
 mod kinds;
+mod manual;
+mod new;
 mod povray;
 mod progress;
 mod project;
@@ -70,7 +73,11 @@ fn run(arguments: Vec<OsString>, started: Instant) -> Result<()> {
         Command::Info(args) => info::run(args),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(args),
+        Command::Doctor => doctor::run(),
         Command::Example(args) => example::run(args),
+        Command::New(args) => new::run(args),
+        Command::Completions { shell } => manual::completions(*shell),
+        Command::Man { out } => manual::pages(out),
         Command::Batch(args) => batch::run(args),
         Command::Bench(args) => bench::run(args),
         Command::GpuReport(args) => gpu_report::run(args, started),

@@ -16,7 +16,7 @@ pub struct Example {
     /// The figure that it is after; `None` outside the gallery.
     pub figure: Option<&'static str>,
     /// The scene file, commented.
-    scene: &'static str,
+    pub scene: &'static str,
     /// Makes the camera's own files: name and content.
     files: fn() -> Vec<(&'static str, Part)>,
 }

@@ -130,7 +130,7 @@ fn rays_meet_what_they_meet_in_whole_numbers() {
     let mut met = 0;
     for (k, mesh) in closed.iter().chain(&soups).enumerate() {
         let caster = ExactCaster::new(Arc::new(mesh.clone()));
-        for n in 0..4000 {
+        for n in 0..2000 {
             let (p, d) = ray(mesh, &mut rng);
             if d == [0; 3] {
                 continue;
@@ -155,7 +155,7 @@ fn rays_meet_what_they_meet_in_whole_numbers() {
             met += all.len();
         }
     }
-    assert!(met > 30_000, "{met} hits");
+    assert!(met > 15_000, "{met} hits");
 }
 
 #[test]

@@ -306,7 +306,7 @@ pub(super) fn places(camera: &Camera) -> Vec<DVec2> {
     let forward = (DVec3::new(0.0, 2.0, 0.0) - EYE).normalize();
     let depth = |p: DVec3| (p - EYE).dot(forward);
     let mut places = Vec::new();
-    for (i, j) in (1..60).step_by(3).flat_map(|j| (1..80).step_by(3).map(move |i| (i, j))) {
+    for (i, j) in (1..60).step_by(4).flat_map(|j| (1..80).step_by(4).map(move |i| (i, j))) {
         let chain: Vec<Curve> = (0..camera.layers.len()).map(|layer| camera.curve(layer, i, j).unwrap().1).collect();
         let line: Vec<DVec3> = match camera.layers.len() {
             1 => vec![EYE, EYE + 100.0 * chain[0].tangent(0.0) / chain[0].tangent(0.0).dot(forward)],

@@ -317,7 +317,7 @@ fn frames_agree_with_the_reference() {
     for (mirror, facets, depth) in mirrors {
         let text =
             format!("kind = \"reflection\"\n{EYE}\nmirror = {{ {mirror} }}\nfacets = \"{facets}\"\ndepth = {depth}");
-        let (scene, camera) = scene((101, 77), THINGS, &text);
+        let (scene, camera) = scene((77, 59), THINGS, &text);
         let name = format!("reflection, {facets}, depth {depth}, {mirror}");
         let Some((frame, ..)) = check(&name, &scene, &camera) else { return };
         assert_numbers(&name, &scene, &camera, &frame);
@@ -340,7 +340,7 @@ fn frames_agree_with_the_reference() {
         let text = format!(
             "kind = \"refraction\"\nior = 1.5\n{EYE}\nlens = {{ {lens} }}\nfacets = \"{facets}\"\ndepth = {depth}"
         );
-        let (scene, camera) = scene((101, 77), THINGS, &text);
+        let (scene, camera) = scene((77, 59), THINGS, &text);
         let name = format!("refraction, {facets}, depth {depth}, {lens}");
         let Some((frame, ..)) = check(&name, &scene, &camera) else { return };
         assert_numbers(&name, &scene, &camera, &frame);
@@ -664,7 +664,7 @@ fn adapters_without_64_bit_atomics_see_the_same() {
     for mirror in ["shape = \"sphere\"", "shape = \"torus\""] {
         let own = if mirror.contains("torus") { "radius = 0.9, tube = 0.3" } else { "radius = 1" };
         let text = format!("kind = \"reflection\"\n{EYE}\nmirror = {{ {mirror}, {own} }}\ndepth = 2");
-        let (scene, camera) = scene((101, 77), THINGS, &text);
+        let (scene, camera) = scene((77, 59), THINGS, &text);
         let by = |without| render_with(&scene, &camera, without, &Default::default()).map(|r| r.frame);
         let (Some(all), Some(less)) = (by(Without::Nothing), by(Without::Int64Atomics)) else { return };
         assert!(all == less, "{mirror}: 32-bit atomics give other bytes");
@@ -675,7 +675,7 @@ fn adapters_without_64_bit_atomics_see_the_same() {
 #[test]
 fn adapters_without_f64_see_the_same() {
     let text = format!("kind = \"reflection\"\n{EYE}\nmirror = {{ shape = \"sphere\", radius = 1 }}\ndepth = 2");
-    let (scene, camera) = scene((101, 77), THINGS, &text);
+    let (scene, camera) = scene((77, 59), THINGS, &text);
     let Some(all) = render_with(&scene, &camera, Without::Nothing, &Default::default()) else { return };
     assert_same_without_f64("sphere", &scene, &camera, &all.frame);
 }

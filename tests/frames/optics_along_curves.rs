@@ -17,7 +17,7 @@ use common::{layered, scene};
 use glam::DVec3;
 use std::sync::Arc;
 
-const SIZE: (u32, u32) = (101, 77);
+const SIZE: (u32, u32) = (77, 59);
 
 /// What a ball of radius 0.8 about the origin mirrors: a cloud of small triangles around it, and two balls.
 fn cloud() -> Scene {

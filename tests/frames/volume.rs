@@ -19,7 +19,7 @@ use common::volumes::{SHELLS, bumps, grid, volume};
 use common::{ALL_T, FORWARD, camera, soup};
 use glam::{DQuat, DVec3};
 
-const SIZE: (u32, u32) = (40, 30);
+const SIZE: (u32, u32) = (30, 22);
 
 /// What the definitions allow.
 const ERROR: f64 = 1.0 / 512.0;

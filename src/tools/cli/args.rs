@@ -44,8 +44,20 @@ pub enum Command {
     #[cfg(feature = "view")]
     #[command(after_help = limits::help())]
     View(ViewArgs),
+    /// Say what works on this machine, and what to install for what does not
+    Doctor,
     /// Write an example scene
     Example(ExampleArgs),
+    /// Write a commented scene for a model of your own, by what you want of it
+    New(NewArgs),
+    /// Print the completions of a shell, as in: anamorph completions bash >>~/.bash_completion
+    Completions { shell: clap_complete::Shell },
+    /// Write manual pages, a file for each command
+    Man {
+        /// Folder to write them to
+        #[arg(long, value_name = "DIR", default_value = ".")]
+        out: PathBuf,
+    },
     /// Measure error against run time, of this engine and of its rivals
     Bench(BenchArgs),
     /// Test and measure this machine's GPU for some minutes, into a folder to send to the developers
@@ -88,7 +100,13 @@ impl Command {
             Command::Info(args) => Some(&args.caps),
             #[cfg(feature = "view")]
             Command::View(args) => Some(&args.caps),
-            Command::Example(_) | Command::Bench(_) | Command::GpuReport(_) => None,
+            Command::Doctor
+            | Command::Example(_)
+            | Command::New(_)
+            | Command::Completions { .. }
+            | Command::Man { .. }
+            | Command::Bench(_)
+            | Command::GpuReport(_) => None,
         }
     }
 }
@@ -451,6 +469,31 @@ pub struct ExampleArgs {
     /// Print all names
     #[arg(long, conflicts_with_all = ["name", "out"])]
     pub list: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct NewArgs {
+    /// What you want: a name of --list
+    #[arg(required_unless_present = "list")]
+    pub task: Option<String>,
+    /// The model, .obj, .ply, .stl, .gltf or .glb; or points, .ply, .npy, .csv or .xyz [default: the built-in teapot]
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<PathBuf>,
+    /// The model's axis that points up
+    #[arg(long, value_name = "AXIS", default_value = "y", requires = "mesh")]
+    pub up: UpAxis,
+    /// Scene file to write [default: TASK.toml]
+    #[arg(short, long, value_name = "SCENE.toml")]
+    pub output: Option<PathBuf>,
+    /// Print all tasks
+    #[arg(long, conflicts_with_all = ["task", "mesh", "output"])]
+    pub list: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum UpAxis {
+    Y,
+    Z,
 }
 
 #[derive(Debug, Args)]

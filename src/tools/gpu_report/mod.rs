@@ -4,7 +4,7 @@
 
 mod bandwidth;
 mod page;
-mod self_test;
+pub mod self_test;
 
 use super::bench::race::{Engines, Rules};
 use super::bench::suites::SUITES;

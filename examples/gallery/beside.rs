@@ -1,0 +1,69 @@
+//! Pictures beside those of the examples: the same scene by an ordinary camera, by one of the views that were joined, with one number
+//! changed, or as the paper's own technique draws it.
+
+pub struct Beside {
+    /// The example's name.
+    pub of: &'static str,
+    /// The picture's file is OF-NAME.jpg.
+    pub name: &'static str,
+    pub shows: &'static str,
+    /// How the scene changes, as after --set.
+    pub change: &'static str,
+    /// The technique that draws it in place of ours, as after --engine.
+    pub rival: Option<&'static str>,
+}
+
+const fn view(of: &'static str, name: &'static str, shows: &'static str, change: &'static str) -> Beside {
+    Beside { of, name, shows, change, rival: None }
+}
+
+const fn splats(name: &'static str, shows: &'static str, rival: &'static str) -> Beside {
+    Beside { of: "primitives", name, shows, change: "", rival: Some(rival) }
+}
+
+/// Those beside an example, in the order of the page.
+pub fn beside(of: &str) -> impl Iterator<Item = &'static Beside> {
+    BESIDE.iter().filter(move |b| b.of == of)
+}
+
+#[rustfmt::skip] // a table
+const BESIDE: [Beside; 29] = [
+    view("city-cross-slit", "pinhole", "the same by a pinhole",
+        "camera={kind='pinhole',eye=[-36,20,50],target=[-10,9.5,15],vfov=34}"),
+    splats("splats-5", "as the paper draws it: splats, 5 texels a side for each triangle", "splat:5"),
+    splats("splats-10", "10 texels a side", "splat:10"),
+    splats("splats-20", "20 texels a side", "splat:20"),
+    view("cow-panorama", "pinhole", "the same by a pinhole",
+        "camera={kind='pinhole',eye=[4,1.6,4],target=[0,0.95,0],vfov=36}"),
+    view("teapot-panorama", "pinhole", "the same by a pinhole",
+        "camera={kind='pinhole',eye=[0,4.5,9],target=[0,1,0],vfov=28}"),
+    view("hinge", "straight", "angle = 0: the cow as it stands", "camera.angle=0"),
+    view("hinge", "away", "angle = -12: it looks away", "camera.angle=-12"),
+    view("car", "pinhole", "the same car by a pinhole",
+        "camera={kind='pinhole',eye=[5.5,2.2,5],target=[0,0.7,0],vfov=25}"),
+    view("columns", "perspective", "convergence = 1: perspective", "camera.convergence=1"),
+    view("twist", "straight", "angle = 0: perspective", "camera.angle=0"),
+    view("curved", "straight", "bend = [0, 0]: perspective", "camera.bend=[0,0]"),
+    view("occlusion", "straight", "distortion = [0, 0]: perspective", "camera.distortion=[0,0]"),
+    view("ortho-to-perspective", "pinhole", "the same by a pinhole",
+        "camera={kind='pinhole',eye=[0,34,62],target=[0,2,14],vfov=40}"),
+    view("stairs", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[0,0,8],target=[0,0,0],vfov=62}"),
+    view("terrain-top-down", "pinhole", "morph = 0: the plain view", "camera.morph=0"),
+    view("terrain-bottom-up", "left", "the left view",
+        "camera={kind='pinhole',eye=[-22,32,72],target=[-33,15,10],vfov=38}"),
+    view("terrain-bottom-up", "right", "the right view",
+        "camera={kind='pinhole',eye=[12,54,66],target=[22,13,-8],vfov=40}"),
+    view("tracked", "pinhole", "morph = 0: the plain view, where houses hide both balls", "camera.morph=0"),
+    view("tree", "root", "morph = 0: the root's plain view", "camera.morph=0"),
+    view("opposite", "left", "the left view",
+        "camera={kind='pinhole',eye=[-0.8,2.6,0.5],target=[-20,4.6,-3.5],vfov=60}"),
+    view("opposite", "right", "the right view",
+        "camera={kind='pinhole',eye=[0.8,2.6,0.5],target=[20,4.6,-3.5],vfov=60}"),
+    view("aeroplane", "root", "morph = 0: the root's plain view", "camera.morph=0"),
+    view("aeroplane", "bent", "few and straight segments: it is bent at the joint", "camera.join='straight'"),
+    view("city-cylinder", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[0,31,0],target=[-10,31,-3],vfov=90}"),
+    view("deformation", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[34,40,62],target=[0,3,0],vfov=42}"),
+    view("mirror-ring", "once", "depth = 1: the ring does not see itself", "camera.depth=1"),
+    view("mirror-teapot", "more", "512 cameras and 1,600 triangles", "camera.mirror.cameras=512 mesh.0.file=flock-1500.obj"),
+    view("surround", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[0,1.6,5],target=[0,1,0],vfov=45}"),
+];

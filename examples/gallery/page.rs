@@ -1,0 +1,73 @@
+//! The page of the gallery, in Markdown.
+
+use super::beside::{Beside, beside};
+use anamorph::internals::tools::example::Example;
+use std::fmt::Write;
+
+/// What is said of an example.
+pub struct Shown {
+    pub example: &'static Example,
+    /// Pixels, as its file says.
+    pub size: (u32, u32),
+    /// The camera's kind.
+    pub kind: &'static str,
+    /// Triangles and pieces, in words.
+    pub counted: String,
+    /// Median time of a frame of that size.
+    pub ms: f64,
+}
+
+/// The papers, as an example's figure names them and by title.
+const PAPERS: [(&str, &str); 5] = [
+    ("Yu", "Yu, Yu and McMillan 2009, *Towards multi-perspective rasterization*"),
+    ("Brosz", "Brosz, Samavati, Carpendale and Sousa 2007, *Single camera flexible projection*"),
+    ("Popescu", "Popescu et al., *A flexible framework for interactive multiperspective visualization*"),
+    ("Lorenz", "Lorenz and Doellner 2009, *Real-time piecewise perspective projections*"),
+    ("Hou", "Hou, Wei, Shum and Guo 2006, *Real-time multi-perspective rendering on graphics hardware*"),
+];
+
+pub fn name_beside(beside: &Beside) -> String {
+    format!("{}-{}", beside.of, beside.name)
+}
+
+pub fn page(shown: &[Shown], adapter: &str) -> String {
+    let mut text = format!(
+        "# Gallery\n\n\
+         A scene for each figure of five papers that shows a rendering. `anamorph example NAME` writes the scene and its files,\n\
+         `anamorph render NAME.toml` renders it. Here all are lit by a sun and a sky, with 16 samples a pixel or 4 frames; `make gallery` makes\n\
+         this page. The time is that of one frame as the scene's file says, without the sky, on {adapter}.\n\n\
+         ![A cow that turns its head by a second camera; the model does not move](gallery/hinge-moving.png)\n\n\
+         Nothing moves here but the angle between two cameras (`anamorph example hinge`, `camera.angle`).\n"
+    );
+    for (paper, title) in PAPERS {
+        // writing to a string does not fail
+        let _ = write!(text, "\n## {title}\n");
+        let of_paper = |s: &&Shown| s.example.figure.is_some_and(|figure| figure.starts_with(paper));
+        shown.iter().filter(of_paper).for_each(|s| text += &section(s));
+    }
+    text
+}
+
+fn section(shown: &Shown) -> String {
+    let Shown { example, size: (width, height), kind, counted, ms } = shown;
+    let (name, shows) = (example.name, example.shows);
+    let figure = example.figure.and_then(|f| f.split_once(' ')).map_or("", |f| f.1);
+    let figures = if figure.contains(',') { "figures" } else { "figure" };
+    let mut text = format!(
+        "\n### {name}\n\n![{shows}](gallery/{name}.jpg)\n\n\
+         After {figures} {figure}: {shows}. Camera `{kind}`; {counted}; {ms:.0} ms for {width} x {height} pixels.\n"
+    );
+    let beside: Vec<&Beside> = beside(name).collect();
+    if !beside.is_empty() {
+        let row = |of: &dyn Fn(&Beside) -> String| {
+            format!("|{}\n", beside.iter().map(|b| format!(" {} |", of(b))).collect::<String>())
+        };
+        text += "\n";
+        text += &row(&|b| b.shows.to_owned());
+        text += &row(&|_| "---".to_owned());
+        text += &row(&|b| format!("![{}](gallery/{}.jpg)", b.shows, name_beside(b)));
+    }
+    let scene = example.scene.trim_end();
+    let _ = write!(text, "\n<details><summary>The scene</summary>\n\n```toml\n{scene}\n```\n\n</details>\n");
+    text
+}
