@@ -1,6 +1,6 @@
-# What a person types: make demo, make gallery, make wheel, make test, make test-python, make check, make test-adapters, make agreement, make reproduce-quick.
+# What a person types: make demo, make gallery, make camera-pages, make docs, make wheel, make package, make test, make test-python, make check, make test-adapters, make agreement, make reproduce-quick.
 
-.PHONY: demo gallery agreement reproduce-quick wheel test test-python test-adapters check rust driver venv
+.PHONY: docs package demo gallery camera-pages agreement reproduce-quick wheel test test-python test-adapters check rust driver venv
 
 BUILD := $(or $(CARGO_TARGET_DIR),target)
 RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
@@ -8,6 +8,8 @@ ICDS := /usr/share/vulkan/icd.d/*.json /usr/local/share/vulkan/icd.d/*.json /etc
 DRIVER := mesa-vulkan-drivers libvulkan1
 COMPILER := g++
 PYTHON := python3-venv
+# What the pages are made into a book with.
+MDBOOK := 0.5.4
 # Libraries that the Python package is compared with; its tests skip what is not there.
 PEERS := pycolmap trimesh rtree
 # A virtual environment, and the wheel that it is tested in.
@@ -33,6 +35,20 @@ gallery: rust driver
 	@cargo run --release --locked --quiet --features internals --example gallery out
 	@echo "the contact sheet is out/gallery.png, the pictures and their scenes are in out/gallery"
 
+# The pages of docs/cameras: one scene through every kind of camera, its rays, its keys.
+camera-pages: rust driver
+	@cargo run --release --locked --quiet --features internals --example camera_pages docs/cameras
+
+# The pages as a book of HTML, into target/book; the first time mdbook is built too.
+docs: rust
+	@[ -x $(BUILD)/mdbook/bin/mdbook ] || cargo install mdbook --version $(MDBOOK) --locked --quiet --root $(BUILD)/mdbook
+	@rm -rf $(BUILD)/book-src && mkdir -p $(BUILD)/book-src && cp -r docs bench_results README.md $(BUILD)/book-src
+	@mkdir $(BUILD)/book-src/python && cp -r python/README.md python/examples $(BUILD)/book-src/python
+	@mv $(BUILD)/book-src/docs/book.toml $(BUILD)/book-src
+	@sed -e 's,](,](docs/,' -e 's,](docs/../,](,' docs/SUMMARY.md >$(BUILD)/book-src/SUMMARY.md && rm $(BUILD)/book-src/docs/SUMMARY.md
+	@$(BUILD)/mdbook/bin/mdbook build $(BUILD)/book-src --dest-dir $(abspath $(BUILD))/book
+	@echo "the book is $(BUILD)/book/index.html"
+
 # Compare every camera with the reference on a city of 35,000 triangles and on the models in the folder MODELS: hours on a CPU.
 agreement: rust driver
 	@cargo run --release --locked --quiet --features internals --example agreement -- out/agreement $(MODELS)
@@ -46,6 +62,14 @@ reproduce-quick: rust driver
 # The Python package as a wheel, into target/wheels.
 wheel: rust venv
 	@$(VENV)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(BUILD)/wheels
+
+# The crate and the wheel as they would be published, into target; what they hold, their size and the licences of all that they build on. The
+# first time cargo-deny is built too. python/tests/test_package.py checks most of it in `make test`.
+package: rust venv wheel
+	@cargo package --locked --quiet
+	@[ -x $(BUILD)/deny/bin/cargo-deny ] || cargo install cargo-deny --locked --quiet --root $(BUILD)/deny
+	@$(BUILD)/deny/bin/cargo-deny --locked --all-features check licenses bans sources
+	@ls -l $(BUILD)/package/*.crate $(BUILD)/wheels/*.whl
 
 # All tests; installs a software Vulkan driver first where there is none and apt-get may. The longest programs run beside the others, since
 # tests of one program wait for one another's engine; what they print comes last. Examples are compiled by clippy in .ci/run.

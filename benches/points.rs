@@ -1,5 +1,6 @@
 //! Times projection and splatting of many points, kernels beside the CPU, and two ways to the roots of a cubic: `cargo bench --features
-//! internals --bench points`. `cargo test --features internals --benches` runs each once, on little.
+//! internals --bench points`, with the names of cameras behind `--`, if not all. `cargo test --features internals --benches` runs each once,
+//! on little.
 
 use anamorph::internals::geometry::bernstein::Bernstein;
 use anamorph::{Camera, Device, Renderer, Scene, project_many, splat};
@@ -39,7 +40,8 @@ fn main() -> anamorph::Result<()> {
         "camera, points, project by CPU, by kernels exact, by kernels 0.1 px, of them proven, splat by CPU, by kernels, left out"
     );
     let scene = Scene::new();
-    for (name, keys) in CAMERAS {
+    let asked: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    for (name, keys) in CAMERAS.into_iter().filter(|c| asked.is_empty() || asked.iter().any(|a| a == c.0)) {
         let camera = Camera::parse(keys, ".", &scene, Some(SIZE))?;
         // a point of a panorama takes the CPU some 0.1 ms, and one of a volume more
         let most = if ["pieces", "volume"].contains(&name) { 100_000 } else { usize::MAX };

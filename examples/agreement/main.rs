@@ -6,6 +6,7 @@ mod scenes;
 #[path = "../common/sheet.rs"]
 mod sheet;
 mod table;
+mod views;
 
 use anamorph::internals::engine::Engine;
 use anamorph::internals::gpu::Gpu;
@@ -14,10 +15,11 @@ use anamorph::internals::image::write_png;
 use anamorph::internals::input::{Error, Result};
 use clap::Parser;
 use line::{Line, Outcome};
-use scenes::{Subject, View};
+use scenes::Subject;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use table::Table;
+use views::View;
 
 /// Compares every camera with the f64 reference
 #[derive(Parser)]
@@ -56,7 +58,7 @@ fn main() -> ExitCode {
 
 /// Whether all lines of this run are right.
 fn run(args: &Args) -> Result<bool> {
-    let (subjects, views) = (scenes::subjects(args.models.as_deref()), scenes::views()?);
+    let (subjects, views) = (scenes::subjects(args.models.as_deref()), views::views()?);
     let meshes: Vec<String> = subjects.iter().map(|s| s.name.to_owned()).collect();
     let cameras: Vec<String> = views.iter().map(|v| v.name.clone()).collect();
     known(&args.meshes, &meshes)?;
@@ -64,7 +66,7 @@ fn run(args: &Args) -> Result<bool> {
     known(&args.without, &cameras)?;
     let folder = args.folder.join("scenes");
     std::fs::create_dir_all(&folder).map_err(|e| Error::work(format!("{}: {e}", folder.display())))?;
-    scenes::write_camera_files(&folder)?;
+    views::write_camera_files(&folder)?;
     let mut table = Table::open(&args.folder, meshes, cameras)?;
     let engine = Engine::new(Gpu::open(&Default::default())?.ok_or_else(|| Error::work(NO_ADAPTER))?);
     let by = provenance(&engine);

@@ -30,9 +30,9 @@ pub fn beside(of: &str) -> impl Iterator<Item = &'static Beside> {
 const BESIDE: [Beside; 29] = [
     view("city-cross-slit", "pinhole", "the same by a pinhole",
         "camera={kind='pinhole',eye=[-36,20,50],target=[-10,9.5,15],vfov=34}"),
-    splats("splats-5", "as the paper draws it: splats, 5 texels a side for each triangle", "splat:5"),
-    splats("splats-10", "10 texels a side", "splat:10"),
-    splats("splats-20", "20 texels a side", "splat:20"),
+    splats("splats-5", "as the paper draws it: splats, 5 texels a side for each triangle", "raster-splat:5"),
+    splats("splats-10", "10 texels a side", "raster-splat:10"),
+    splats("splats-20", "20 texels a side", "raster-splat:20"),
     view("cow-panorama", "pinhole", "the same by a pinhole",
         "camera={kind='pinhole',eye=[4,1.6,4],target=[0,0.95,0],vfov=36}"),
     view("teapot-panorama", "pinhole", "the same by a pinhole",

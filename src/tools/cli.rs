@@ -77,6 +77,7 @@ fn run(arguments: Vec<OsString>, started: Instant) -> Result<()> {
         Command::Example(args) => example::run(args),
         Command::New(args) => new::run(args),
         Command::Completions { shell } => manual::completions(*shell),
+        Command::Schema => manual::schema(),
         Command::Man { out } => manual::pages(out),
         Command::Batch(args) => batch::run(args),
         Command::Bench(args) => bench::run(args),

@@ -165,6 +165,43 @@ pub const EXAMPLES: [Example; 58] = [
     example!("surround", Some("Hou 12"), "a walker from all around by 400 cameras", make::barrel),
 ];
 
+/// All of them by what they are for.
+#[rustfmt::skip] // a table
+const GROUPS: [(&str, &[&str]); 8] = [
+    ("To begin with", &["demo", "pinhole", "orthographic", "still-life", "pen-and-ink", "wireframe"]),
+    ("Two slits, moving eyes", &[
+        "pushbroom", "cross-slit", "pencil", "bilinear", "city-cross-slit", "primitives", "hinge",
+    ]),
+    ("Sensors", &["fisheye", "angular-fisheye", "lens", "rolling-shutter"]),
+    ("All around", &[
+        "panorama", "cow-panorama", "teapot-panorama", "teapot-above", "cylinders", "city-cylinder", "surround",
+    ]),
+    ("Mirrors, lenses, caustics", &[
+        "magnifier", "mirror-ball", "mirror-ring", "mirror-teapot", "water", "glass-ball", "caustic", "caustic-ball", "hidden-mirror",
+    ]),
+    ("Bent rays", &[
+        "car", "three-projections", "columns", "twist", "twist-curved", "curved", "occlusion", "street", "ortho-to-perspective", "stairs",
+        "deformation", "mesh",
+    ]),
+    ("Several views in one picture", &[
+        "composite", "table", "terrain-top-down", "terrain-bottom-up", "morph", "tracked", "tree", "opposite", "graph-camera", "aeroplane",
+    ]),
+    ("Spheres, volumes, videos", &["helix", "smoke", "video-on-city"]),
+];
+
+/// All examples, a line each, under the heading of their group.
+pub fn list() -> String {
+    let mut text = String::new();
+    for (k, (heading, names)) in GROUPS.iter().enumerate() {
+        text += &format!("{}{heading}:\n", if k == 0 { "" } else { "\n" });
+        for example in names.iter().flat_map(|name| EXAMPLES.iter().find(|e| e.name == *name)) {
+            let after = example.figure.map(|figure| format!(" (after {figure})")).unwrap_or_default();
+            text += &format!("  {:<22}{}{after}\n", example.name, example.shows);
+        }
+    }
+    text
+}
+
 /// The examples that are after a figure.
 pub fn gallery() -> impl Iterator<Item = &'static Example> {
     EXAMPLES.iter().filter(|e| e.figure.is_some())
@@ -174,6 +211,16 @@ pub fn gallery() -> impl Iterator<Item = &'static Example> {
 mod tests {
     use super::*;
     use crate::scene::Scene;
+
+    #[test]
+    fn every_example_is_in_one_group() {
+        let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|group| group.1).copied().collect();
+        let mut all: Vec<&str> = EXAMPLES.iter().map(|e| e.name).collect();
+        grouped.sort_unstable();
+        all.sort_unstable();
+        assert_eq!(grouped, all);
+        assert_eq!(list().lines().filter(|line| line.starts_with("  ")).count(), all.len());
+    }
 
     #[test]
     fn the_teapot_of_cameras_has_the_papers_numbers() {

@@ -3,7 +3,6 @@
 
 mod display;
 mod document;
-mod keys;
 mod lines;
 mod messages;
 mod page;

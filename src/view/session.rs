@@ -526,8 +526,8 @@ impl State {
             message["name"] = document.name().into();
             message["has_file"] = document.has_file().into();
             message["adapter"] = self.adapter.as_str().into();
-            message["cameras"] = json!(super::keys::of_cameras());
-            message["sections"] = json!(super::keys::of_sections());
+            message["cameras"] = json!(crate::scene::keys::of_cameras());
+            message["sections"] = json!(crate::scene::keys::of_sections());
             let rivals: Vec<&str> = crate::rivals::TECHNIQUES.iter().map(|t| t.name).collect();
             message["engines"] = json!([vec!["reference"], rivals].concat());
         }

@@ -119,6 +119,34 @@ fn links_lead_to_files_and_headings_that_are_there() {
     assert!(broken.is_empty(), "{broken:#?}");
 }
 
+#[test]
+fn every_page_is_in_the_book() {
+    let summary = text(Path::new("docs/SUMMARY.md"));
+    let listed: BTreeSet<PathBuf> = summary
+        .split("](")
+        .skip(1)
+        .map(|rest| beside(Path::new("docs/SUMMARY.md"), rest.split_once(')').unwrap().0))
+        .collect();
+    // summaries of runs are linked by their pages
+    let is_summary = |page: &PathBuf| page.ends_with("summary.md") || page.ends_with("SUMMARY.md");
+    let missing: Vec<PathBuf> = pages().into_iter().filter(|p| !is_summary(p) && !listed.contains(p)).collect();
+    assert!(missing.is_empty(), "docs/SUMMARY.md leaves out {missing:?}");
+}
+
+/// `make camera-pages` makes them anew.
+#[test]
+fn every_kind_of_camera_has_a_page_with_its_help() {
+    let place = Place::new();
+    for (kind, _) in anamorph::camera_kinds() {
+        let page = text(&Path::new("docs/cameras").join(format!("{kind}.md")));
+        let help = place.works(&["camera", "--help", kind]);
+        assert!(
+            page.contains(help.trim_end()),
+            "docs/cameras/{kind}.md does not hold what camera --help {kind} prints"
+        );
+    }
+}
+
 /// A folder with what the commands of a page name without making it.
 fn place() -> Place {
     let place = Place::new();

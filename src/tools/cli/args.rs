@@ -52,6 +52,8 @@ pub enum Command {
     New(NewArgs),
     /// Print the completions of a shell, as in: anamorph completions bash >>~/.bash_completion
     Completions { shell: clap_complete::Shell },
+    /// Print the JSON schema of scene files, by which editors complete and check them
+    Schema,
     /// Write manual pages, a file for each command
     Man {
         /// Folder to write them to
@@ -105,6 +107,7 @@ impl Command {
             | Command::New(_)
             | Command::Completions { .. }
             | Command::Man { .. }
+            | Command::Schema
             | Command::Bench(_)
             | Command::GpuReport(_) => None,
         }

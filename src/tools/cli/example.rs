@@ -4,14 +4,12 @@ use super::args::ExampleArgs;
 use super::say::print;
 use crate::image::check_writable;
 use crate::input::{Error, Result};
-use crate::tools::example::{EXAMPLES, Example, Part};
+use crate::tools::example::{EXAMPLES, Part, list};
 use std::path::Path;
 
 pub fn run(args: &ExampleArgs) -> Result<()> {
     let Some(name) = args.name.as_deref().filter(|_| !args.list) else {
-        let after = |e: &Example| e.figure.map(|f| format!(" (after {f})")).unwrap_or_default();
-        let line = |e: &Example| format!("{:<22}{}{}\n", e.name, e.shows, after(e));
-        return print(&EXAMPLES.iter().map(line).collect::<String>());
+        return print(&list());
     };
     let example = EXAMPLES.iter().find(|e| e.name == name).ok_or_else(|| {
         let known: Vec<_> = EXAMPLES.iter().map(|e| e.name).collect();

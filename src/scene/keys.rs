@@ -1,6 +1,8 @@
-//! The keys of scene files as tables, for the controls of the page: from the help texts of cameras and of the scene's other sections.
+//! The keys of scene files as tables, for the controls of the viewer's page and for editors: from the help texts of cameras and of the
+//! scene's other sections.
 
 use crate::camera::kinds::KINDS;
+use crate::camera::recipe::POSE;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -21,13 +23,21 @@ pub struct Key {
 
 /// The sections of a scene file besides the camera that have controls.
 pub const SECTIONS: [(&str, &str); 7] = [
-    ("image", include_str!("../scene/help/image.txt")),
-    ("light", include_str!("../scene/help/light.txt")),
-    ("projector_light", include_str!("../scene/help/projector_light.txt")),
-    ("ambient_occlusion", include_str!("../scene/help/ambient_occlusion.txt")),
-    ("environment", include_str!("../scene/help/environment.txt")),
-    ("volume", include_str!("../scene/help/volume.txt")),
-    ("style", include_str!("../scene/help/style.txt")),
+    ("image", include_str!("help/image.txt")),
+    ("light", include_str!("help/light.txt")),
+    ("projector_light", include_str!("help/projector_light.txt")),
+    ("ambient_occlusion", include_str!("help/ambient_occlusion.txt")),
+    ("environment", include_str!("help/environment.txt")),
+    ("volume", include_str!("help/volume.txt")),
+    ("style", include_str!("help/style.txt")),
+];
+
+/// Those without.
+const OTHERS: [(&str, &str); 4] = [
+    ("mesh", include_str!("help/mesh.txt")),
+    ("spheres", include_str!("help/spheres.txt")),
+    ("caustics", include_str!("help/caustics.txt")),
+    ("output", include_str!("help/output.txt")),
 ];
 
 /// The keys of each kind of camera.
@@ -38,6 +48,16 @@ pub fn of_cameras() -> BTreeMap<&'static str, Vec<Key>> {
 /// The keys of each other section.
 pub fn of_sections() -> BTreeMap<&'static str, Vec<Key>> {
     SECTIONS.into_iter().map(|(name, help)| (name, keys(help))).collect()
+}
+
+/// The keys of all sections but the camera.
+pub fn of_all_sections() -> impl Iterator<Item = (&'static str, Vec<Key>)> {
+    SECTIONS.into_iter().chain(OTHERS).map(|(name, help)| (name, keys(help)))
+}
+
+/// The keys of every camera, and those that replace eye, target and up where a kind has these.
+pub fn of_any_camera() -> [Vec<Key>; 2] {
+    [keys(include_str!("help/any_camera.txt")), keys(&format!("\n\n{POSE}"))]
 }
 
 /// The keys that a help text lists: lines with two leading blanks, and continuation lines with more.
@@ -171,8 +191,8 @@ mod tests {
     #[test]
     fn the_sections_tables_are_complete() {
         let camera = "[camera]\nkind = \"pinhole\"\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nvfov = 40\n";
-        for (section, keys) in of_sections() {
-            let is_list = section.ends_with("light");
+        for (section, keys) in of_all_sections() {
+            let is_list = section.ends_with("light") || ["mesh", "spheres"].contains(&section);
             let header = if is_list { format!("[[{section}]]") } else { format!("[{section}]") };
             let mut names: Vec<String> = keys.into_iter().map(|key| key.name).collect();
             let mut known = known(&format!("{camera}{header}\nunknown = 1\n"));

@@ -1,0 +1,189 @@
+//! A page for each kind of camera: what it is, a picture of one scene through it, its rays, its keys. `make camera-pages` writes them to docs/cameras.
+
+#[path = "agreement/views.rs"]
+mod views;
+
+use anamorph::camera_kinds;
+use anamorph::internals::image::write_text;
+use anamorph::internals::input::{Error, Result};
+use anamorph::internals::tools::cli;
+use anamorph::internals::tools::example::EXAMPLES;
+use image::codecs::jpeg::JpegEncoder;
+use image::imageops::FilterType;
+use std::fmt::Write;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+use toml::{Table, Value};
+use views::{View, views, write_camera_files};
+
+/// Pixels across a picture of a page.
+const WIDTH: u32 = 480;
+/// Of JPEG, percent.
+const QUALITY: u8 = 82;
+
+/// In the ball of radius 1 about the origin, at which all cameras look.
+const STILL_LIFE: &str = r#"
+[[mesh]]
+builtin = "plane"
+size = 1.35
+translate = [0, -0.35, 0]
+pattern = { kind = "checker", size = 0.135, light = [0.8, 0.78, 0.72], dark = [0.25, 0.3, 0.36] }
+
+[[mesh]]
+builtin = "teapot"
+scale = 0.2
+translate = [-0.05, -0.35, 0]
+color = [0.75, 0.42, 0.18]
+
+[[mesh]]
+builtin = "icosphere"
+scale = 0.15
+smooth = true
+translate = [0.42, -0.2, 0.32]
+color = [0.65, 0.1, 0.08]
+
+[[mesh]]
+builtin = "box"
+scale = 0.22
+rotate = [0, 30, 0]
+translate = [-0.45, -0.24, 0.3]
+color = [0.2, 0.42, 0.25]
+
+[[mesh]]
+builtin = "cylinder"
+scale = [0.14, 0.75, 0.14]
+smooth = true
+translate = [0.4, 0.02, -0.42]
+color = [0.2, 0.35, 0.6]
+
+[[mesh]]
+builtin = "cylinder"
+scale = [0.14, 0.75, 0.14]
+smooth = true
+translate = [-0.4, 0.02, -0.42]
+color = [0.8, 0.78, 0.7]
+
+[[light]]
+direction = [-1, -2, -1.2]
+color = [0.9, 0.9, 0.9]
+shadows = true
+
+[ambient_occlusion]
+rays = 16
+distance = 0.4
+"#;
+
+fn main() -> Result<()> {
+    let folder = std::env::args_os().nth(1).ok_or_else(|| Error::input("use: camera_pages FOLDER"))?;
+    let folder = Path::new(&folder);
+    std::fs::create_dir_all(folder).map_err(|e| broken(folder, e))?;
+    let scenes = tempfile::tempdir().map_err(|e| Error::work(format!("no temporary folder: {e}")))?;
+    write_camera_files(scenes.path())?;
+    let views = views()?;
+    let mut index = String::from(
+        "# All cameras\n\nOne scene through each kind: a teapot on a checkered table, a ball, a box and two columns. [Cameras and their \
+         keys](../reference/cameras.md) compares the kinds.\n\n| | | |\n|---|---|---|\n",
+    );
+    let kinds: Vec<(&str, String)> = camera_kinds().collect();
+    for (name, help) in &kinds {
+        let view =
+            views.iter().find(|v| v.kind() == *name).ok_or_else(|| Error::work(format!("no camera of kind {name}")))?;
+        picture(scenes.path(), view, folder, name)?;
+        write_text(&folder.join(format!("{name}.md")), &page(name, help, view)?)?;
+        println!("{name}");
+    }
+    for row in kinds.chunks(3) {
+        let cell = |(name, help): &(&str, String)| {
+            format!(" [![{name}: {}]({name}.jpg)]({name}.md)<br>[`{name}`]({name}.md) |", title(help))
+        };
+        // writing to a string does not fail
+        let _ = writeln!(index, "|{}", row.iter().map(cell).collect::<String>());
+    }
+    write_text(&folder.join("README.md"), &index)
+}
+
+/// Renders the scene through the camera, and draws its rays.
+fn picture(scenes: &Path, view: &View, folder: &Path, name: &str) -> Result<()> {
+    let [width, height] = view.size;
+    let scene = scenes.join(format!("{name}.toml"));
+    let image = format!("[image]\nwidth = {width}\nheight = {height}\nbackground = [0.55, 0.68, 0.82]\n");
+    write_text(&scene, &format!("{image}{STILL_LIFE}\n{}", view.text()?))?;
+    let large = scenes.join("picture.png");
+    let svg = folder.join(format!("{name}.svg"));
+    let argument = |path: &Path| path.as_os_str().to_owned();
+    for arguments in [
+        vec![
+            "anamorph".into(),
+            "render".into(),
+            argument(&scene),
+            "--samples".into(),
+            "4".into(),
+            "-o".into(),
+            argument(&large),
+        ],
+        vec!["anamorph".into(), "camera".into(), argument(&scene), "--diagram".into(), argument(&svg)],
+    ] {
+        if cli::main(arguments) != 0 {
+            return Err(Error::work(format!("no picture of {name}")));
+        }
+    }
+    let picture = image::open(&large).map_err(|e| broken(&large, e))?.into_rgb8();
+    let small = image::imageops::resize(
+        &picture,
+        WIDTH,
+        (WIDTH * picture.height()).div_ceil(picture.width()),
+        FilterType::Triangle,
+    );
+    let path = folder.join(format!("{name}.jpg"));
+    let file = File::create(&path).map_err(|e| broken(&path, e))?;
+    JpegEncoder::new_with_quality(BufWriter::new(file), QUALITY).encode_image(&small).map_err(|e| broken(&path, e))
+}
+
+impl View {
+    fn kind(&self) -> &str {
+        self.camera.get("kind").and_then(Value::as_str).unwrap_or_default()
+    }
+
+    /// Its [camera] table.
+    fn text(&self) -> Result<String> {
+        let scene = Table::from_iter([("camera".to_owned(), Value::from(self.camera.clone()))]);
+        toml::to_string(&scene).map_err(|e| Error::work(format!("{}: {e}", self.name)))
+    }
+}
+
+/// The line after the kind's name.
+fn title(help: &str) -> &str {
+    help.lines().next().and_then(|line| line.split_once(": ")).map_or("", |(_, title)| title)
+}
+
+fn page(name: &str, help: &str, view: &View) -> Result<String> {
+    let used: Vec<String> = EXAMPLES
+        .iter()
+        .filter(|e| e.scene.contains(&format!("kind = \"{name}\"")))
+        .map(|e| format!("`{}`", e.name))
+        .collect();
+    let examples = if used.is_empty() {
+        String::new()
+    } else {
+        format!("Examples (`anamorph example NAME`): {}.\n\n", used.join(", "))
+    };
+    Ok(format!(
+        "# {name}\n\n{}.\n\n![A teapot, a ball, a box and two columns through it]({name}.jpg)\n\n![Its pieces and rays]({name}.svg)\n\n\
+         The camera of this picture:\n\n<!-- not run: it may name files of its own -->\n```toml\n{}```\n\n{examples}\
+         ## Keys and formula\n\nAs `anamorph camera --help {name}` prints them. [To the last bit](../reference/definitions.md#{name}).\n\n\
+         ```text\n{}\n```\n",
+        capital(title(help)),
+        view.text()?,
+        help.trim_end(),
+    ))
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn broken(path: &Path, e: impl std::fmt::Display) -> Error {
+    Error::work(format!("{}: {e}", path.display()))
+}
