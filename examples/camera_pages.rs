@@ -1,4 +1,5 @@
 //! A page for each kind of camera: what it is, a picture of one scene through it, its rays, its keys. `make camera-pages` writes them to docs/cameras.
+//! FOLDER is the first argument; after it may come the kinds whose pages are made anew, where the others are there already.
 
 #[path = "agreement/views.rs"]
 mod views;
@@ -75,7 +76,7 @@ distance = 0.4
 "#;
 
 fn main() -> Result<()> {
-    let folder = std::env::args_os().nth(1).ok_or_else(|| Error::input("use: camera_pages FOLDER"))?;
+    let folder = std::env::args_os().nth(1).ok_or_else(|| Error::input("use: camera_pages FOLDER [KIND...]"))?;
     let folder = Path::new(&folder);
     std::fs::create_dir_all(folder).map_err(|e| broken(folder, e))?;
     let scenes = tempfile::tempdir().map_err(|e| Error::work(format!("no temporary folder: {e}")))?;
@@ -86,11 +87,15 @@ fn main() -> Result<()> {
          keys](../reference/cameras.md) compares the kinds.\n\n| | | |\n|---|---|---|\n",
     );
     let kinds: Vec<(&str, String)> = camera_kinds().collect();
-    for (name, help) in &kinds {
-        let view =
-            views.iter().find(|v| v.kind() == *name).ok_or_else(|| Error::work(format!("no camera of kind {name}")))?;
-        picture(scenes.path(), view, folder, name)?;
-        write_text(&folder.join(format!("{name}.md")), &page(name, help, view)?)?;
+    let asked: Vec<String> = std::env::args().skip(2).collect();
+    for (name, help) in kinds.iter().filter(|kind| asked.is_empty() || asked.iter().any(|a| a == kind.0)) {
+        // the plain one, where a kind has several
+        let plain = name.replace('_', "-");
+        let of_kind = |v: &&View| v.kind() == *name;
+        let view = views.iter().filter(of_kind).find(|v| v.name == plain).or(views.iter().find(of_kind));
+        let view = view.ok_or_else(|| Error::work(format!("no camera of kind {name}")))?;
+        let has_diagram = picture(scenes.path(), view, folder, name)?;
+        write_text(&folder.join(format!("{name}.md")), &page(name, help, view, has_diagram)?)?;
         println!("{name}");
     }
     for row in kinds.chunks(3) {
@@ -103,8 +108,8 @@ fn main() -> Result<()> {
     write_text(&folder.join("README.md"), &index)
 }
 
-/// Renders the scene through the camera, and draws its rays.
-fn picture(scenes: &Path, view: &View, folder: &Path, name: &str) -> Result<()> {
+/// Renders the scene through the camera, and draws its rays where that can be done; whether it was.
+fn picture(scenes: &Path, view: &View, folder: &Path, name: &str) -> Result<bool> {
     let [width, height] = view.size;
     let scene = scenes.join(format!("{name}.toml"));
     let image = format!("[image]\nwidth = {width}\nheight = {height}\nbackground = [0.55, 0.68, 0.82]\n");
@@ -112,22 +117,21 @@ fn picture(scenes: &Path, view: &View, folder: &Path, name: &str) -> Result<()> 
     let large = scenes.join("picture.png");
     let svg = folder.join(format!("{name}.svg"));
     let argument = |path: &Path| path.as_os_str().to_owned();
-    for arguments in [
-        vec![
-            "anamorph".into(),
-            "render".into(),
-            argument(&scene),
-            "--samples".into(),
-            "4".into(),
-            "-o".into(),
-            argument(&large),
-        ],
-        vec!["anamorph".into(), "camera".into(), argument(&scene), "--diagram".into(), argument(&svg)],
-    ] {
-        if cli::main(arguments) != 0 {
-            return Err(Error::work(format!("no picture of {name}")));
-        }
+    let render = vec![
+        "anamorph".into(),
+        "render".into(),
+        argument(&scene),
+        "--samples".into(),
+        "4".into(),
+        "-o".into(),
+        argument(&large),
+    ];
+    if cli::main(render) != 0 {
+        return Err(Error::work(format!("no picture of {name}")));
     }
+    // there is none of mirrors, lenses, composites and lists of rays
+    let diagram = vec!["anamorph".into(), "camera".into(), argument(&scene), "--diagram".into(), argument(&svg)];
+    let has_diagram = cli::main(diagram) == 0;
     let picture = image::open(&large).map_err(|e| broken(&large, e))?.into_rgb8();
     let small = image::imageops::resize(
         &picture,
@@ -137,7 +141,8 @@ fn picture(scenes: &Path, view: &View, folder: &Path, name: &str) -> Result<()> 
     );
     let path = folder.join(format!("{name}.jpg"));
     let file = File::create(&path).map_err(|e| broken(&path, e))?;
-    JpegEncoder::new_with_quality(BufWriter::new(file), QUALITY).encode_image(&small).map_err(|e| broken(&path, e))
+    JpegEncoder::new_with_quality(BufWriter::new(file), QUALITY).encode_image(&small).map_err(|e| broken(&path, e))?;
+    Ok(has_diagram)
 }
 
 impl View {
@@ -157,7 +162,8 @@ fn title(help: &str) -> &str {
     help.lines().next().and_then(|line| line.split_once(": ")).map_or("", |(_, title)| title)
 }
 
-fn page(name: &str, help: &str, view: &View) -> Result<String> {
+fn page(name: &str, help: &str, view: &View, has_diagram: bool) -> Result<String> {
+    let diagram = if has_diagram { format!("![Its pieces and rays]({name}.svg)\n\n") } else { String::new() };
     let used: Vec<String> = EXAMPLES
         .iter()
         .filter(|e| e.scene.contains(&format!("kind = \"{name}\"")))
@@ -169,7 +175,7 @@ fn page(name: &str, help: &str, view: &View) -> Result<String> {
         format!("Examples (`anamorph example NAME`): {}.\n\n", used.join(", "))
     };
     Ok(format!(
-        "# {name}\n\n{}.\n\n![A teapot, a ball, a box and two columns through it]({name}.jpg)\n\n![Its pieces and rays]({name}.svg)\n\n\
+        "# {name}\n\n{}.\n\n![A teapot, a ball, a box and two columns through it]({name}.jpg)\n\n{diagram}\
          The camera of this picture:\n\n<!-- not run: it may name files of its own -->\n```toml\n{}```\n\n{examples}\
          ## Keys and formula\n\nAs `anamorph camera --help {name}` prints them. [To the last bit](../reference/definitions.md#{name}).\n\n\
          ```text\n{}\n```\n",

@@ -44,6 +44,7 @@ pub fn views() -> Result<Vec<View>> {
 pub fn write_camera_files(folder: &Path) -> Result<()> {
     write_text(&folder.join("lens.yml"), include_str!("lens.yml"))?;
     write_text(&folder.join("fisheye.yml"), include_str!("fisheye.yml"))?;
+    write_text(&folder.join("cameras.txt"), include_str!("cameras.txt"))?;
     write_text(&folder.join("screen.obj"), include_str!("screen.obj"))?;
     let [w, h] = SIZE;
     let pixels = || (0..h).flat_map(move |j| (0..w).map(move |i| (i, j)));

@@ -55,7 +55,7 @@ fn main() -> Result<()> {
         let path = studio.path(example.name);
         if is_asked(&path) {
             let scene = studio.scene(example, "", SIZE)?;
-            save(&path, &studio.picture(&scene, None)?)?;
+            save(&path, &studio.picture(scene, None)?)?;
         }
         for beside in beside(example.name) {
             let path = studio.path(&page::name_beside(beside));
@@ -95,22 +95,24 @@ impl Studio {
         self.pictures.join(format!("{name}.jpg"))
     }
 
-    /// The example as its file says but for `change`, its longer side `size` pixels long, in good light.
+    /// The example as its file says but for `change`, its longer side `size` pixels long.
     fn scene(&self, example: &Example, change: &str, size: u32) -> Result<Scene> {
         let path = example.write(&self.pictures)?;
         let (width, height) = Scene::load(&path, &[], 0.0)?.size.unwrap_or((1, 1));
         let scaled = |n: u32| (f64::from(n * size) / f64::from(width.max(height))).round();
         let mut changes = vec![format!("image.width={}", scaled(width)), format!("image.height={}", scaled(height))];
         changes.extend(change.split_whitespace().map(str::to_owned));
-        Ok(dressed(Scene::load(&path, &changes, 0.0)?))
+        Scene::load(&path, &changes, 0.0)
     }
 
     fn picture_beside(&mut self, example: &Example, beside: &Beside) -> Result<RgbImage> {
         let scene = self.scene(example, beside.change, SIZE_BESIDE)?;
-        self.picture(&scene, beside.rival)
+        self.picture(scene, beside.rival)
     }
 
-    fn picture(&mut self, scene: &Scene, rival: Option<&str>) -> Result<RgbImage> {
+    /// In good light; by a rival, whose points are not where rays meet triangles, without shadows.
+    fn picture(&mut self, scene: Scene, rival: Option<&str>) -> Result<RgbImage> {
+        let scene = &if rival.is_none() { dressed(scene) } else { scene };
         let camera = scene.camera()?;
         let rival = rival.map(rivals::parse).transpose().map_err(Error::input)?;
         let options = RunOptions { rival, ..Default::default() };
@@ -163,7 +165,7 @@ impl Studio {
         let pictures: Vec<RgbImage> = (0..STEPS)
             .map(|k| {
                 self.picture(
-                    &self.scene(example, &format!("{key}={}", from + share(k) * (to - from)), SIZE_MOVING)?,
+                    self.scene(example, &format!("{key}={}", from + share(k) * (to - from)), SIZE_MOVING)?,
                     None,
                 )
             })

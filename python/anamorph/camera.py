@@ -231,21 +231,23 @@ def pushbroom(
     start: Value | None = None,
     end: Value | None = None,
     velocity: Value | None = None,
+    time: Value | None = None,
     direction: Value | None = None,
+    extent: Value | None = None,
     look: Value | None = None,
     up: Value | None = None,
     vfov: Value | None = None,
     hfov: Value | None = None,
     t_range: Value | None = None,
-    time: Value | None = None,
-    extent: Value | None = None,
 ) -> Camera:
     """A line camera that moves straight on, as on an aircraft.
 
       start      [x, y, z]  where its path begins
       end        [x, y, z]  where it ends; or
-      velocity   [x, y, z]  world units a second, with time = seconds; or
-      direction  [x, y, z]  of any length, with extent = length of the path
+      velocity   [x, y, z]  world units a second, with
+      time       seconds    that it moves; or
+      direction  [x, y, z]  of any length, with
+      extent     length     of the path
       look       [x, y, z]  the direction of the middle of the line
       up         [x, y, z]  what points up in the image (default [0, 1, 0])
       vfov       degrees    angle of the line across the track, which is a column of the image: the path goes to a side; or
@@ -257,7 +259,7 @@ def pushbroom(
     (1 - 2b) s V / 2, D = f + (2a - 1) k r. A camera that moves left fills the image from right to left.
     Sources: Gupta and Hartley 1997; Yu, Yu and McMillan 2009, section 3.1.
     """
-    return Camera("pushbroom", {"start": start, "end": end, "velocity": velocity, "direction": direction, "look": look, "up": up, "vfov": vfov, "hfov": hfov, "t_range": t_range, "time": time, "extent": extent})
+    return Camera("pushbroom", {"start": start, "end": end, "velocity": velocity, "time": time, "direction": direction, "extent": extent, "look": look, "up": up, "vfov": vfov, "hfov": hfov, "t_range": t_range})
 
 
 def pencil(

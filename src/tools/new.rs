@@ -240,7 +240,8 @@ mod tests {
             let dir = tempfile::tempdir().unwrap();
             let path = dir.path().join("cube.toml");
             std::fs::write(&path, text).unwrap();
-            let scene = Scene::load(&path, overrides, 0.0).unwrap();
+            // what moves is in the middle then
+            let scene = Scene::load(&path, overrides, 0.45).unwrap();
             let camera = scene.camera().unwrap();
             let frame = image(&scene, &camera, &[Channel::A]);
             let alpha = frame.f32(Channel::A).unwrap();

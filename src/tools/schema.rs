@@ -60,7 +60,7 @@ fn property(key: &Key) -> Value {
         Some('[') => &["array", "string", "number"],
         Some('{') => &["object", "array", "string"],
         Some('"') => &["string", "number", "array", "boolean", "object"],
-        _ if key.shape == "true" => &["boolean"],
+        _ if ["true", "false"].iter().any(|word| key.shape.contains(word)) => &["boolean"],
         Some(_) => &["number", "array", "string"],
         None => &[],
     };

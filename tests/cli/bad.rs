@@ -12,7 +12,7 @@ fn wrong_command_lines() {
         (vec![], "no command given"),
         (
             vec!["draw"],
-            "'draw'; use one of render, compare, camera, batch, project, splat, info, view, example, bench, gpu-report",
+            "'draw'; use one of render, compare, camera, batch, project, splat, info, view, doctor, example, new, completions, schema, man, bench, gpu-report",
         ),
         (vec!["rendr"], "a similar subcommand exists: 'render'"),
         (vec!["render"], "SCENE"),

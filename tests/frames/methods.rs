@@ -90,14 +90,14 @@ fn trace_gives_the_bytes_of_raster() {
             // of a crowd alone by what costs less, and every other camera in two dispatches, the others with depths in f32
             let (all, methods) = match *what {
                 "crowd" => (
-                    [Without::Nothing, [Without::Int64Atomics, Without::F64Depths][k % 2]].as_slice(),
-                    &[Method::Trace, Method::Auto][..],
+                    vec![Without::Nothing, [Without::Int64Atomics, Without::F64Depths][k % 2]],
+                    vec![Method::Trace, Method::Auto],
                 ),
-                _ => ([Without::Nothing].as_slice(), &[Method::Trace][..]),
+                _ => (vec![Without::Nothing], vec![Method::Trace]),
             };
-            for &without in all {
+            for without in all {
                 let Some(raster) = render_with(scene, &camera, without, &by(Method::Raster)) else { return };
-                for &method in methods {
+                for &method in &methods {
                     let other = render_with(scene, &camera, without, &by(method)).unwrap();
                     assert_same(&format!("{name}, {what}, {without:?}, {method:?}"), &raster, &other);
                 }
