@@ -205,7 +205,7 @@ fn of_adapters(adapters: &[Seen], machine: &Machine) -> Vec<Finding> {
         findings.push(slow("a GPU is there, but no driver offers it", machine.advice()));
     } else if first.is_software {
         findings.push(slow(
-            "no GPU: pictures are the same, and take 10 to 1000 times as long",
+            "no GPU: pictures are the same, and take longer",
             "a GPU with a Vulkan driver, if there is one",
         ));
     }
