@@ -42,6 +42,7 @@ features! {
     Outlines, "outlines or borders";
     Rows, "some rows of the image (strips)";
     Rival, "a rival";
+    RivalOfOtherSamples, "a rival, and several samples per pixel in one frame that are not its own";
     RivalWithoutCulling, "a rival that culls nothing";
     NoCull, "`--no-cull`";
     Moving, "`--moving`";
@@ -76,7 +77,7 @@ features! {
 #[derive(Debug)]
 pub struct Refusal {
     pub features: &'static [Feature],
-    /// Why, in a line; `{rival}`, `{camera}`, `{samples}`, `{rows}` and `{chunks}` stand for the frame's own.
+    /// Why, in a line; `{rival}`, `{own}` (samples of the rival), `{camera}`, `{samples}`, `{rows}` and `{chunks}` stand for the frame's own.
     pub reason: &'static str,
     /// What to do instead.
     pub remedy: &'static str,
@@ -180,7 +181,8 @@ pub const REFUSALS: &[Refusal] = {
         refusal(&[Certified, AlphaMasks], "pixels cannot be certified with alpha masks", WITHOUT_CERTIFIED),
         refusal(&[NoSamples], "0 samples per pixel", "use at least 1"),
         refusal(&[Analytic, OneSample], "analytic coverage needs several samples per pixel", "use at least 2"),
-        refusal(&[Samples, Rival], "{rival} renders 1 sample per pixel in a frame, not {samples}", ONE),
+        refusal(&[Analytic, Rival], "{rival} counts samples, and measures no areas", "leave out analytic coverage"),
+        refusal(&[RivalOfOtherSamples], "{rival} renders {own} per pixel in a frame, not {samples}", ONE),
         refusal(&[Samples, Caustics], "with caustics a frame takes 1 sample per pixel, not {samples}", ONE),
         refusal(&[Samples, AlphaMasks], "with alpha masks a frame takes 1 sample per pixel, not {samples}", ONE),
         refusal(
@@ -309,6 +311,9 @@ impl Feature {
             Feature::Outlines => scene.style.is_between_pixels() && wanted.has_colour(),
             Feature::Rows => wanted.rows.is_some(),
             Feature::Rival => rival.is_some(),
+            Feature::RivalOfOtherSamples => {
+                wanted.samples > 1 && rival.is_some_and(|choice| choice.technique.samples != wanted.samples)
+            }
             Feature::RivalWithoutCulling => rival.is_some_and(|choice| !choice.technique.culls),
             Feature::NoCull => *no_cull,
             Feature::Moving => *moving,
@@ -345,9 +350,14 @@ impl Refusal {
     /// The error, in a line.
     pub fn text(&self, asked: &Asked) -> String {
         let rival = asked.rival.map_or("", |choice| choice.technique.name);
+        let own = match asked.rival.map_or(1, |choice| choice.technique.samples) {
+            1 => "1 sample".to_owned(),
+            several => format!("1 or {several} samples"),
+        };
         let (rows, chunks) = asked.planned.map_or((0, 0), |(plan, chunks)| (plan.rows_max(), chunks));
         format!("{}; {}", self.reason, self.remedy)
             .replace("{rival}", rival)
+            .replace("{own}", &own)
             .replace("{camera}", asked.camera.kind)
             .replace("{samples}", &asked.wanted.samples.to_string())
             .replace("{rows}", &rows.to_string())

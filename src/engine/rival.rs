@@ -75,6 +75,9 @@ impl Setup<'_> {
     }
 }
 
+/// What every rasterizer has; they lie where [`sample_offsets`](super::plan::samples::sample_offsets) of four do.
+pub const MULTISAMPLES: u32 = 4;
+
 /// A rival by name.
 pub struct Technique {
     pub name: &'static str,
@@ -84,6 +87,8 @@ pub struct Technique {
     pub culls: bool,
     /// It draws through the raster pipeline.
     pub draws: bool,
+    /// Samples a pixel that it may have in a frame: 1, or [`MULTISAMPLES`] of the rasterizer's own.
+    pub samples: u32,
     pub make: fn(&Gpu, &Setup) -> Result<Box<dyn Rival>>,
 }
 

@@ -306,6 +306,11 @@ impl StepList<'_> {
         let inputs = self.inputs;
         let (pixels, alone) = (inputs.pixels(at.band), inputs.is_alone());
         let count = |counter: Counter| Step::Count { at, first: counter.index(), count: 1 };
+        if inputs.by_rival {
+            // it has listed them
+            self.steps.push(count(Counter::Edges));
+            return;
+        }
         if alone && inputs.samples_by_tile {
             self.clear("edge_of", at, 0, None);
             for job in self.jobs(at) {

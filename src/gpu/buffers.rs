@@ -359,6 +359,9 @@ impl Compiled {
     }
 }
 
+/// A picture of several samples a pixel.
+const MULTISAMPLED: &str = "texture_multisampled_2d<u32>";
+
 fn layout_entry(binding: u32, of: &Binding, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayoutEntry {
     let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
     let ty = match of.access {
@@ -367,14 +370,14 @@ fn layout_entry(binding: u32, of: &Binding, visibility: wgpu::ShaderStages) -> w
         Access::Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
         Access::Texels => wgpu::BindingType::Texture {
             sample_type: match of.wgsl_type {
-                "texture_2d<u32>" => wgpu::TextureSampleType::Uint,
+                "texture_2d<u32>" | MULTISAMPLED => wgpu::TextureSampleType::Uint,
                 _ => wgpu::TextureSampleType::Float { filterable: false },
             },
             view_dimension: match of.wgsl_type {
                 "texture_2d_array<f32>" => wgpu::TextureViewDimension::D2Array,
                 _ => wgpu::TextureViewDimension::D2,
             },
-            multisampled: false,
+            multisampled: of.wgsl_type == MULTISAMPLED,
         },
         Access::WriteTexels => wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::WriteOnly,

@@ -54,8 +54,8 @@ fn looked_up(gpu: &Gpu, setup: &Setup, faces: Faces) -> Result<Box<dyn Rival>> {
     let mut own = Buffers::default();
     own.upload_uniform(gpu, "cube", &cube(setup, side, faces)?)?;
     Ok(Box::new(CubeMap {
-        draw: Draw::new(gpu, kernels::cube(is_cube)),
-        raster_target: RasterTarget::new(gpu, (faces.columns * side, faces.count / faces.columns * side)),
+        draw: Draw::new(gpu, kernels::cube(is_cube), 1),
+        raster_target: RasterTarget::new(gpu, (faces.columns * side, faces.count / faces.columns * side), 1),
         unfold: Pipeline::new(gpu, kernels::unfold(setup.variant, is_cube))?,
         own,
         faces,

@@ -14,8 +14,10 @@ use wgpu::{Extent3d, LoadOp, Operations, StoreOp, TextureFormat, TextureUsages};
 /// Layer and id, and the bits of t.
 const SEEN: TextureFormat = TextureFormat::Rg32Uint;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;
-/// Bytes of a pixel of both.
-const PIXEL_BYTES: u64 = 12;
+/// The same of several samples a pixel, in halves: every adapter has this with multisampling.
+const SEEN_SAMPLES: TextureFormat = TextureFormat::Rgba16Uint;
+/// Bytes of a sample, of seen and depth.
+const SAMPLE_BYTES: u64 = 12;
 
 /// A render pipeline whose buffers and textures are bound by name.
 pub struct Draw {
@@ -24,8 +26,8 @@ pub struct Draw {
 }
 
 impl Draw {
-    /// Onto a render target, the nearest last. The entry points are NAME_corner and NAME_pixel.
-    pub fn new(gpu: &Gpu, kernel: Kernel) -> Draw {
+    /// Onto a render target of so many samples a pixel, the nearest last. The entry points are NAME_corner and NAME_pixel.
+    pub fn new(gpu: &Gpu, kernel: Kernel, samples: u32) -> Draw {
         let nearest = wgpu::DepthStencilState {
             format: DEPTH,
             depth_write_enabled: Some(true),
@@ -33,16 +35,16 @@ impl Draw {
             stencil: Default::default(),
             bias: Default::default(),
         };
-        Draw::onto(gpu, kernel, SEEN, Some(nearest))
+        Draw::onto(gpu, kernel, (seen_format(samples), samples), Some(nearest))
     }
 
     /// The same of a kernel that clips.
     ///
     /// # Errors
     /// [`Error::Work`] where the adapter cannot.
-    pub fn clipped(gpu: &Gpu, kernel: Kernel) -> Result<Draw> {
+    pub fn clipped(gpu: &Gpu, kernel: Kernel, samples: u32) -> Result<Draw> {
         if gpu.has.clip_distances {
-            return Ok(Draw::new(gpu, kernel));
+            return Ok(Draw::new(gpu, kernel, samples));
         }
         Err(Error::work(format!("adapter {} has no clip distances; use raytrace", gpu.info.name)))
     }
@@ -50,7 +52,7 @@ impl Draw {
     pub fn onto(
         gpu: &Gpu,
         kernel: Kernel,
-        format: TextureFormat,
+        (format, samples): (TextureFormat, u32),
         depth_stencil: Option<wgpu::DepthStencilState>,
     ) -> Draw {
         let device = &gpu.device;
@@ -76,7 +78,7 @@ impl Draw {
             },
             primitive: wgpu::PrimitiveState::default(),
             depth_stencil,
-            multisample: Default::default(),
+            multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: Some(&pixel),
@@ -109,15 +111,20 @@ pub struct RasterTarget {
     seen: wgpu::TextureView,
     depth: wgpu::TextureView,
     size: (u32, u32),
+    samples: u32,
+}
+
+fn seen_format(samples: u32) -> TextureFormat {
+    if samples > 1 { SEEN_SAMPLES } else { SEEN }
 }
 
 /// A texture to draw on and to read.
-pub fn texture(gpu: &Gpu, (width, height): (u32, u32), format: TextureFormat) -> wgpu::TextureView {
+pub fn texture(gpu: &Gpu, (width, height): (u32, u32), (format, samples): (TextureFormat, u32)) -> wgpu::TextureView {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("raster_target"),
         size: Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
-        sample_count: 1,
+        sample_count: samples,
         dimension: wgpu::TextureDimension::D2,
         format,
         usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
@@ -127,13 +134,17 @@ pub fn texture(gpu: &Gpu, (width, height): (u32, u32), format: TextureFormat) ->
 }
 
 impl RasterTarget {
-    pub fn new(gpu: &Gpu, size: (u32, u32)) -> RasterTarget {
-        RasterTarget { seen: texture(gpu, size, SEEN), depth: texture(gpu, size, DEPTH), size }
+    pub fn new(gpu: &Gpu, size: (u32, u32), samples: u32) -> RasterTarget {
+        let texture = |format| texture(gpu, size, (format, samples));
+        RasterTarget { seen: texture(seen_format(samples)), depth: texture(DEPTH), size, samples }
     }
 
     /// A render pass over it; the first clears it.
     pub fn pass<'a>(&self, recorder: &'a mut Recorder, name: &'static str, is_first: bool) -> DrawPass<'a> {
-        let nothing = wgpu::Color { r: f64::from(u32::MAX), g: 0.0, b: 0.0, a: 0.0 };
+        // NONE, of several samples in halves
+        let [whole, half] = [u32::MAX.into(), u16::MAX.into()];
+        let (r, g) = if self.samples > 1 { (half, half) } else { (whole, 0.0) };
+        let nothing = wgpu::Color { r, g, b: 0.0, a: 0.0 };
         let seen = if is_first { LoadOp::Clear(nothing) } else { LoadOp::Load };
         let depth = if is_first { LoadOp::Clear(0.0) } else { LoadOp::Load };
         let colour = wgpu::RenderPassColorAttachment {
@@ -155,11 +166,12 @@ impl RasterTarget {
     }
 
     pub fn bytes(&self) -> u64 {
-        PIXEL_BYTES * u64::from(self.size.0) * u64::from(self.size.1)
+        SAMPLE_BYTES * u64::from(self.samples) * u64::from(self.size.0) * u64::from(self.size.1)
     }
 }
 
-/// A render target of the size of the largest band, whose image becomes the band's visibility buffer.
+/// A render target of the size of the largest band, whose image becomes the band's visibility buffer, and of several samples a pixel also its
+/// records of samples.
 pub struct BandRaster {
     pub raster_target: RasterTarget,
     take: Pipeline,
@@ -169,8 +181,10 @@ pub struct BandRaster {
 impl BandRaster {
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<BandRaster> {
         let width = setup.camera.width;
-        let take = Pipeline::new(gpu, kernels::take(setup.variant))?;
-        Ok(BandRaster { raster_target: RasterTarget::new(gpu, (width, setup.rows)), take, width })
+        let samples = setup.variant.samples;
+        let take = if samples > 1 { kernels::take_samples(setup.variant) } else { kernels::take(setup.variant) };
+        let raster_target = RasterTarget::new(gpu, (width, setup.rows), samples);
+        Ok(BandRaster { raster_target, take: Pipeline::new(gpu, take)?, width })
     }
 
     /// Brings a band from the picture to the visibility buffer.

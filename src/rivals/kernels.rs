@@ -9,6 +9,8 @@ const LAYOUT: Parts = snippets!("rivals/layout.wgsl");
 const SEEN_THROUGH: Parts = snippets!("rivals/seen_through.wgsl");
 const RANGE: Parts = snippets!("rivals/range.wgsl");
 const DRAWN: Parts = snippets!("rivals/drawn.wgsl");
+const DRAWN_SAMPLES: Parts = snippets!("rivals/drawn_samples.wgsl");
+const DRAWING: Parts = snippets!("rivals/drawing.wgsl");
 const OUTLINE: Parts = snippets!("rivals/outline.wgsl");
 const PROJECT: Parts = snippets!("rivals/project.wgsl");
 const CUBE_FACE: Parts = snippets!("rivals/cube_face.wgsl");
@@ -48,19 +50,35 @@ pub fn take(variant: Variant) -> Kernel {
     kernel
 }
 
+/// The same of a picture of several samples a pixel; the pixels whose samples see several triangles are listed too.
+pub fn take_samples(variant: Variant) -> Kernel {
+    let bindings = vec![
+        params(),
+        texture("picture", "texture_multisampled_2d<u32>"),
+        writes("visibility", "array<vec2<u32>>"),
+        writes("edge_of", "array<u32>"),
+        writes("samples", "array<vec2<u32>>"),
+        counters(),
+    ];
+    let snippets = [PARAMS, ITEMS, SLABS, KEY, PACKED_TRIANGLE, variant.real(), snippets!("rivals/take_samples.wgsl")];
+    let mut kernel = Kernel::new("take_samples", bindings, &snippets);
+    kernel.constants = vec![("SAMPLES", f64::from(variant.samples))];
+    kernel
+}
+
 /// The triangles of a chunk.
 fn mesh() -> [Binding; 2] {
     [triangles(), vertices()]
 }
 
-/// A draw of triangles through pieces.
+/// A draw of triangles through pieces; `own` says what fragments leave.
 fn pieces_draw(name: &'static str, layers: u32, more: &[Binding], own: &[Parts]) -> Kernel {
     let rays = [pieces(), reads("outlines", "array<Outline>")];
     let bindings = [&[params()][..], &mesh(), &rays, more].concat();
     let mut kernel = Kernel::new(
         name,
         bindings,
-        &[&[PARAMS, VERTEX, PACKED_TRIANGLE, PIECE_AT, RAY, LAYOUT, RANGE, DRAWN, OUTLINE][..], own].concat(),
+        &[&[PARAMS, VERTEX, PACKED_TRIANGLE, PIECE_AT, RAY, LAYOUT, RANGE, DRAWING, OUTLINE][..], own].concat(),
     );
     kernel.constants = vec![("LAYERS", f64::from(layers))];
     kernel
@@ -77,27 +95,27 @@ fn clipped_draw(name: &'static str, (layers, culling): (u32, bool), more: &[Bind
 /// Vertices projected; each triangle split in four so often, and `fan` triangles drawn of each part: 1, or 3 where it is cut off where t ends.
 pub fn warp(layers: u32, culling: bool, levels: u32, fan: u32) -> Kernel {
     let mut kernel =
-        clipped_draw("warp", (layers, culling), &[], &[PROJECT, SEEN_THROUGH, snippets!("rivals/warp.wgsl")]);
+        clipped_draw("warp", (layers, culling), &[], &[DRAWN, PROJECT, SEEN_THROUGH, snippets!("rivals/warp.wgsl")]);
     kernel.constants.extend([("LEVELS", f64::from(levels)), ("FAN", f64::from(fan))]);
     kernel
 }
 
 /// Triangles around images, in the planes through the scene's centre.
 pub fn bound(layers: u32, culling: bool, centre: DVec3) -> Kernel {
-    let mut kernel = clipped_draw("bound", (layers, culling), &[], &[snippets!("rivals/bound.wgsl")]);
+    let mut kernel = clipped_draw("bound", (layers, culling), &[], &[DRAWN, snippets!("rivals/bound.wgsl")]);
     kernel.constants.extend([("CENTRE_X", centre.x), ("CENTRE_Y", centre.y), ("CENTRE_Z", centre.z)]);
     kernel
 }
 
-/// Perspective pieces.
-pub fn perspective(layers: u32, culling: bool) -> Kernel {
+/// Perspective pieces. Where a pixel has several samples, pieces are always clipped: nothing else keeps them apart.
+pub fn perspective(layers: u32, culling: bool, samples: u32) -> Kernel {
+    let multisampled = samples > 1;
+    let drawn = if multisampled { DRAWN_SAMPLES } else { DRAWN };
     let replicas = [reads("replicas", "array<vec2<u32>>")];
-    clipped_draw(
-        "perspective",
-        (layers, culling),
-        &replicas,
-        &[PERSPECTIVE, SEEN_THROUGH, snippets!("rivals/perspective.wgsl")],
-    )
+    let own = [drawn, PERSPECTIVE, SEEN_THROUGH, snippets!("rivals/perspective.wgsl")];
+    let mut kernel = clipped_draw("perspective", (layers, culling || multisampled), &replicas, &own);
+    kernel.constants.push(("MULTISAMPLED", f64::from(u8::from(multisampled))));
+    kernel
 }
 
 /// What perspective pieces each triangle is drawn in.
@@ -123,7 +141,7 @@ pub fn cube(is_cube: bool) -> Kernel {
     Kernel::new(
         "cube",
         bindings,
-        &[PARAMS, VERTEX, PACKED_TRIANGLE, LAYOUT, DRAWN, face(is_cube), snippets!("rivals/cube.wgsl")],
+        &[PARAMS, VERTEX, PACKED_TRIANGLE, LAYOUT, DRAWN, DRAWING, face(is_cube), snippets!("rivals/cube.wgsl")],
     )
 }
 
@@ -143,7 +161,7 @@ pub fn unfold(variant: Variant, is_cube: bool) -> Kernel {
 pub fn splat_project(samples: u32) -> Kernel {
     let more = [uniform("splat", "Splat")];
     let mut kernel =
-        pieces_draw("splat_project", 1, &more, &[SPLAT_CELLS, PROJECT, snippets!("rivals/splat_project.wgsl")]);
+        pieces_draw("splat_project", 1, &more, &[DRAWN, SPLAT_CELLS, PROJECT, snippets!("rivals/splat_project.wgsl")]);
     kernel.constants.push(("SAMPLES", f64::from(samples)));
     kernel
 }
@@ -151,8 +169,12 @@ pub fn splat_project(samples: u32) -> Kernel {
 /// S to where the camera shows it.
 pub fn splat_move(layers: u32, culling: bool, samples: u32) -> Kernel {
     let more = [uniform("splat", "Splat"), texture("s", "texture_2d<f32>")];
-    let mut kernel =
-        clipped_draw("splat_move", (layers, culling), &more, &[SPLAT_CELLS, snippets!("rivals/splat_move.wgsl")]);
+    let mut kernel = clipped_draw(
+        "splat_move",
+        (layers, culling),
+        &more,
+        &[DRAWN, SPLAT_CELLS, snippets!("rivals/splat_move.wgsl")],
+    );
     kernel.constants.push(("SAMPLES", f64::from(samples)));
     kernel
 }
@@ -161,7 +183,7 @@ pub fn splat_move(layers: u32, culling: bool, samples: u32) -> Kernel {
 pub fn all(variant: Variant) -> Vec<Kernel> {
     let layers = if variant.slabbed { 2 } else { 1 };
     let mut all = vec![trace(variant, layers, 4, false), trace(variant, layers, 1, true), take(variant)];
-    all.extend([unfold(variant, true), unfold(variant, false), replicate(true)]);
+    all.extend([take_samples(variant), unfold(variant, true), unfold(variant, false), replicate(true)]);
     all
 }
 
@@ -172,7 +194,8 @@ pub fn draws(layers: u32) -> Vec<Kernel> {
     vec![
         warp(layers, true, 2, 3),
         bound(layers, true, centre),
-        perspective(layers, true),
+        perspective(layers, true, 1),
+        perspective(layers, true, 4),
         cube(true),
         cube(false),
         onto_s,

@@ -14,20 +14,35 @@ mod replicated;
 mod splat;
 mod through_pieces;
 
-use crate::engine::rival::{Choice, Parameter, Technique};
+use crate::engine::rival::{Choice, MULTISAMPLES, Parameter, Technique};
 use crate::engine::stage::Scopes;
 use crate::gpu::buffers::Buffers;
 
 /// All rivals.
 pub const TECHNIQUES: &[Technique] = &[
-    Technique { name: "raytrace", parameter: None, culls: false, draws: false, make: raytrace::rebuilt },
-    Technique { name: "raytrace-refit", parameter: None, culls: false, draws: false, make: raytrace::refitted },
-    Technique { name: "raytrace-brute", parameter: None, culls: false, draws: false, make: raytrace::brute },
+    Technique { name: "raytrace", parameter: None, culls: false, draws: false, samples: 1, make: raytrace::rebuilt },
+    Technique {
+        name: "raytrace-refit",
+        parameter: None,
+        culls: false,
+        draws: false,
+        samples: 1,
+        make: raytrace::refitted,
+    },
+    Technique {
+        name: "raytrace-brute",
+        parameter: None,
+        culls: false,
+        draws: false,
+        samples: 1,
+        make: raytrace::brute,
+    },
     Technique {
         name: "raymarch-segments",
         parameter: Some(Parameter { name: "segments", default: 8, least: 1, most: 256 }),
         culls: false,
         draws: false,
+        samples: 1,
         make: raytrace::segments,
     },
     Technique {
@@ -35,24 +50,55 @@ pub const TECHNIQUES: &[Technique] = &[
         parameter: Some(Parameter { name: "levels of subdivision", default: 0, least: 0, most: 4 }),
         culls: true,
         draws: true,
+        samples: 1,
         make: through_pieces::warp,
     },
-    Technique { name: "raster-bound", parameter: None, culls: true, draws: true, make: through_pieces::bound },
+    Technique {
+        name: "raster-bound",
+        parameter: None,
+        culls: true,
+        draws: true,
+        samples: 1,
+        make: through_pieces::bound,
+    },
     Technique {
         name: "raster-bound-passes",
         parameter: None,
         culls: true,
         draws: true,
+        samples: 1,
         make: through_pieces::bound_passes,
     },
-    Technique { name: "raster-splat", parameter: Some(SAMPLES), culls: true, draws: true, make: splat::batched },
-    Technique { name: "raster-splat-passes", parameter: Some(SAMPLES), culls: true, draws: true, make: splat::each },
-    Technique { name: "raster-pieces", parameter: None, culls: true, draws: true, make: replicated::replicated },
+    Technique {
+        name: "raster-splat",
+        parameter: Some(SAMPLES),
+        culls: true,
+        draws: true,
+        samples: 1,
+        make: splat::batched,
+    },
+    Technique {
+        name: "raster-splat-passes",
+        parameter: Some(SAMPLES),
+        culls: true,
+        draws: true,
+        samples: 1,
+        make: splat::each,
+    },
+    Technique {
+        name: "raster-pieces",
+        parameter: None,
+        culls: true,
+        draws: true,
+        samples: MULTISAMPLES,
+        make: replicated::replicated,
+    },
     Technique {
         name: "raster-cubemap",
         parameter: Some(Parameter { name: "texels a side", default: 2048, least: 16, most: 8192 }),
         culls: false,
         draws: true,
+        samples: 1,
         make: cubemap::cubemap,
     },
     Technique {
@@ -60,6 +106,7 @@ pub const TECHNIQUES: &[Technique] = &[
         parameter: Some(Parameter { name: "texels a side", default: 2048, least: 16, most: 8192 }),
         culls: false,
         draws: true,
+        samples: 1,
         make: cubemap::image,
     },
 ];

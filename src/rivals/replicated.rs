@@ -1,7 +1,8 @@
 //! `raster-pieces`: perspective pieces by their own matrices, each triangle drawn in those that may see it (Lorenz and Doellner
 //! 2009, section 2), clipped at their edges. Where they replicate by geometry shaders, a compute kernel lists the replicas and one
 //! indirect draw takes them. Where they look up the cells of a camera texture that a triangle's bounds meet, it skips the pieces of a
-//! cone that the triangle is not in. The cameras of a graph camera (Popescu et al., section 2) are such pieces.
+//! cone that the triangle is not in. The cameras of a graph camera (Popescu et al., section 2) are such pieces. Four samples a pixel are the
+//! rasterizer's own: a fragment leaves its triangle, and its t at the pixel's centre, at all samples that it covers.
 
 use super::draw::{BandRaster, Draw};
 use super::layout::Cone;
@@ -35,13 +36,17 @@ struct Replicated {
 const REPLICA_BYTES: u64 = 8;
 
 pub fn replicated(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
+    let samples = setup.variant.samples;
+    if samples > 1 && setup.layers() > 1 {
+        return Err(Error::input("multisampling takes cameras of one layer; use one sample per pixel"));
+    }
     let mut own = Buffers::default();
     let pieces = upload_pieces(gpu, setup, &mut own)?;
     own.create(gpu, "draw_args", 16, BufferUsages::INDIRECT)?;
     own.upload(gpu, "no_draw", &[0u32, 1, 0, 0])?;
     Ok(Box::new(Replicated {
         replicate: Pipeline::new(gpu, kernels::replicate(setup.variant.culling))?,
-        draw: Draw::clipped(gpu, kernels::perspective(setup.layers(), setup.variant.culling))?,
+        draw: Draw::clipped(gpu, kernels::perspective(setup.layers(), setup.variant.culling, samples), samples)?,
         band_raster: BandRaster::new(gpu, setup)?,
         pieces,
         own,

@@ -358,7 +358,7 @@ fn frames_that_make_a_picture_together_are_filtered_less() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = floor(6.0, -1.0, 1.0, zone_plate());
     let (name, camera) = families(SIZE).swap_remove(5);
-    let exact = box_filtered(&scene, &camera, 144);
+    let exact = box_filtered(&scene, &camera, 256);
     let mean = |engine: &mut Engine, frames: u32| {
         let wanted = Wanted { frames, ..Wanted::of(COLOUR.to_vec()) };
         let mut sum = vec![[0.0; 3]; exact.len()];

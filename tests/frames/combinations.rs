@@ -119,7 +119,9 @@ impl Case {
     fn of(features: &[Feature]) -> Option<Case> {
         use Feature::{Analytic, NoSamples, OneSample};
         let mut case = Case::plain(features);
-        let many = features.iter().any(|f| matches!(f, Feature::Samples | Feature::ManySamples));
+        let many = features
+            .iter()
+            .any(|f| matches!(f, Feature::Samples | Feature::ManySamples | Feature::RivalOfOtherSamples));
         let few = features.iter().any(|f| matches!(f, NoSamples | OneSample));
         let counts = [many, features.contains(&NoSamples), features.contains(&OneSample)];
         let kinds = [
@@ -148,6 +150,10 @@ impl Case {
         if features.contains(&Analytic) && !few && !many {
             case.add(Feature::Samples);
         }
+        let own = case.run.rival.map(|choice| choice.technique.samples);
+        if case.wanted.samples > 1 && own.is_some_and(|own| own != case.wanted.samples) {
+            case.has.insert(Feature::RivalOfOtherSamples);
+        }
         Some(case)
     }
 
@@ -173,6 +179,11 @@ impl Case {
             }
             Feature::Rows => wanted.rows = Some(Rows { first: 8, count: 16 }),
             Feature::Rival => run.rival = run.rival.or_else(|| rival(true)),
+            Feature::RivalOfOtherSamples => {
+                run.rival = run.rival.or_else(|| rival(true));
+                samples(2, &[Feature::Samples]);
+                self.has.insert(Feature::Rival);
+            }
             Feature::RivalWithoutCulling => {
                 run.rival = rival(false);
                 self.has.insert(Feature::Rival);
@@ -354,7 +365,7 @@ fn line(row: &Refusal) -> String {
     let names: Vec<&str> = row.features.iter().map(|f| f.name()).collect();
     let plain = |text: &str| {
         let words = [("{rival}", "the rival"), ("{camera}", "the camera"), ("{samples}", "N"), ("{rows}", "some")];
-        let more = [("{chunks}", "several")];
+        let more = [("{chunks}", "several"), ("{own}", "1 sample (`raster-pieces`: 1 or 4)")];
         words.iter().chain(&more).fold(text.to_string(), |text, (from, to)| text.replace(from, to))
     };
     format!("| {} | {} | {} |", names.join(" + "), plain(row.reason), plain(row.remedy))

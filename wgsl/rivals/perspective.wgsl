@@ -1,7 +1,7 @@
 // perspective: pieces whose rays start in one point, each by its own perspective matrix; the rasterizer is exact then (Lorenz
 // and Doellner 2009, section 2). A triangle is drawn once for each piece that it may be seen in, as `replicate` lists them, and what
 // lies outside the piece is clipped off.
-// Needs: Clipped, Corner, Drawn, file_normal, outline_distances, perspective_image, piece_at, piece_origin, seen_through, triangle_at,
+// Needs: Clipped, Corner, Drawn, clip_depth, file_normal, outline_distances, perspective_image, piece_at, piece_origin, seen_through, triangle_at,
 //   vertex
 // Binds: outlines, params, replicas
 
@@ -21,7 +21,7 @@ fn perspective_corner(@builtin(vertex_index) index: u32) -> Clipped {
     let distances = outline_distances(outlines[q.number], vec3<f32>(at, seen.z));
     let t = q.h_hi * seen.z + q.hx_hi * seen.x + q.hy_hi * seen.y;
     let normal = file_normal(triangle, v0, v1, v2);
-    return Clipped(vec4<f32>(place, 0.5 * seen.z, seen.z), distances, t, normal, triangle.w, replica.y);
+    return Clipped(vec4<f32>(place, clip_depth(seen.z), seen.z), distances, t, normal, triangle.w, replica.y);
 }
 
 @fragment

@@ -21,13 +21,16 @@ struct Clipped {
     @location(3) @interpolate(flat, either) piece: u32,
 }
 
+// Several samples a pixel: what is clipped off decides, since the piece that holds the centre need not hold all of them.
+override MULTISAMPLED: bool = false;
+
 // What its fragment leaves, of the part of the image that the piece holds.
 fn seen_through(corner: Corner) -> Drawn {
     let q = piece_at(corner.piece);
     let o = outlines[q.number];
     let at = floor(corner.position.xy);
     let ray = outline_ray(q, at - piece_origin(q));
-    if !in_range(corner.t) || !outline_contains(o, at) || is_back_face(corner.packed_id, corner.normal, ray.d) {
+    if !in_range(corner.t) || !(MULTISAMPLED || outline_contains(o, at)) || is_back_face(corner.packed_id, corner.normal, ray.d) {
         discard;
     }
     return drawn(o.layer, corner.packed_id & ID_MASK, corner.t);

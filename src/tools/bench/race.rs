@@ -196,7 +196,7 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
             });
             if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, repeats) {
                 let draws = arm.choice()?.is_some_and(|c| c.technique.draws);
-                if draws && !matches!(arm.samples, Samples::Separate(_)) {
+                if draws && arm.samples == Samples::AtOnce(1) {
                     let options = options(case, arm, rules)?;
                     entry.row.drawn = drawn(&mut engines.drawing, scene, camera, &options, &frame)?;
                 }

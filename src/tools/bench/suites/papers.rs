@@ -2,6 +2,7 @@
 
 use super::{cylinder_scene, scene};
 use crate::engine::Method;
+use crate::engine::rival::MULTISAMPLES;
 use crate::tools::bench::case::{Arm, Case, Samples, arms};
 use crate::tools::bench::row::{Moving, Paper};
 
@@ -237,17 +238,22 @@ fn lorenz() -> Vec<Case> {
         |figure: &str, fps: f64, stand_in: &str| paper("Lorenz and Doellner 2009", figure, fps, GTS_8800, stand_in);
     let strips = |arm: Arm, n: u32| arm.set(&[&format!("camera.strips={n}")]).parameter("strips", f64::from(n));
     let city = "a generated city of 35,000 triangles";
-    let quality = "the same city under a pattern that is filtered, 16 samples a pixel, by a frame each where a row says so. The paper's \
-                   hardware multisampling shades once a pixel: between one frame and 16 of the rival's";
+    let quality = "the same city under a pattern that is filtered, 16 samples a pixel as in the paper, by a frame each where a row says so. \
+                   Like the paper's, the rasterizer's own multisampling shades once a pixel and triangle; every adapter has it with 4 samples, \
+                   so rows of 4 compare with each other";
     let size = ["image.width=1600", "image.height=1200"];
     let pattern = ["mesh.0.pattern.kind=\"checker\"", "mesh.0.pattern.size=0.7"];
     // this engine's both ways
     let fine = |arms: Vec<Arm>| -> Vec<Arm> {
-        let ways = |arm: Arm| match arm.rival {
-            None => vec![arm.clone().samples(Samples::AtOnce(16)), arm.samples(Samples::Separate(16))],
-            Some(_) => vec![arm.samples(Samples::Separate(16))],
+        let (separate, at_once) = (Samples::Separate(16), Samples::AtOnce);
+        let ways = |arm: &Arm| match arm.rival.as_deref() {
+            None => [at_once(16), separate, at_once(MULTISAMPLES)].map(|samples| arm.clone().samples(samples)).to_vec(),
+            Some("raster-pieces") => {
+                vec![arm.clone().samples(separate), arm.clone().samples(at_once(MULTISAMPLES)).label("multisampling")]
+            }
+            Some(_) => vec![arm.clone().samples(separate)],
         };
-        arms.into_iter().flat_map(ways).collect()
+        arms.iter().flat_map(ways).collect()
     };
     let cube = || Arm::rival("raster-cubemap:2048");
     let ppp = |n: u32| vec![strips(Arm::ours(), n), strips(Arm::rival("raster-pieces"), n)];
