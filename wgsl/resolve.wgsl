@@ -1,11 +1,11 @@
 // resolve: one thread per record of `samples`, after shade.
 // Reads the visibility keys of a listed pixel's samples, the triangles and the samples' rays; writes the pixel's colour and coverage, the
 // means of its samples', each triangle's share of them by its samples' number or by areas; where these and the centre see one triangle they
-// are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it. Triangles in another
+// are what shade has written. Each triangle is shaded once, in the middle of the samples that see it. Triangles in another
 // chunk of the scene are left to that chunk's dispatch, which adds its share.
-// Provides: centre_of, key_of, nearest_to, seen_alike
-// Needs: COUNT_EDGES, Lit, NONE, PICTURES, RayDifferential, SAMPLES, SLABBED, STYLED, ShadedHit, TEXTURED, all_samples, beyond, drawn,
-//   item_index, key_id, key_layer, key_t, measure, painted, pattern_at, point_at, reach_of, reached, sample_differential, sample_offset,
+// Provides: key_of, nearest_to, seen_alike
+// Needs: COUNT_EDGES, Lit, NONE, PICTURES, RayDifferential, SAMPLES, SLABBED, STYLED, ShadedHit, TEXTURED, all_samples, beyond, drawn, flat_normal,
+//   item_index, key_id, key_layer, key_t, measure, painted, part_of, pattern_at, point_at, reach_of, reached, sample_differential, sample_offset,
 //   sample_ray, seen_next, segment_length, sent_back, share_of, surface_albedo, surface_normal, triangle_at, whole
 // Binds: counters, params, planes, samples, shading, slot_of_id
 
@@ -47,8 +47,7 @@ fn resolve(
         if is_hit {
             coverage += share;
             if key_id(~first) - params.id_first < params.id_count {
-                let n = nearest_to(centre_of(same), same);
-                colour += share * seen_by(pixel, record, n, same);
+                colour += share * seen_by(pixel, record, same);
             }
         } else if params.id_first == 0u {
             colour += share * beyond(pixel % params.width, pixel / params.width);
@@ -81,14 +80,6 @@ fn seen_alike(record: u32, left: u32) -> u32 {
     return same;
 }
 
-fn centre_of(some: u32) -> vec2<f32> {
-    var sum = vec2<f32>(0.0);
-    for (var others = some; others != 0u; others &= others - 1u) {
-        sum += sample_offset(firstTrailingBit(others));
-    }
-    return sum / f32(countOneBits(some));
-}
-
 // The sample nearest to a place.
 fn nearest_to(place: vec2<f32>, some: u32) -> u32 {
     var nearest = 0u;
@@ -103,8 +94,10 @@ fn nearest_to(place: vec2<f32>, some: u32) -> u32 {
     return nearest;
 }
 
-// The mean of some samples that see the triangle which one of them is lit at; lines and strokes on it are each sample's own.
-fn seen_by(pixel: u32, record: u32, sample: u32, some: u32) -> vec3<f32> {
+// The mean of some samples that see one triangle; lines and strokes on it are each sample's own.
+fn seen_by(pixel: u32, record: u32, some: u32) -> vec3<f32> {
+    let part = part_of(some);
+    let sample = nearest_to(part.middle, some);
     let key = ~key_of(record, sample);
     let slot = slot_of_id[key_id(key) - params.id_first];
     let triangle = triangle_at(slot);
@@ -112,13 +105,18 @@ fn seen_by(pixel: u32, record: u32, sample: u32, some: u32) -> vec3<f32> {
     let y = pixel / params.width;
     let ray = sample_ray(key_layer(key), x, y, sample);
     var differential: RayDifferential;
+    // the same in the middle, for images and patterns
+    var middle = ray;
+    var filtered: RayDifferential;
     if TEXTURED || STYLED {
         differential = sample_differential(key_layer(key), x, y, sample, key_t(key));
+        middle.p += along_plane(triangle, ray, differential, part.middle - sample_offset(sample));
+        filtered = RayDifferential(part.sides.x * differential.right, part.sides.y * differential.down);
     }
     let share = f32(countOneBits(some)) / f32(SAMPLES);
     let n = surface_normal(slot, triangle, ray);
     let p = point_at(ray, key_t(key));
-    let albedo = surface_albedo(slot, triangle, ray, differential);
+    let albedo = surface_albedo(slot, triangle, middle, filtered);
     let place = Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d), share);
     if !STYLED {
         return lit_by_all(place, differential, albedo);
@@ -127,7 +125,7 @@ fn seen_by(pixel: u32, record: u32, sample: u32, some: u32) -> vec3<f32> {
     for (var k = 0u; SLABBED && k < key_layer(key); k++) {
         z += segment_length(k, x, y);
     }
-    let whole = ShadedHit(slot, p, z, ray.d, differential, shading.filter_width);
+    let whole = ShadedHit(slot, point_at(middle, key_t(key)), z, ray.d, filtered, shading.filter_width);
     let lit = lit_by_all(place, differential, albedo * pattern_at(whole));
     var sum = vec3<f32>(0.0);
     for (var others = some; others != 0u; others &= others - 1u) {
@@ -138,6 +136,14 @@ fn seen_by(pixel: u32, record: u32, sample: u32, some: u32) -> vec3<f32> {
         sum += drawn(hit, n, lit);
     }
     return sum / f32(countOneBits(some));
+}
+
+// How a hit moves in the triangle's plane by px right and down, to first order.
+fn along_plane(triangle: vec4<u32>, ray: Ray, differential: RayDifferential, by: vec2<f32>) -> vec3<f32> {
+    let moved = by.x * differential.right + by.y * differential.down;
+    let n = flat_normal(triangle, ray.d);
+    let cosine = dot(n, ray.d);
+    return select(moved - ray.d * (dot(n, moved) / cosine), vec3<f32>(0.0), cosine == 0.0);
 }
 
 // A hit in all light, with the pictures that are thrown onto it.

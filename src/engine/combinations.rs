@@ -312,7 +312,7 @@ impl Feature {
             Feature::Rows => wanted.rows.is_some(),
             Feature::Rival => rival.is_some(),
             Feature::RivalOfOtherSamples => {
-                wanted.samples > 1 && rival.is_some_and(|choice| choice.technique.samples != wanted.samples)
+                wanted.samples > 1 && rival.is_some_and(|choice| choice.samples(camera) != wanted.samples)
             }
             Feature::RivalWithoutCulling => rival.is_some_and(|choice| !choice.technique.culls),
             Feature::NoCull => *no_cull,
@@ -350,7 +350,7 @@ impl Refusal {
     /// The error, in a line.
     pub fn text(&self, asked: &Asked) -> String {
         let rival = asked.rival.map_or("", |choice| choice.technique.name);
-        let own = match asked.rival.map_or(1, |choice| choice.technique.samples) {
+        let own = match asked.rival.map_or(1, |choice| choice.samples(asked.camera)) {
             1 => "1 sample".to_owned(),
             several => format!("1 or {several} samples"),
         };

@@ -15,7 +15,6 @@ use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::style::Style;
-use glam::DVec2;
 use std::sync::Arc;
 
 /// Plans for an adapter.
@@ -204,13 +203,7 @@ impl Planner {
     ) -> Plan {
         let variant = variant(camera, contents, wanted, self.has, run);
         let method_why = method(camera, contents, wanted, self.has, run).1;
-        let plan = Plan::new(variant, camera, contents, extent, wanted, self.has, self.limit);
-        let mut sample_offsets = plan.sample_offsets.clone();
-        if run.rival.is_some() {
-            // the rasterizer says what its samples see at the pixel's centre
-            sample_offsets.fill(DVec2::ZERO);
-        }
-        Plan { method_why, sample_offsets, ..plan }
+        Plan { method_why, ..Plan::new(variant, camera, contents, extent, wanted, self.has, self.limit) }
     }
 }
 

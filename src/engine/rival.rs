@@ -122,6 +122,11 @@ impl Choice {
         }
     }
 
+    /// Samples a pixel that it takes in a frame, where it takes several: multisampling knows one layer.
+    pub fn samples(&self, camera: &Camera) -> u32 {
+        if camera.layers.len() == 1 { self.technique.samples } else { 1 }
+    }
+
     /// The rival for a scene and a camera, with the scene's triangles.
     ///
     /// # Errors

@@ -73,7 +73,8 @@ pub fn in_sequence(scene: &Scene, camera: &Camera, wanted: &Wanted, samples: u32
 
 /// Whether one frame renders all samples.
 pub fn at_once_on(backend: &Backend, scene: &Scene, camera: &Camera, samples: u32) -> bool {
-    matches!(backend, Backend::Compute(_, None)) && at_once(scene, camera, samples)
+    let Backend::Compute(_, rival) = backend else { return false };
+    rival.is_none_or(|choice| choice.samples(camera) == samples) && at_once(scene, camera, samples)
 }
 
 /// The options of that frame.

@@ -37,9 +37,6 @@ const REPLICA_BYTES: u64 = 8;
 
 pub fn replicated(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     let samples = setup.variant.samples;
-    if samples > 1 && setup.layers() > 1 {
-        return Err(Error::input("multisampling takes cameras of one layer; use one sample per pixel"));
-    }
     let mut own = Buffers::default();
     let pieces = upload_pieces(gpu, setup, &mut own)?;
     own.create(gpu, "draw_args", 16, BufferUsages::INDIRECT)?;

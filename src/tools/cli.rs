@@ -16,6 +16,7 @@ mod info;
 mod kinds;
 mod manual;
 mod new;
+mod pages;
 mod povray;
 mod progress;
 mod project;

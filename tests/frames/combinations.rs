@@ -150,7 +150,7 @@ impl Case {
         if features.contains(&Analytic) && !few && !many {
             case.add(Feature::Samples);
         }
-        let own = case.run.rival.map(|choice| choice.technique.samples);
+        let own = case.run.rival.map(|choice| choice.samples(&case.camera));
         if case.wanted.samples > 1 && own.is_some_and(|own| own != case.wanted.samples) {
             case.has.insert(Feature::RivalOfOtherSamples);
         }

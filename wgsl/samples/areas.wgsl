@@ -3,7 +3,7 @@
 // twice. Where samples contradict the lines (a curved edge, an intersection), or more triangles are seen than are kept, samples are
 // counted instead.
 // Provides: measure, seen_next, share_of, whole
-// Needs: SAMPLES, all_samples, centre_of, key_id, key_layer, key_of, key_t, nearest_to, point_at, sample_differential, sample_offset,
+// Needs: SAMPLES, all_samples, key_id, key_layer, key_of, key_t, nearest_to, part_of, point_at, sample_differential, sample_offset,
 //   sample_ray, seen_alike, triangle_at, weights_at
 // Binds: params, slot_of_id
 
@@ -54,7 +54,7 @@ fn measure(pixel: u32, record: u32) {
     }
 
     for (var k = 0u; k < count; k++) {
-        let n = nearest_to(centre_of(groups[k]), groups[k]);
+        let n = nearest_to(part_of(groups[k]).middle, groups[k]);
         if all(key_of(record, n) == vec2<u32>(0u)) {
             nothing = k;
         } else if !find_lines(k, pixel, record, n) {

@@ -321,8 +321,12 @@ impl Plan {
         // of 8 bytes each, and a quarter more for what is uncertain
         let item_bytes = 10 * variant.settled_a_pixel(camera.layers.len());
         let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes).max(item_bytes);
-        let sample_offsets =
-            if variant.samples_edges() { samples::sample_offsets(variant.samples) } else { Vec::new() };
+        let sample_offsets = match variant.samples_edges() {
+            // the rasterizer says what its samples see at the pixel's centre
+            true if variant.centred => vec![DVec2::ZERO; variant.samples as usize],
+            true => samples::sample_offsets(variant.samples),
+            false => Vec::new(),
+        };
         let view = View { camera, slabs, extent, sample_offsets: &sample_offsets };
         let rows = wanted.rows.unwrap_or(Rows { first: 0, count: camera.height });
         let bands = bands(view, rows, pixel_bytes, binding_limit);

@@ -53,6 +53,7 @@ pub fn variant(
         bounced: false,
         samples: wanted.samples(),
         analytic: wanted.analytic && wanted.samples() > 1,
+        centred: run.rival.is_some() && wanted.samples() > 1,
         timed: contents.steps > 1,
         spheres: contents.has_spheres,
         volume: contents.volume.filter(|_| wanted.needs_volume()),

@@ -47,6 +47,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     own.extend(variant.corner_colors());
     own.extend(variant.leaves());
     own.extend(variant.weights());
+    own.push(if variant.centred { snippets!("samples/centred.wgsl") } else { snippets!("samples/part.wgsl") });
     own.push(if variant.analytic { snippets!("samples/areas.wgsl") } else { snippets!("samples/counted.wgsl") });
     own.extend(variant.light());
     own.extend(variant.pixel());

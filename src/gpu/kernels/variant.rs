@@ -114,6 +114,8 @@ pub struct Variant {
     pub samples: u32,
     /// Of such a pixel triangles have shares by their areas, not by their samples' number.
     pub analytic: bool,
+    /// The rasterizer takes such a pixel's samples, and shades at its centre.
+    pub centred: bool,
     /// Vertices move while the frame is taken, and each pixel sees them at a moment of its own.
     pub timed: bool,
     /// There are spheres beside triangles.
@@ -152,6 +154,7 @@ impl Variant {
         bounced: false,
         samples: 1,
         analytic: false,
+        centred: false,
         timed: false,
         spheres: false,
         volume: None,

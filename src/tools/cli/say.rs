@@ -1,6 +1,7 @@
 //! Text to stdout, errors and notes to stderr. File names and scene keys may contain anything, so control characters are escaped, as in
 //! `\u001b`.
 
+use super::pages::page_of;
 use crate::input::{Error, Result};
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -12,9 +13,13 @@ const LINE_MAX: usize = 2000;
 /// Characters kept from the end of the line, which has the advice.
 const LINE_END: usize = 500;
 
-/// Prints an error to stderr, on one line.
+/// Prints an error to stderr, on one line, with the page that explains it.
 pub fn complain(error: &Error) {
-    note(format_args!("error: {error}"));
+    let text = error.to_string();
+    match page_of(&text) {
+        Some(page) => note(format_args!("error: {text} (see {page})")),
+        None => note(format_args!("error: {text}")),
+    }
 }
 
 /// Prints a line to stderr.
