@@ -61,7 +61,7 @@ const BESIDE: [Beside; 29] = [
         "camera={kind='pinhole',eye=[0.8,2.6,0.5],target=[20,4.6,-3.5],vfov=60}"),
     view("aeroplane", "root", "morph = 0: the root's plain view", "camera.morph=0"),
     view("aeroplane", "bent", "few and straight segments: it is bent at the joint", "camera.join='straight' camera.lateral=2"),
-    view("city-cylinder", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[0,31,0],target=[-10,31,-3],vfov=90}"),
+    view("city-cylinder", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[0,31,0],target=[-10,23,-3],vfov=90}"),
     view("deformation", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[34,40,62],target=[0,3,0],vfov=42}"),
     view("mirror-ring", "once", "depth = 1: the ring does not see itself", "camera.depth=1"),
     view("mirror-teapot", "more", "512 cameras and 1,600 triangles", "camera.mirror.cameras=512 mesh.0.file=flock-1500.obj"),

@@ -34,8 +34,8 @@ pub fn page(shown: &[Shown], adapter: &str) -> String {
     let mut text = format!(
         "# Gallery\n\n\
          A scene for each figure of five papers that shows a rendering. `anamorph example NAME` writes the scene and its files,\n\
-         `anamorph render NAME.toml` renders it. Here all are lit by a sun and a sky, with 16 samples a pixel or 4 frames; `make gallery` makes\n\
-         this page. The time is that of one frame as the scene's file says, without the sky, on {adapter}.\n\n\
+         `anamorph render NAME.toml` renders it. Here all but the rivals' pictures beside them are lit by a sun and a sky, with 16 samples a pixel, or as the mean of 4 frames;\n\
+         `make gallery` makes this page. The time is not of that: it is of one frame as the scene's file has it, without the sky, on {adapter}.\n\n\
          ![A cow that turns its head by a second camera; the model does not move](gallery/hinge-moving.png)\n\n\
          Nothing moves here but the angle between two cameras (`anamorph example hinge`, `camera.angle`).\n"
     );

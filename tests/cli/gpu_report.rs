@@ -35,6 +35,12 @@ fn a_report_is_gone_on_with_and_wrong_pixels_are_an_error() {
 
     // a suite's case that is there is not run again, nor what the report has
     place.works(&["bench", "stages", "--quick", "--case", "city-cross-slit", "--runs", "1", "--out", "out"]);
+    // its pages follow from its results
+    let index = place.path().join("out/index.html");
+    let drawn = std::fs::read_to_string(&index).unwrap();
+    std::fs::remove_file(&index).unwrap();
+    place.works(&["bench", "page", "--out", "out"]);
+    assert!(drawn.contains("city-cross-slit") && std::fs::read_to_string(&index).unwrap() == drawn);
     let is_software = first["provenance"]["is_software"] == true;
     let again = place.works(&short);
     assert_eq!(report(&place)["bandwidths"], first["bandwidths"]);

@@ -9,7 +9,7 @@ const GAP: f64 = 4.0;
 /// For the names of the rows.
 const NAMES: f64 = 250.0;
 /// For the time behind a bar.
-const TIME: f64 = 60.0;
+const TIME: f64 = 84.0;
 /// A line of the key.
 const LINE: f64 = 16.0;
 

@@ -40,7 +40,7 @@ pub const LARGE: [f64; 2] = [720.0, 400.0];
 pub const SMALL: [f64; 2] = [300.0, 200.0];
 
 /// Room beside the axes, px: left, top, right, bottom.
-const ROOM: [f64; 4] = [58.0, 8.0, 12.0, 40.0];
+const ROOM: [f64; 4] = [58.0, 8.0, 24.0, 40.0];
 
 /// From a number to a place on an axis.
 struct Scale {
@@ -52,7 +52,9 @@ impl Scale {
     /// Of all numbers with some room beside them.
     fn of(numbers: impl Iterator<Item = f64>, px: [f64; 2]) -> Scale {
         let (lo, hi) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), n| (lo.min(n), hi.max(n)));
-        Scale { log: [lo.log10() - 0.15, hi.log10() + 0.15], px }
+        let [lo, hi] = [lo.log10(), hi.log10()];
+        let room = f64::max(0.15, 0.06 * (hi - lo));
+        Scale { log: [lo - room, hi + room], px }
     }
 
     fn place(&self, number: f64) -> f64 {

@@ -28,8 +28,12 @@ const PIECES: [&str; 2] = ["#8a6d00", "#e3c130"];
 const CUBE: [&str; 2] = ["#555555", "#aaaaaa"];
 
 /// What is none of these: a program that runs beside.
-const OTHER: Technique =
-    Technique { name: "", colours: ["#111111", "#eeeeee"], mark: Mark::Diamond, what: "a program beside" };
+const OTHER: Technique = Technique {
+    name: "",
+    colours: ["#111111", "#eeeeee"],
+    mark: Mark::Diamond,
+    what: "another program beside: Embree",
+};
 
 const TECHNIQUES: [Technique; 13] = [
     Technique { name: "anamorph", colours: ["#0062b8", "#5fb0ff"], mark: Mark::Circle, what: "this engine" },
@@ -89,7 +93,7 @@ pub fn mark(name: &str, (x, y): (f64, f64), is_hollow: bool) -> String {
 /// The one legend: of the techniques that have rows.
 pub fn legend(has_rows: impl Fn(&str) -> bool) -> String {
     let mut text = "<p class=\"legend\" id=\"legend\">".to_owned();
-    for t in TECHNIQUES.iter().filter(|t| has_rows(t.name)) {
+    for t in TECHNIQUES.iter().filter(|t| has_rows(t.name)).chain([&OTHER]) {
         let key = format!(
             "<svg width=\"14\" height=\"14\" class=\"{}\">{}</svg>",
             class(t.name),
@@ -98,7 +102,7 @@ pub fn legend(has_rows: impl Fn(&str) -> bool) -> String {
         // writing to a String cannot fail
         let _ = write!(text, "<span>{key} {} <small>{}</small></span> ", t.name, t.what);
     }
-    text + "<span><small>a hollow mark: not the plain form of its technique; the tables say which</small></span></p>\n"
+    text + "<span><small>a hollow mark: a variation of its technique, or of what it is asked for; rest on it for its name</small></span></p>\n"
 }
 
 #[cfg(test)]

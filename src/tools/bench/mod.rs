@@ -197,6 +197,10 @@ impl Run {
         let json = serde_json::to_string_pretty(self).map_err(|e| failed(&e))?;
         write_text(&folder.join(RESULTS), &(json + "\n"))?;
         write_text(&folder.join("raw.csv"), &table::csv(&self.rows)?)?;
+        self.draw(folder, plot)
+    }
+
+    fn draw(&self, folder: &Path, plot: Plot) -> Result<()> {
         let plots = plot::plots(&self.rows, plot, chart::LARGE);
         for (name, _, svg) in &plots {
             write_text(&folder.join(name), &page::standalone(svg))?;
@@ -218,6 +222,14 @@ fn runs(folder: &Path) -> Result<Vec<(String, Run)>> {
     }
     names.sort();
     names.into_iter().map(|name| Ok((name.clone(), read(&folder.join(name).join(RESULTS))?))).collect()
+}
+
+/// Writes the tables and plots of all runs in a folder anew from their results.
+///
+/// # Errors
+/// [`Error::Input`] if a results.json in it is not by this program, [`Error::Write`] if a file cannot be written.
+pub fn draw_again(folder: &Path) -> Result<()> {
+    runs(folder)?.iter().try_for_each(|(name, run)| run.draw(&folder.join(name), page::plot_of(run)))
 }
 
 /// Writes index.html over all runs in a folder, and in each run's own folder that of the run; returns the first one's path.

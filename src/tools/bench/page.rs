@@ -67,11 +67,14 @@ pub fn plot_of(run: &Run) -> Plot {
     SUITES.iter().find(|s| s.name == run.suite).map_or(Plot::Error, |s| s.plot)
 }
 
+const ABOUT_VERDICT: &str = "Each row of a rival is compared with this engine's frame of the same case in its plain form (exact, one frame; frames of \
+     several samples also with as many frames as the rival takes; a program that finds t and ids alone with a frame that does no more), at an error \
+     that is not larger: above 1 this engine is faster. Times within 5 % are even. Rivals are built anew here, over the same buffers, and share shading and reading \
+     back with this engine.";
+
 /// All runs, each with the name of its folder: a verdict, then each suite in small charts that lead to its run's page.
 pub fn page(runs: &[(String, Run)]) -> String {
-    let mut text = "<h2 id=\"verdict\">Verdict</h2>\n<p>Ratios are of times whose error is not larger than the rival's: above 1 this engine is \
-                    faster.</p>\n"
-        .to_owned();
+    let mut text = format!("<h2 id=\"verdict\">Verdict</h2>\n<p>{ABOUT_VERDICT}</p>\n");
     let full = || runs.iter().map(|(_, run)| run).filter(|run| !run.provenance.quick);
     let mut adapters: Vec<&str> = full().map(|run| run.provenance.adapter.as_str()).collect();
     adapters.sort_unstable();

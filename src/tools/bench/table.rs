@@ -71,7 +71,7 @@ const COLUMNS: [&str; 58] = [
 pub const ABOUT_TIMES: &str = "Times are medians of frames that ran in turn with those of all other techniques. A frame lasts from the first \
      submission until the results are complete on the device. Intervals hold the median with 95 % probability, whatever the distribution. A \
      ratio is the median over rounds in which both ran. (?): an end of the interval is more than 5 % from the median after all rounds. What \
-     takes over 10 s a frame ran once.";
+     takes over 10 s a frame ran once, and has no interval.";
 
 /// Every row, every value. Stages are name=ms, and the times of frames ms, separated by semicolons.
 pub fn csv(rows: &[Row]) -> Result<String> {

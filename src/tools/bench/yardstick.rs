@@ -41,13 +41,17 @@ struct Figure {
 }
 
 impl Yardstick {
-    /// `None` where it cannot show the camera: it knows still GLC pieces.
+    /// `None` where it cannot show the scene or the camera: it knows triangles at one time, and still GLC pieces.
     ///
     /// # Errors
     /// [`Error::Write`] if a file cannot be written.
     pub fn new(program: &Path, scene: &Scene, camera: &Camera, moving: Moving) -> Result<Option<Yardstick>> {
         let [Rays::Pieces(pieces)] = &camera.layers[..] else { return Ok(None) };
-        if camera.optics.is_some() || moving == Moving::Camera || !pieces.pieces.iter().all(|p| is_plain(&p.bundle)) {
+        if scene.steps.is_some()
+            || camera.optics.is_some()
+            || moving == Moving::Camera
+            || !pieces.pieces.iter().all(|p| is_plain(&p.bundle))
+        {
             return Ok(None);
         }
         let t_range = [camera.t_range[0], camera.t_range[1].min(last_t(scene, &pieces.pieces))];

@@ -13,13 +13,21 @@ use crate::tools::bench::{INDEX, Selection, write_index};
 
 /// In place of a suite: a case is run again.
 const REPRODUCE: &str = "reproduce";
+/// In place of a suite: pages and plots are written anew from the results that are there.
+const PAGE: &str = "page";
 
 pub fn run(args: &BenchArgs) -> Result<()> {
-    match (args.suite.as_deref() == Some(REPRODUCE), &args.row) {
-        (true, Some(row)) => reproduce(args, row),
-        (true, None) => Err(Error::input("bench reproduce needs the case to run again, for example 'papers/Yu 1'")),
-        (false, Some(row)) => Err(Error::input(format!("bench: {row} is one name too many; quote names with spaces"))),
-        (false, None) => suites(args),
+    match (args.suite.as_deref(), &args.row) {
+        (Some(REPRODUCE), Some(row)) => reproduce(args, row),
+        (Some(REPRODUCE), None) => {
+            Err(Error::input("bench reproduce needs the case to run again, for example 'papers/Yu 1'"))
+        }
+        (_, Some(row)) => Err(Error::input(format!("bench: {row} is one name too many; quote names with spaces"))),
+        (Some(PAGE), None) => {
+            bench::draw_again(&args.out)?;
+            print(&format!("{}\n", write_index(&args.out)?.display()))
+        }
+        (_, None) => suites(args),
     }
 }
 
