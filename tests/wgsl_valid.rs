@@ -27,7 +27,7 @@ fn variants() -> impl Iterator<Item = Variant> {
 }
 
 /// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
-const WIDE: [&str; 19] = [
+const WIDE: [&str; 20] = [
     "exact",
     "small",
     "raster",
@@ -46,6 +46,7 @@ const WIDE: [&str; 19] = [
     "paste",
     "raytrace",
     "take",
+    "take_samples",
     "unfold",
 ];
 

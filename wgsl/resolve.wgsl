@@ -4,7 +4,7 @@
 // are what shade has written. Each triangle is shaded once, in the middle of the samples that see it. Triangles in another
 // chunk of the scene are left to that chunk's dispatch, which adds its share.
 // Provides: key_of, nearest_to, seen_alike
-// Needs: COUNT_EDGES, Lit, NONE, PICTURES, RayDifferential, SAMPLES, SLABBED, STYLED, ShadedHit, TEXTURED, all_samples, beyond, drawn, flat_normal,
+// Needs: COUNT_EDGES, Lit, NONE, PICTURES, Ray, RayDifferential, SAMPLES, SLABBED, STYLED, ShadedHit, TEXTURED, all_samples, beyond, drawn, flat_normal,
 //   item_index, key_id, key_layer, key_t, measure, painted, part_of, pattern_at, point_at, reach_of, reached, sample_differential, sample_offset,
 //   sample_ray, seen_next, segment_length, sent_back, share_of, surface_albedo, surface_normal, triangle_at, whole
 // Binds: counters, params, planes, samples, shading, slot_of_id

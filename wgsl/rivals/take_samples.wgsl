@@ -1,7 +1,7 @@
 // take_samples: one thread per pixel of the band.
 // Reads a picture of ids and depths that the rasterizer made, four samples a pixel; writes visibility keys, of the first sample, and a record
 // in `samples` for each pixel whose samples do not all see one triangle, with its number into `edge_of`.
-// Needs: COUNT_EDGES, ID_MASK, NONE, SAMPLES, item_index, real, visibility_key
+// Needs: COUNT_EDGES, ID_MASK, NONE, item_index, real, visibility_key
 // Binds: counters, edge_of, params, picture, samples, visibility
 
 @compute @workgroup_size(64)

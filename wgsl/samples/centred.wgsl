@@ -1,6 +1,6 @@
 // Where a triangle is shaded that some samples of a pixel see, and how wide it is filtered there, as rasterizers do: at the pixel's centre,
 // over the whole pixel.
-// Provides: Part, part_of
+// Provides: part_of
 
 struct Part {
     middle: vec2<f32>,  // px from the pixel's centre, right and down

@@ -1,6 +1,6 @@
 // Where a triangle is shaded that some samples of a pixel see, and how wide it is filtered there: the part of the pixel that they stand for, as
 // a box.
-// Provides: Part, part_of
+// Provides: part_of
 // Needs: SAMPLES, sample_offset
 
 struct Part {

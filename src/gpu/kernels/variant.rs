@@ -201,6 +201,7 @@ impl Variant {
             for (rays, slabbed) in [(RaysKind::Pieces, false), (RaysKind::Pieces, true), (RaysKind::Field, false)] {
                 list.push(Variant { samples: 4, analytic: more, ..variant(rays, slabbed, None) });
             }
+            list.push(Variant { samples: 4, centred: true, ..variant(RaysKind::Pieces, false, None) });
             if textured {
                 let kinds = [RaysKind::Pieces, RaysKind::Field, RaysKind::Curves { degree: 3 }];
                 list.extend(kinds.map(|rays| Variant { masked: true, colored: false, ..variant(rays, false, None) }));
