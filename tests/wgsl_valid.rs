@@ -189,7 +189,11 @@ fn every_kernel_is_valid_and_portable() {
     let layered_optics = 4 * ((4 * 5 + 3) + (4 * 4 + 3) + 2 * 4);
     // what an adapter is tested with, and two kernels of gradients
     let alone = 1 + 2;
-    let more = pictures + spheres + volumes + layered_optics + alone;
+    // take_samples wherever there are rivals; and one camera whose samples the rasterizer takes, with 14 other kernels by pair and by tile
+    let has_rivals = |atomics64| Variant::every(true, atomics64).iter().filter(|v| v.optics.is_none()).count();
+    let takes = (has_rivals(false) + has_rivals(true)) as u32;
+    let multisampled = takes + 4 * 14;
+    let more = pictures + spheres + volumes + layered_optics + alone + multisampled;
     assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + more);
 }
 
