@@ -8,7 +8,6 @@ const PAGES: &[(&str, &str)] = &[
     ("--memory", "docs/reference/limits.md"),
     ("needs an adapter", "docs/questions.md"),
     ("unknown key", "docs/reference/scene-file.md"),
-    ("unknown kind", "docs/cameras/README.md"),
 ];
 
 const COMBINATIONS: &str = "docs/reference/combinations.md";
