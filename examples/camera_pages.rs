@@ -75,6 +75,29 @@ rays = 16
 distance = 0.4
 "#;
 
+/// Captions of pictures that are no plain view of the scene.
+const CAPTIONS: [(&str, &str); 6] = [
+    (
+        "surround",
+        "Each half of a cell is the triangle of one of 320 cameras, which look inwards from a ball. Neighbours on the ball need not be neighbours here, \
+         and the last row is not full. A mesh listed row by row stays connected, as in `anamorph example surround`",
+    ),
+    ("hinge", "Right of the middle the second camera sees the scene, turned by 25 degrees about the column there"),
+    (
+        "mcop",
+        "Columns on the left are seen from the start of the path, those on the right from its end: the table's front edge bends as the eye rises and sinks",
+    ),
+    (
+        "display",
+        "A pinhole's picture, bent as on the flat triangles of the screen: the table's edges break where two of them meet",
+    ),
+    (
+        "lightfield",
+        "The middle of it, pixel by pixel: each block of 5 x 4 pixels is one lenslet, which sees the scene from 20 directions",
+    ),
+    ("ods", "All around for the left eye, and below for the right eye"),
+];
+
 fn main() -> Result<()> {
     let folder = std::env::args_os().nth(1).ok_or_else(|| Error::input("use: camera_pages FOLDER [KIND...]"))?;
     let folder = Path::new(&folder);
@@ -110,7 +133,8 @@ fn main() -> Result<()> {
 
 /// Renders the scene through the camera, and draws its rays where that can be done; whether it was.
 fn picture(scenes: &Path, view: &View, folder: &Path, name: &str) -> Result<bool> {
-    let [width, height] = view.size;
+    // each eye is twice as wide as high
+    let [width, height] = if name == "ods" { [view.size[0]; 2] } else { view.size };
     let scene = scenes.join(format!("{name}.toml"));
     let image = format!("[image]\nwidth = {width}\nheight = {height}\nbackground = [0.55, 0.68, 0.82]\n");
     write_text(&scene, &format!("{image}{STILL_LIFE}\n{}", view.text()?))?;
@@ -133,12 +157,14 @@ fn picture(scenes: &Path, view: &View, folder: &Path, name: &str) -> Result<bool
     let diagram = vec!["anamorph".into(), "camera".into(), argument(&scene), "--diagram".into(), argument(&svg)];
     let has_diagram = cli::main(diagram) == 0;
     let picture = image::open(&large).map_err(|e| broken(&large, e))?.into_rgb8();
-    let small = image::imageops::resize(
-        &picture,
-        WIDTH,
-        (WIDTH * picture.height()).div_ceil(picture.width()),
-        FilterType::Triangle,
-    );
+    let rows = (WIDTH * picture.height()).div_ceil(picture.width());
+    let small = if name == "lightfield" {
+        // smaller, it would mix the views
+        let [left, top] = [picture.width() - WIDTH, picture.height() - rows].map(|beside| beside / 2);
+        image::imageops::crop_imm(&picture, left, top, WIDTH, rows).to_image()
+    } else {
+        image::imageops::resize(&picture, WIDTH, rows, FilterType::Triangle)
+    };
     let path = folder.join(format!("{name}.jpg"));
     let file = File::create(&path).map_err(|e| broken(&path, e))?;
     JpegEncoder::new_with_quality(BufWriter::new(file), QUALITY).encode_image(&small).map_err(|e| broken(&path, e))?;
@@ -174,9 +200,11 @@ fn page(name: &str, help: &str, view: &View, has_diagram: bool) -> Result<String
     } else {
         format!("Examples (`anamorph example NAME`): {}.\n\n", used.join(", "))
     };
+    let own = CAPTIONS.iter().find(|caption| caption.0 == name);
+    let caption = own.map_or(String::new(), |(_, text)| format!("{text}.\n\n"));
     Ok(format!(
-        "# {name}\n\n{}.\n\n![A teapot, a ball, a box and two columns through it]({name}.jpg)\n\n{diagram}\
-         The camera of this picture:\n\n<!-- not run: it may name files of its own -->\n```toml\n{}```\n\n{examples}\
+        "# {name}\n\n{}.\n\n![A teapot, a ball, a box and two columns through it]({name}.jpg)\n\n{caption}{diagram}\
+         The camera of this picture, whose scene is in `examples/camera_pages.rs` and whose files are in `examples/agreement`:\n\n<!-- not run: it may name files of its own -->\n```toml\n{}```\n\n{examples}\
          ## Keys and formula\n\nAs `anamorph camera --help {name}` prints them. [To the last bit](../reference/definitions.md#{name}).\n\n\
          ```text\n{}\n```\n",
         capital(title(help)),

@@ -60,11 +60,11 @@ pub struct Capacities {
     pub queue: u64,
     /// (cluster, node) items that `split` takes.
     pub work: u64,
-    /// (triangle group, node) items that `bin` takes.
+    /// (triangle group, node) items that `small` takes, or `bin` where there is no `small`.
     pub tasks: u64,
-    /// (triangle, tile) pairs.
+    /// (triangle, tile) pairs, and as many (triangle, node) items that `small` leaves to `bin`.
     pub pairs: u64,
-    /// Half tiles of pixels of a pair that `recheck` takes; `recheck_samples` takes two for each.
+    /// Pixels of triangles that `recheck` takes; `recheck_samples` takes half as many samples.
     pub recheck_items: u64,
     /// Edge pixels, whose samples `sample` computes.
     pub edges: u64,
@@ -143,16 +143,21 @@ impl Rendered {
     /// Adds what a later frame took.
     pub fn add_costs(&mut self, next: &Rendered) {
         self.frame_ms.iter_mut().zip(&next.frame_ms).for_each(|(sum, ms)| *sum += ms);
-        for &(name, ms) in &next.stages {
-            match self.stages.iter_mut().find(|stage| stage.0 == name) {
-                Some(stage) => stage.1 += ms,
-                None => self.stages.push((name, ms)),
-            }
-        }
+        add_stages(&mut self.stages, &next.stages);
         self.bytes = self.bytes.max(next.bytes);
         self.grown += next.grown;
         self.counts += next.counts;
         self.passes.add(&next.passes);
+    }
+}
+
+/// Adds the times of stages to those of the same names.
+pub fn add_stages(sums: &mut Vec<(&'static str, f64)>, more: &[(&'static str, f64)]) {
+    for &(name, ms) in more {
+        match sums.iter_mut().find(|stage| stage.0 == name) {
+            Some(stage) => stage.1 += ms,
+            None => sums.push((name, ms)),
+        }
     }
 }
 
@@ -215,19 +220,16 @@ impl Engine {
         if camera.layered().is_some() {
             return Err(Error::input("frames of this composite are composed of several; call Engine::render"));
         }
-        let planned = self.planner().plan(scene, camera.clone(), wanted, run, None)?;
-        let mut frames = self.upload(planned, run)?;
-        match frames.warm_up() {
-            Err(_)
-                if run.method == Method::Auto
-                    && scene.steps.is_none()
-                    && (frames.is_lost || frames.resident.cannot_trace()) =>
-            {
-                drop(frames);
-                self.prepare(scene, camera, wanted, &RunOptions { method: Method::Raster, ..run.clone() })
-            }
-            done => done.map(|()| frames),
+        let planned = self.planner().plan(scene, camera, wanted, run, None)?;
+        let mut frames = self.upload(planned.clone(), run)?;
+        if let Err(error) = frames.warm_up() {
+            let by_raster = if frames.is_lost() { self.planner().rasterized(&planned, run) } else { None };
+            let Some(by_raster) = by_raster else { return Err(error) };
+            drop(frames);
+            frames = self.upload(by_raster, &RunOptions { method: Method::Raster, ..run.clone() })?;
+            frames.warm_up()?;
         }
+        Ok(frames)
     }
 
     /// A submission of one empty pass: what a frame takes that does nothing, ms.

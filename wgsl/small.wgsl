@@ -67,5 +67,6 @@ fn small(
         if at < params.pair_capacity {
             large[at] = vec2<u32>(slot, address);
         }
+        hold(COUNT_LARGE, at);
     }
 }

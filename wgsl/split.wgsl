@@ -1,7 +1,7 @@
 // split: one thread per triangle group of the cluster of an item of `work`.
 // Reads triangle groups and nodes; writes (triangle group, node) items where a ray of the node may meet the triangle group's box. `tasks`
 // may overflow: the counter keeps counting.
-// Needs: CLUSTER, COUNT_TASKS, COUNT_WORK, TRIANGLE_GROUP, address_node, item_index, item_meets, item_node, item_rays, node_meets
+// Needs: CLUSTER, COUNT_TASKS, COUNT_WORK, TRIANGLE_GROUP, address_node, hold, item_index, item_meets, item_node, item_rays, node_meets
 // Binds: counters, params, tasks, triangle_groups, work
 
 const TRIANGLE_GROUPS: u32 = CLUSTER / TRIANGLE_GROUP;
@@ -33,5 +33,6 @@ fn split(
         if at < params.task_capacity {
             tasks[at] = vec2<u32>(index, address);
         }
+        hold(COUNT_TASKS, at);
     }
 }

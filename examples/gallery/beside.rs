@@ -38,7 +38,7 @@ const BESIDE: [Beside; 29] = [
     view("teapot-panorama", "pinhole", "the same by a pinhole",
         "camera={kind='pinhole',eye=[0,4.5,9],target=[0,1,0],vfov=28}"),
     view("hinge", "straight", "angle = 0: the cow as it stands", "camera.angle=0"),
-    view("hinge", "away", "angle = -12: it looks away", "camera.angle=-12"),
+    view("hinge", "away", "angle = -12: its head is stretched away", "camera.angle=-12"),
     view("car", "pinhole", "the same car by a pinhole",
         "camera={kind='pinhole',eye=[5.5,2.2,5],target=[0,0.7,0],vfov=25}"),
     view("columns", "perspective", "convergence = 1: perspective", "camera.convergence=1"),

@@ -41,9 +41,7 @@ impl RenderOptions {
     pub(super) fn wanted(&self) -> Result<Wanted> {
         let RenderOptions { channels, color, samples, analytic } = self;
         options::samples(&samples.to_string()).map_err(Error::Input)?;
-        let mut channels = channels.clone();
-        channels.sort_unstable();
-        channels.dedup();
+        let channels = Channel::in_order(channels.iter().copied());
         if channels.is_empty() && !color {
             return Err(Error::input("nothing to compute; name channels, or ask for color"));
         }

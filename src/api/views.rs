@@ -7,7 +7,7 @@ use crate::camera::stack::{can_stack, stack};
 use crate::engine::plan::{LeftOut, Wanted};
 use crate::engine::report::{FrameMs, Report};
 use crate::engine::sequence::Sequence;
-use crate::engine::{Rendered, RunOptions};
+use crate::engine::{Engine, Rendered, RunOptions};
 use crate::image::frame::{Channel, Plane};
 use crate::image::size::MAX_PIXELS;
 use crate::input::limits::memory;
@@ -181,8 +181,8 @@ impl Renderer {
         let (Some(engine), run) = (&mut self.engine, RunOptions::default()) else { return Ok(()) };
         let planner = engine.planner();
         let mut until = Instant::now();
-        let mut finish = |sequence: &mut Sequence, job: &Job, in_flight| {
-            let rendered = sequence.wait_for(in_flight)?.rendered();
+        let mut finish = |sequence: &mut Sequence, engine: &mut Engine, job: &Job, in_flight| {
+            let rendered = sequence.wait_for(engine, in_flight)?.rendered();
             let ms = until.elapsed().as_secs_f64() * 1e3;
             until = Instant::now();
             views.add(job, Rendered { frame_ms: vec![ms], ..rendered });
@@ -197,17 +197,17 @@ impl Renderer {
             self.last = Some(planned.clone());
             if !sequence.show(&planned)? {
                 if let Some((job, in_flight)) = before.take() {
-                    finish(&mut sequence, job, in_flight)?;
+                    finish(&mut sequence, engine, job, in_flight)?;
                 }
                 sequence.upload(engine, &planned, &run)?;
             }
-            let next = sequence.start(planned)?;
+            let next = sequence.start(engine, planned)?;
             if let Some((job, in_flight)) = before.replace((job, next)) {
-                finish(&mut sequence, job, in_flight)?;
+                finish(&mut sequence, engine, job, in_flight)?;
             }
         }
         if let Some((job, in_flight)) = before {
-            finish(&mut sequence, job, in_flight)?;
+            finish(&mut sequence, engine, job, in_flight)?;
         }
         self.sequence = sequence;
         Ok(())

@@ -1,6 +1,6 @@
 //! The picture of all facets, rendered before the frame that shows them.
 
-use super::{Engine, Frames, Rendered, RunOptions};
+use super::{Engine, Frames, Rendered, RunOptions, add_stages};
 use crate::camera::Camera;
 use crate::camera::optics::atlas::{Layout, camera as atlas_camera};
 use crate::camera::optics::{Atlas, Facets, Law, Optics, Surface};
@@ -36,8 +36,7 @@ impl Engine {
             channels.extend([Channel::R, Channel::G, Channel::B]);
         }
         // the same planes in the same places as the frame's own
-        channels.sort_unstable();
-        channels.dedup();
+        let channels = Channel::in_order(channels);
         let wanted = Wanted { counting: wanted.counting, ..Wanted::of(channels) };
         let cameras = facets.copy();
         let camera = atlas_camera(optics, atlas, cameras, law)?;
@@ -70,12 +69,7 @@ impl AtlasRenderer {
     pub fn merged_into(self, frame: Rendered) -> Result<Rendered> {
         let own = self.frames.finish()?;
         let mut stages = own.stages;
-        for (name, ms) in frame.stages {
-            match stages.iter_mut().find(|s| s.0 == name) {
-                Some(sum) => sum.1 += ms,
-                None => stages.push((name, ms)),
-            }
-        }
+        add_stages(&mut stages, &frame.stages);
         let (mut counts, mut passes) = (own.counts, own.passes);
         counts += frame.counts;
         passes.add(&frame.passes);

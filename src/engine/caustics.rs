@@ -28,7 +28,8 @@ pub struct DeviceCaustics {
 impl DeviceCaustics {
     /// These are the maps of the scene.
     fn is_of(&self, scene: &Scene) -> bool {
-        scene.caustics.as_ref().is_some_and(|c| Arc::ptr_eq(c, &self.caustics)) && scene.mesh == self.mesh
+        let is_same_mesh = || Arc::ptr_eq(&scene.mesh, &self.mesh) || scene.mesh == self.mesh;
+        scene.caustics.as_ref().is_some_and(|c| Arc::ptr_eq(c, &self.caustics)) && is_same_mesh()
     }
 }
 

@@ -3,7 +3,7 @@
 //! Positions are rebased to an anchor in f64 and stored as f32 pairs. Every triangle names its corners in the
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
-use crate::geometry::mesh::{Mesh, NO_NORMAL, sphere_box};
+use crate::geometry::mesh::{self, Mesh, NO_NORMAL};
 use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::kernels::SurfaceKind;
 use crate::gpu::layout::{
@@ -226,11 +226,7 @@ fn interleave(place: f64) -> u64 {
 
 /// The corners of a triangle, or of a sphere's box.
 fn extremes(all: MovingMesh, id: u32, step: u32) -> [DVec3; 3] {
-    let corners = all.corners(id, step);
-    all.mesh.radius(id).map_or(corners, |radius| {
-        let (lo, hi) = sphere_box(corners[0], radius);
-        [corners[0], lo, hi]
-    })
+    mesh::extremes(all.corners(id, step), all.mesh.radius(id))
 }
 
 /// A sphere, or three different positions that are not on a line, as f64 sees it. What moves may have an area at other times than its steps.

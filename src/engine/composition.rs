@@ -8,7 +8,7 @@ use super::{Engine, Method, Rendered, RunOptions};
 use crate::camera::kinds::composite::composition::{Composition, Held};
 use crate::camera::{Camera, Rays};
 use crate::image::frame::{Channel, Frame, NO_ID, Plane};
-use crate::image::toned8;
+use crate::image::opaque8;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use glam::DVec3;
@@ -36,12 +36,9 @@ pub(super) fn render(
     };
     asked.check()?;
     composition.check(&scene.objects)?;
-    let mut channels = [&wanted.channels[..], &[Channel::TriangleId, Channel::T]].concat();
-    if wanted.srgb8 {
-        channels.extend(COLOURS);
-    }
-    channels.sort_unstable();
-    channels.dedup();
+    let colours = COLOURS.into_iter().filter(|_| wanted.srgb8);
+    let channels =
+        Channel::in_order(wanted.channels.iter().copied().chain([Channel::TriangleId, Channel::T]).chain(colours));
     let each = Wanted { channels: channels.clone(), srgb8: false, ..wanted.clone() };
     let scenes = scene.of_each_camera(composition);
     let frames = scenes.iter().zip(&composition.members);
@@ -58,7 +55,7 @@ pub(super) fn render(
     let plane = |channel: Channel| composing.plane(channel, &rendered, &owners, &shares).map(|plane| (channel, plane));
     let planes = channels.into_iter().map(plane).collect::<Option<_>>().ok_or_else(lacking)?;
     let mut frame = Frame { width, height, planes };
-    let srgb8 = if wanted.srgb8 { picture(&frame, scene) } else { None };
+    let srgb8 = if wanted.srgb8 { opaque8(&frame, scene.tone) } else { None };
     frame.planes.retain(|(channel, _)| wanted.channels.contains(channel));
     let costs = rendered.into_iter().reduce(joined).ok_or_else(lacking)?;
     Ok(Rendered { frame, srgb8, ..costs })
@@ -228,13 +225,6 @@ impl Composing<'_> {
 /// From t rounded to f32, relative errors of 2^-24: squared each time, two steps reach f64's precision, and one more its last bits. Planes
 /// take one.
 const NEWTON_STEPS: u32 = 4;
-
-/// Opaque 8-bit sRGB.
-fn picture(frame: &Frame, scene: &Scene) -> Option<Vec<u8>> {
-    let [r, g, b] = COLOURS.map(|channel| frame.f32(channel));
-    let byte = |linear: &f32| toned8(scene.tone, *linear);
-    Some(r?.iter().zip(g?).zip(b?).flat_map(|((r, g), b)| [byte(r), byte(g), byte(b), u8::MAX]).collect())
-}
 
 /// What two frames took, one after the other.
 fn joined(mut all: Rendered, next: Rendered) -> Rendered {

@@ -30,7 +30,7 @@ pub struct Counts {
     pub edges: u64,
     /// Samples of these pixels that recheck_samples reads.
     pub recheck_sample_items: u64,
-    /// Jobs whose rays were traced because raster cost more.
+    /// Pixels that trace took over, as raster cost more.
     pub taken_over: u64,
 }
 

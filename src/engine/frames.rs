@@ -59,9 +59,9 @@ pub struct Frames {
     pub(super) shown: Weak<Clustered>,
     /// The same as they are now, where every vertex is new in each timed frame.
     pub(super) moving: Option<Clustered>,
-    /// Something failed while another frame was shown, of which a part may be there.
+    /// Something failed while another scene, camera or light was sent, of which a part may be there.
     pub(super) is_partly_uploaded: bool,
-    /// Trace could not follow all paths.
+    /// Trace could not follow all paths of the last frame.
     pub(super) is_lost: bool,
     /// The camera is not that of the first frame any more.
     pub(super) is_aimed: bool,
@@ -200,6 +200,8 @@ impl Frames {
                 "frames of {old} cannot be taken by this {new}; call Engine::prepare again"
             )));
         }
+        // until all is there nothing is drawn
+        self.is_partly_uploaded = true;
         self.resident.aim(&self.gpu, &camera, &plan)?;
         if let Some(volume) = self.scene.volume.as_ref().filter(|_| plan.variant.volume.is_some()) {
             self.resident.upload_medium(&self.gpu, volume, &self.scene, &plan)?;
@@ -209,6 +211,7 @@ impl Frames {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
         (self.camera, self.plan, self.ray_order, self.is_aimed) = (camera, Arc::new(plan), ray_order, true);
+        self.is_partly_uploaded = false;
         self.mark_dirty(Changes { plan: true, ..Changes::default() });
         Ok(())
     }
@@ -257,16 +260,20 @@ impl Frames {
         if self.plan.variant.colored && (&lit.colors, &lit.corner_colors) != (&own.colors, &own.corner_colors) {
             return Err(Error::input("other vertex colours than those that are lit; call Engine::prepare again"));
         }
-        let keeps_masks = if self.moving.is_some() {
-            // where things have moved to, and in this light from then on
-            let mut lit = scene.into_owned();
+        // the triangles stay where they are
+        let mut lit = scene.into_owned();
+        if !Arc::ptr_eq(&lit.mesh, &self.scene.mesh) && lit.mesh.positions != self.scene.mesh.positions {
             Arc::make_mut(&mut lit.mesh).positions.clone_from(&self.scene.mesh.positions);
-            self.scene = lit;
+        }
+        self.scene = lit;
+        self.is_partly_uploaded = true;
+        let keeps_masks = if self.moving.is_some() {
             let now = moved(&self.scene, self.fixed_vertices(), self.timed.moved);
             self.resident.upload_appearance(&self.gpu, &self.pages, &now, &self.plan)?
         } else {
-            self.resident.upload_appearance(&self.gpu, &self.pages, &scene, &self.plan)?
+            self.resident.upload_appearance(&self.gpu, &self.pages, &self.scene, &self.plan)?
         };
+        self.is_partly_uploaded = false;
         self.mark_dirty(Changes { appearance: true, alpha_masks: !keeps_masks, ..Changes::default() });
         Ok(())
     }

@@ -108,6 +108,16 @@ impl Planner {
         Ok(Planned { asked, ray_order, ..planned })
     }
 
+    /// The same by raster, for frames that could not be traced: where tracing was this engine's own choice, and raster can show them.
+    pub(super) fn rasterized(&self, planned: &Planned, run: &RunOptions) -> Option<Planned> {
+        if run.method != Method::Auto {
+            return None;
+        }
+        let run = RunOptions { method: Method::Raster, ..run.clone() };
+        let again = self.plan(&planned.given, planned.asked.clone(), &planned.wanted, &run, None).ok()?;
+        (again.plan.variant.method == Method::Raster).then_some(again)
+    }
+
     /// The same with the camera's pixels in their own order.
     pub(super) fn plan_in_order(
         &self,

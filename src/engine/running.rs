@@ -13,9 +13,6 @@ use crate::gpu::recorder::Recorded;
 use crate::input::{Error, Result};
 use std::time::Instant;
 
-/// What is said where rays cannot be traced.
-const NOT_TRACED: &str = "tracing takes too many steps here; use --method raster";
-
 /// A submitted frame, and the sizes of its lists.
 pub(super) struct Running {
     pub copies: Copies,
@@ -30,8 +27,11 @@ pub(super) struct Running {
 impl Frames {
     /// Submits the steps that draw what is dirty. With `reads`, they copy the picture to where the host can read it.
     pub(super) fn begin(&self, dirty: Dirty, reads: bool) -> Result<Running> {
+        if self.is_partly_uploaded {
+            return Err(Error::work("an earlier change of these frames failed; call Engine::prepare again"));
+        }
         if self.resident.cannot_trace() {
-            return Err(Error::work(NOT_TRACED));
+            return Err(self.not_traced());
         }
         let steps = self.steps(reads, dirty);
         self.compile(&steps)?;
@@ -51,13 +51,13 @@ impl Frames {
     /// Waits for a frame, even if another scene is shown by now. If the lists between the stages were too small, the frame
     /// runs again with larger ones.
     pub(super) fn wait_for(&mut self, mut in_flight: InFlight) -> Result<Readback> {
+        let mut grown = 0;
         loop {
             let InFlight { planned, running, reads, frame_layout, .. } = in_flight;
             wait_for(&self.gpu, &running.recorded.submission)?;
             let raw = reads.finish(&self.gpu, &running)?;
             let Some(short) = self.shortage(&raw.status, &running) else {
                 let (frame_ms, stages) = (vec![running.ms()], raw.stages.clone());
-                let grown = self.timed.grown;
                 let rest = Rendered { frame_ms, stages, grown, ..self.statistics(&frame_layout.plan, &running, &raw) };
                 return Ok(Readback { frame_layout, raw, rest });
             };
@@ -66,8 +66,19 @@ impl Frames {
                 return Err(Error::work("a frame cannot be shown again"));
             }
             self.grow_lists(short)?;
+            grown += 1;
             in_flight = self.start(planned)?;
         }
+    }
+
+    /// Its rays could not be followed to their ends: there is nothing to trace them with, or it took too many steps.
+    pub(super) fn is_lost(&self) -> bool {
+        self.is_lost || self.resident.cannot_trace()
+    }
+
+    fn not_traced(&self) -> Error {
+        let remedy = if self.run.method == Method::Trace { "; use --method raster" } else { "" };
+        Error::work(format!("tracing takes too many steps here{remedy}"))
     }
 
     /// Enlarges the lists if they were too small for a finished frame. Returns whether they were large enough.
@@ -122,7 +133,7 @@ impl Frames {
         if short.is_lost {
             if self.plan.variant.method != Method::Auto || self.plan.variant.bounces_rays() {
                 self.is_lost = true;
-                return Err(Error::work(NOT_TRACED));
+                return Err(self.not_traced());
             }
             self.resident.bvh = BvhState::GivenUp;
         }

@@ -7,6 +7,7 @@ use super::readback::{InFlight, Readback};
 use super::{Engine, Frames, RunOptions};
 use crate::camera::Camera;
 use crate::engine::plan::Wanted;
+use crate::gpu::kernels::Method;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 
@@ -14,6 +15,8 @@ use crate::scene::Scene;
 #[derive(Default)]
 pub struct Sequence {
     frames: Option<Frames>,
+    /// With what they were uploaded.
+    run: RunOptions,
 }
 
 impl Sequence {
@@ -40,6 +43,7 @@ impl Sequence {
         // its memory is free before more is taken
         self.clear();
         self.frames = Some(engine.upload(planned.clone(), run)?);
+        self.run = run.clone();
         Ok(())
     }
 
@@ -52,17 +56,44 @@ impl Sequence {
     ///
     /// # Errors
     /// [`Error::Work`] if the device fails.
-    pub fn start(&self, planned: Planned) -> Result<InFlight> {
-        self.frames.as_ref().ok_or_else(nothing)?.start(planned)
+    pub fn start(&mut self, engine: &mut Engine, planned: Planned) -> Result<InFlight> {
+        let frames = self.frames.as_ref().ok_or_else(nothing)?;
+        match frames.start(planned.clone()) {
+            Err(error) if frames.is_lost() => self.start_by_raster(engine, &planned, error),
+            started => started,
+        }
     }
 
     /// Waits for a frame, even if a later one is shown by now. If the lists between the stages were too small, it runs again with larger
-    /// ones.
+    /// ones; and by raster where it could not be traced.
     ///
     /// # Errors
     /// [`Error::Work`] if the device fails.
-    pub fn wait_for(&mut self, in_flight: InFlight) -> Result<Readback> {
-        self.frames.as_mut().ok_or_else(nothing)?.wait_for(in_flight)
+    pub fn wait_for(&mut self, engine: &mut Engine, in_flight: InFlight) -> Result<Readback> {
+        let planned = in_flight.planned.clone();
+        let frames = self.frames.as_mut().ok_or_else(nothing)?;
+        match frames.wait_for(in_flight) {
+            // frames that could not be traced have taken its buffers
+            Err(_) if frames.plan.variant != planned.plan.variant => {
+                let run = self.run.clone();
+                self.upload(engine, &planned, &run)?;
+                let again = self.start(engine, planned)?;
+                self.wait_for(engine, again)
+            }
+            Err(error) if frames.is_lost() => {
+                let again = self.start_by_raster(engine, &planned, error)?;
+                self.wait_for(engine, again)
+            }
+            done => done,
+        }
+    }
+
+    /// Submits by raster what could not be traced; the error where that is not possible.
+    fn start_by_raster(&mut self, engine: &mut Engine, planned: &Planned, error: Error) -> Result<InFlight> {
+        let planned = engine.planner().rasterized(planned, &self.run).ok_or(error)?;
+        self.clear();
+        let run = RunOptions { method: Method::Raster, ..self.run.clone() };
+        self.frames.insert(engine.upload(planned.clone(), &run)?).start(planned)
     }
 
     /// A frame from beginning to end, with no other in flight.
@@ -75,8 +106,8 @@ impl Sequence {
         if !sequence.show(&planned)? {
             sequence.upload(engine, &planned, run)?;
         }
-        let in_flight = sequence.start(planned)?;
-        let readback = sequence.wait_for(in_flight)?;
+        let in_flight = sequence.start(engine, planned)?;
+        let readback = sequence.wait_for(engine, in_flight)?;
         *self = sequence;
         Ok(readback)
     }

@@ -170,6 +170,14 @@ pub fn sphere_box(centre: DVec3, radius: f64) -> (DVec3, DVec3) {
     (centre - radius, centre + radius)
 }
 
+/// The corners of a triangle, or a sphere's centre and those of the box around it.
+pub fn extremes(corners: [DVec3; 3], radius: Option<f64>) -> [DVec3; 3] {
+    radius.map_or(corners, |radius| {
+        let (lo, hi) = sphere_box(corners[0], radius);
+        [corners[0], lo, hi]
+    })
+}
+
 /// The box around two.
 fn joined(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> (DVec3, DVec3) {
     (a.0.min(b.0), a.1.max(b.1))

@@ -44,7 +44,7 @@ pub struct Gpu {
     failed: Arc<Mutex<Option<String>>>,
 }
 
-/// AdapterFeatures of an adapter that select code paths.
+/// Abilities of an adapter that select code paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct AdapterFeatures {
     /// f64 and 64-bit integers: rechecks, depths and shading in the adapter's own f64; without them in 32-bit words.
@@ -56,7 +56,8 @@ pub struct AdapterFeatures {
     pub f64_is_wrong: bool,
     /// 64-bit atomic minimum and maximum: one dispatch for the depth test instead of two.
     pub atomics64: bool,
-    /// Subgroups of at least as many threads as a tile has columns: `raster` can go tile by tile, and `small` draw small triangles.
+    /// Subgroups of at least as many threads as a tile has columns: `raster` can go tile by tile, and on a CPU `small` can draw
+    /// small triangles.
     pub lanes: bool,
     /// Some subgroups have more threads than that.
     pub wide: bool,

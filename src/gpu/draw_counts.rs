@@ -1,7 +1,8 @@
 //! What the adapter's rasterizer did in the render passes of a submission, counted by it.
 
-use super::buffers::{PendingRead, readback};
+use super::buffers::PendingRead;
 use super::device::Gpu;
+use super::queries::{Queries, answered};
 use crate::input::Result;
 use std::ops::{AddAssign, Deref, DerefMut};
 use wgpu::PipelineStatisticsTypes as Counted;
@@ -28,31 +29,24 @@ impl AddAssign for DrawCounts {
 /// In the order in which adapters write them.
 const COUNTED: [Counted; 3] =
     [Counted::VERTEX_SHADER_INVOCATIONS, Counted::CLIPPER_PRIMITIVES_OUT, Counted::FRAGMENT_SHADER_INVOCATIONS];
-const BYTES_PER_PASS: u64 = 8 * COUNTED.len() as u64;
 
 /// Counts of render passes while they are recorded.
 pub struct DrawQueries {
-    queries: wgpu::QuerySet,
+    queries: Queries,
     passes: u32,
     /// How many fit.
     capacity: u32,
-    resolved: wgpu::Buffer,
 }
 
 impl DrawQueries {
     /// For at most `passes_max` passes; `None` where they are too many, or the adapter does not count.
     pub fn new(gpu: &Gpu, passes_max: u32) -> Option<DrawQueries> {
-        let fits = (1..=wgpu::QUERY_SET_MAX_QUERIES).contains(&passes_max);
-        (gpu.has.draw_counts && fits).then(|| DrawQueries {
-            queries: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("draw_counts"),
-                ty: wgpu::QueryType::PipelineStatistics(COUNTED.into_iter().collect()),
-                count: passes_max,
-            }),
-            passes: 0,
-            capacity: passes_max,
-            resolved: readback(gpu, BYTES_PER_PASS * u64::from(passes_max)),
-        })
+        if !gpu.has.draw_counts {
+            return None;
+        }
+        let counted = wgpu::QueryType::PipelineStatistics(COUNTED.into_iter().collect());
+        let queries = Queries::new(gpu, counted, passes_max, COUNTED.len() as u64)?;
+        Some(DrawQueries { queries, passes: 0, capacity: passes_max })
     }
 
     /// The query of one more pass; `None` where they are full.
@@ -63,40 +57,31 @@ impl DrawQueries {
     }
 
     pub fn set(&self) -> &wgpu::QuerySet {
-        &self.queries
+        &self.queries.set
     }
 
     pub fn resolve(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
-        let passes = self.passes.min(self.capacity);
-        if passes == 0 {
-            return;
-        }
-        let bytes = BYTES_PER_PASS * u64::from(passes);
-        let resolved = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("draw_counts"),
-            size: bytes,
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        encoder.resolve_query_set(&self.queries, 0..passes, &resolved, 0);
-        encoder.copy_buffer_to_buffer(&resolved, 0, &self.resolved, 0, bytes);
+        self.queries.resolve(gpu, encoder, self.counted());
     }
 
     /// Starts to read them, for [`DrawQueries::read`].
     pub fn start(&self) -> PendingRead {
-        PendingRead::start(&self.resolved)
+        self.queries.start()
     }
 
     /// Their sum, once the submission is done.
     pub fn read(&self, gpu: &Gpu, pending: PendingRead) -> Result<DrawCounts> {
-        let words = pending.words(gpu)?;
-        let number = |k: usize| u64::from(words[2 * k]) | u64::from(words[2 * k + 1]) << 32;
+        let numbers = answered(gpu, pending)?;
         let mut sum = DrawCounts::default();
-        for pass in 0..self.passes.min(self.capacity) as usize {
-            let first = COUNTED.len() * pass;
-            sum += DrawCounts { vertices: number(first), triangles: number(first + 1), fragments: number(first + 2) };
+        for pass in numbers.chunks_exact(COUNTED.len()).take(self.counted() as usize) {
+            sum += DrawCounts { vertices: pass[0], triangles: pass[1], fragments: pass[2] };
         }
         Ok(sum)
+    }
+
+    /// Passes that have a query.
+    fn counted(&self) -> u32 {
+        self.passes.min(self.capacity)
     }
 }
 

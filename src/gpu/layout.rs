@@ -83,13 +83,13 @@ counters! {
     BusyEnd = "count_busy_end",
     /// Pairs that bin tested, where fragments are counted.
     PairsTested = "count_pairs_tested",
-    /// (triangle group, node) items for bin.
+    /// (triangle group, node) items for small, or for bin where there is no small.
     Tasks = "count_tasks",
     /// (triangle, node) items that small leaves to bin.
     Large = "count_large",
     /// Pairs in runs of tiles.
     Sorted = "count_sorted",
-    /// 1: tracing costs less than what raster would still take, and trace takes over.
+    /// Pixels that trace takes over, as it costs less than what raster would still take; 0: none.
     Traced = "count_traced",
     /// Pixels whose paths were longer than trace follows.
     Unfinished = "count_unfinished",

@@ -10,6 +10,7 @@ pub mod exact;
 pub mod kernels;
 pub mod layout;
 pub mod needs;
+pub mod queries;
 pub mod recorder;
 pub mod soft_f64;
 

@@ -1,8 +1,9 @@
 //! The passes of one submission, each timed where the adapter can.
 
-use super::buffers::{PendingRead, readback, wait};
+use super::buffers::{PendingRead, wait};
 use super::device::Gpu;
 use super::draw_counts::{DrawCounts, DrawPass, DrawQueries};
+use super::queries::{Queries, answered};
 use crate::input::Result;
 
 /// Records passes, named after their stages.
@@ -27,16 +28,12 @@ pub struct Passes(Vec<(&'static str, u32)>);
 
 /// Timestamps at the start and end of every pass.
 struct Times {
-    queries: wgpu::QuerySet,
+    queries: Queries,
     /// Of the passes that are recorded.
     names: Vec<&'static str>,
     /// How many fit.
     capacity: u32,
-    resolved: wgpu::Buffer,
 }
-
-/// Timestamps that one query set may hold.
-const QUERIES_MAX: u32 = wgpu::QUERY_SET_MAX_QUERIES;
 
 /// Index of the first of a pass's two timestamps.
 fn first(pass: usize) -> u32 {
@@ -73,17 +70,9 @@ impl Passes {
 impl Recorder {
     /// Times all of at most `passes_max` passes, or none where they are too many.
     pub fn new(gpu: &Gpu, passes_max: u32) -> Recorder {
-        let count = 2 * passes_max;
-        let times = (gpu.has.timestamps && (1..=QUERIES_MAX).contains(&count)).then(|| Times {
-            queries: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("stages"),
-                ty: wgpu::QueryType::Timestamp,
-                count,
-            }),
-            names: Vec::new(),
-            capacity: passes_max,
-            resolved: readback(gpu, 8 * u64::from(count)),
-        });
+        let queries = || Queries::new(gpu, wgpu::QueryType::Timestamp, 2 * passes_max, 1);
+        let times = gpu.has.timestamps.then(queries).flatten();
+        let times = times.map(|queries| Times { queries, names: Vec::new(), capacity: passes_max });
         let encoder = gpu.device.create_command_encoder(&Default::default());
         Recorder { encoder, times, draws: None, passes: Passes::default() }
     }
@@ -96,7 +85,7 @@ impl Recorder {
     pub fn compute(&mut self, name: &'static str) -> wgpu::ComputePass<'_> {
         let k = self.count(name);
         let timestamp_writes = self.times.as_ref().zip(k).map(|(t, k)| wgpu::ComputePassTimestampWrites {
-            query_set: &t.queries,
+            query_set: &t.queries.set,
             beginning_of_pass_write_index: Some(k),
             end_of_pass_write_index: Some(k + 1),
         });
@@ -112,7 +101,7 @@ impl Recorder {
     ) -> wgpu::RenderPass<'_> {
         let k = self.count(name);
         let timestamp_writes = self.times.as_ref().zip(k).map(|(t, k)| wgpu::RenderPassTimestampWrites {
-            query_set: &t.queries,
+            query_set: &t.queries.set,
             beginning_of_pass_write_index: Some(k),
             end_of_pass_write_index: Some(k + 1),
         });
@@ -147,7 +136,7 @@ impl Recorder {
 
     pub fn submit(mut self, gpu: &Gpu) -> Result<Recorded> {
         if let Some(times) = &self.times {
-            times.resolve(gpu, &mut self.encoder);
+            times.queries.resolve(gpu, &mut self.encoder, first(times.names.len()));
         }
         if let Some(draws) = &self.draws {
             draws.resolve(gpu, &mut self.encoder);
@@ -168,7 +157,7 @@ impl Recorded {
 
     /// Starts to read the times, for [`Recorded::stages_read`].
     pub fn read(&self) -> Option<PendingRead> {
-        self.times.as_ref().map(|t| PendingRead::start(&t.resolved))
+        self.times.as_ref().map(|t| t.queries.start())
     }
 
     /// Starts to read what the rasterizer counted, for [`Recorded::draws_read`].
@@ -184,36 +173,17 @@ impl Recorded {
     /// As [`Recorded::stage_ms`], once the submission is done.
     pub fn stages_read(&self, gpu: &Gpu, pending: Option<PendingRead>) -> Result<Vec<(&'static str, f64)>> {
         let (Some(times), Some(pending)) = (&self.times, pending) else { return Ok(Vec::new()) };
-        let words = pending.words(gpu)?;
-        let stamp = |k: u32| u64::from(words[2 * k as usize]) | u64::from(words[2 * k as usize + 1]) << 32;
+        let stamps = answered(gpu, pending)?;
         let period_ms = f64::from(gpu.queue.get_timestamp_period()) / 1e6;
         let mut sums: Vec<(&'static str, f64)> = Vec::new();
         for (pass, name) in times.names.iter().enumerate() {
-            let k = first(pass);
-            let ms = stamp(k + 1).saturating_sub(stamp(k)) as f64 * period_ms;
+            let k = first(pass) as usize;
+            let ms = stamps[k + 1].saturating_sub(stamps[k]) as f64 * period_ms;
             match sums.iter_mut().find(|s| s.0 == *name) {
                 Some(sum) => sum.1 += ms,
                 None => sums.push((name, ms)),
             }
         }
         Ok(sums)
-    }
-}
-
-impl Times {
-    fn resolve(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
-        let count = first(self.names.len());
-        if count == 0 {
-            return;
-        }
-        let bytes = 8 * u64::from(count);
-        let resolved = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("timestamps"),
-            size: bytes,
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        encoder.resolve_query_set(&self.queries, 0..count, &resolved, 0);
-        encoder.copy_buffer_to_buffer(&resolved, 0, &self.resolved, 0, bytes);
     }
 }

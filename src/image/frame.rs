@@ -148,6 +148,14 @@ channels! {
 }
 
 impl Channel {
+    /// In their own order, each once.
+    pub fn in_order(channels: impl IntoIterator<Item = Channel>) -> Vec<Channel> {
+        let mut all: Vec<Channel> = channels.into_iter().collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
     /// All channels.
     pub fn every() -> impl Iterator<Item = Channel> {
         Channel::ALL.into_iter().chain(Channel::MORE)

@@ -23,6 +23,6 @@ pub use npy::{
     write_npy_f64,
 };
 pub use ply::write_ply;
-pub use png::{png_bytes, rgb8, srgb8, toned8, write_png, write_png_strips};
+pub use png::{opaque8, png_bytes, rgb8, srgb8, toned8, write_png, write_png_strips};
 pub use points::read_points;
 pub use vectors::{read_pairs, read_vectors};

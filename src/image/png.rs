@@ -7,6 +7,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
 use crate::image::file::whole::write_whole;
+use crate::image::frame::{Channel, Frame};
 use crate::image::tone::Tone;
 use crate::input::{Error, Result};
 
@@ -105,6 +106,13 @@ pub fn rgb8(rgba: &[u8]) -> Vec<u8> {
 /// [`srgb8`] of a tone-mapped linear value.
 pub fn toned8(tone: Tone, linear: f32) -> u8 {
     srgb8(tone.shown(f64::from(linear)) as f32)
+}
+
+/// A frame's colour as opaque 8-bit sRGB, four bytes a pixel; `None` without colour.
+pub fn opaque8(frame: &Frame, tone: Tone) -> Option<Vec<u8>> {
+    let [r, g, b] = [Channel::R, Channel::G, Channel::B].map(|channel| frame.f32(channel));
+    let byte = |linear: &f32| toned8(tone, *linear);
+    Some(r?.iter().zip(g?).zip(b?).flat_map(|((r, g), b)| [byte(r), byte(g), byte(b), u8::MAX]).collect())
 }
 
 /// The 8-bit sRGB value nearest to a linear one; NaN and negative values give 0, above 1 gives 255.

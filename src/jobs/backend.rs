@@ -8,9 +8,8 @@ use crate::engine::report::Device;
 use crate::engine::rival::Choice;
 use crate::engine::{Counts, Engine, MethodUsed, Rendered, RunOptions};
 use crate::gpu::device::NO_ADAPTER;
-use crate::image::frame::{Channel, Frame};
-use crate::image::tone::Tone;
-use crate::image::toned8;
+use crate::image::frame::Channel;
+use crate::image::opaque8;
 use crate::input::{Error, Result};
 use crate::reference;
 use crate::scene::Scene;
@@ -102,12 +101,8 @@ impl<'e> Backend<'e> {
 
 /// A frame by the reference, in the engine's form.
 fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Rendered {
-    let mut channels = wanted.channels.clone();
-    if wanted.srgb8 {
-        channels.extend([Channel::R, Channel::G, Channel::B]);
-    }
-    channels.sort_unstable();
-    channels.dedup();
+    let colours = [Channel::R, Channel::G, Channel::B].into_iter().filter(|_| wanted.srgb8);
+    let channels = Channel::in_order(wanted.channels.iter().copied().chain(colours));
     let started = Instant::now();
     let maps = if wanted.has_colour() { reference::caustics::caustics(scene) } else { None };
     let ms = started.elapsed().as_secs_f64() * 1e3;
@@ -121,7 +116,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
         0 => vec![first_ms],
         n => (0..n).map(|_| timed().1).collect(),
     };
-    let srgb8 = if wanted.srgb8 { picture(&frame, scene.tone) } else { None };
+    let srgb8 = if wanted.srgb8 { opaque8(&frame, scene.tone) } else { None };
     frame.planes.retain(|(c, _)| wanted.channels.contains(c));
     Rendered {
         frame,
@@ -150,12 +145,4 @@ fn without_style(scene: &Scene, wanted: &Wanted) -> Option<LeftOut> {
     }
     let why = "the reference draws no wireframe, outline, borders or hatching";
     Some(LeftOut { what: STYLE.into(), why: why.into() })
-}
-
-/// The frame's colour as opaque 8-bit sRGB, four bytes per pixel; `None` without colour.
-pub fn picture(frame: &Frame, tone: Tone) -> Option<Vec<u8>> {
-    let (r, g, b) = (frame.f32(Channel::R)?, frame.f32(Channel::G)?, frame.f32(Channel::B)?);
-    let pixels = r.iter().zip(g).zip(b);
-    let byte = |linear: &f32| toned8(tone, *linear);
-    Some(pixels.flat_map(|((r, g), b)| [byte(r), byte(g), byte(b), u8::MAX]).collect())
 }

@@ -1,7 +1,7 @@
 //! Multisampling: colour and coverage are averaged over several rays per pixel; all other channels use the pixel centre. The engine
 //! renders all samples in one frame if it can; else each takes its own frame.
 
-use super::backend::{Backend, picture};
+use super::backend::Backend;
 use crate::camera::Camera;
 use crate::camera::exposure::Sample;
 use crate::engine::combinations::at_once;
@@ -12,6 +12,7 @@ use crate::engine::sequence::Sequence;
 use crate::engine::{Rendered, RunOptions};
 use crate::image::cryptomatte::Matte;
 use crate::image::frame::{Channel, Frame, Plane};
+use crate::image::opaque8;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use std::sync::Arc;
@@ -51,7 +52,7 @@ pub fn render(
         }
     }
     let mut frame = all.mean(camera, samples);
-    let srgb8 = if wanted.srgb8 { picture(&frame, scene.tone) } else { None };
+    let srgb8 = if wanted.srgb8 { opaque8(&frame, scene.tone) } else { None };
     frame.planes.retain(|(c, _)| wanted.channels.contains(c));
     let rest: Vec<Channel> = wanted.channels.iter().copied().filter(|c| !is_mean(c)).collect();
     if !rest.is_empty() {
@@ -82,10 +83,7 @@ pub fn in_one_frame(wanted: &Wanted, samples: u32, has_mattes: bool) -> Wanted {
     if samples > 1 {
         return Wanted { samples, sample_ids: has_mattes, ..wanted.clone() };
     }
-    let mut channels: Vec<Channel> =
-        wanted.channels.iter().copied().chain(has_mattes.then_some(Channel::TriangleId)).collect();
-    channels.sort_unstable();
-    channels.dedup();
+    let channels = Channel::in_order(wanted.channels.iter().copied().chain(has_mattes.then_some(Channel::TriangleId)));
     Wanted { channels, ..wanted.clone() }
 }
 

@@ -8,7 +8,7 @@ use crate::engine::plan::{Rows, Wanted};
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::readback::{InFlight, Readback};
 use crate::engine::sequence::Sequence;
-use crate::engine::{Engine, Rendered, RunOptions};
+use crate::engine::{Engine, Rendered, RunOptions, add_stages};
 use crate::image::frame::{Channel, Frame};
 use crate::image::{EXR_TILE, rgb8, write_exr_tiled, write_png_strips};
 use crate::input::{Error, Result};
@@ -99,26 +99,26 @@ impl Strips<'_> {
         let mut sequence = Sequence::default();
         let mut in_flight: Option<InFlight> = None;
         let mut took: Option<Rendered> = None;
-        let mut read_back = |sequence: &mut Sequence, in_flight: Option<InFlight>| -> Result<bool> {
-            let Some(in_flight) = in_flight else { return Ok(true) };
-            let readback = sequence.wait_for(in_flight)?;
+        let mut read_back = |sequence: &mut Sequence, engine: &mut Engine, in_flight| -> Result<bool> {
+            let Some(in_flight): Option<InFlight> = in_flight else { return Ok(true) };
+            let readback = sequence.wait_for(engine, in_flight)?;
             add(&mut took, readback.statistics());
             Ok(to_write.send(readback).is_ok())
         };
         for planned in planned {
             let planned = planned?;
             if !sequence.show(&planned)? {
-                if !read_back(&mut sequence, in_flight.take())? {
+                if !read_back(&mut sequence, engine, in_flight.take())? {
                     return Ok(None);
                 }
                 sequence.upload(engine, &planned, &self.run)?;
             }
-            let before = in_flight.replace(sequence.start(planned)?);
-            if !read_back(&mut sequence, before)? {
+            let before = in_flight.replace(sequence.start(engine, planned)?);
+            if !read_back(&mut sequence, engine, before)? {
                 return Ok(None);
             }
         }
-        read_back(&mut sequence, in_flight)?;
+        read_back(&mut sequence, engine, in_flight)?;
         Ok(took)
     }
 
@@ -164,14 +164,9 @@ fn add(all: &mut Option<Rendered>, own: &Rendered) {
         *all = Some(own.clone());
         return;
     };
-    for (name, ms) in &own.stages {
-        match all.stages.iter_mut().find(|stage| stage.0 == *name) {
-            Some(stage) => stage.1 += ms,
-            None => all.stages.push((name, *ms)),
-        }
-    }
+    add_stages(&mut all.stages, &own.stages);
     all.counts += own.counts;
     all.bytes = all.bytes.max(own.bytes);
-    all.grown = all.grown.max(own.grown);
+    all.grown += own.grown;
     all.passes.add(&own.passes);
 }

@@ -123,9 +123,7 @@ impl Work {
         let next = if asks_for_motion(&job) { Some(next_frame(&job, &files, library, read)?) } else { None };
         let mut wanted = wanted(&asked, &files, matte_kinds.is_empty() && next.is_none());
         if next.is_some() {
-            wanted.channels.extend(motion::NEEDED);
-            wanted.channels.sort_unstable();
-            wanted.channels.dedup();
+            wanted.channels = Channel::in_order(wanted.channels.into_iter().chain(motion::NEEDED));
         }
         points::check(&files, &camera)?;
         let is_compute = matches!(job.engine, None | Some(EngineName::Compute));
@@ -401,9 +399,7 @@ fn check_gradients(job: &RenderJob, asked: &gradients::Asked, (scene, camera): (
 fn wanted(asked: &[Channel], files: &Files, has_no_matte: bool) -> Wanted {
     let has_ids = files.points.is_some() || !files.gradients.is_empty();
     let ids = has_ids.then_some(Channel::TriangleId);
-    let mut channels: Vec<Channel> = asked.iter().copied().chain(ids).collect();
-    channels.sort_unstable();
-    channels.dedup();
+    let channels = Channel::in_order(asked.iter().copied().chain(ids));
     let srgb8 = files.color.is_some() || (channels.is_empty() && has_no_matte);
     Wanted { srgb8, ..Wanted::of(channels) }
 }

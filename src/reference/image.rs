@@ -293,9 +293,7 @@ fn light_left(camera: &Camera, outcome: &Outcome) -> [f64; 3] {
 /// Of whole rows.
 fn frame<P: Borrow<PixelValues>>(camera: &Camera, pixels: &[P], channels: &[Channel]) -> Frame {
     let plane = |channel: Channel| Plane::of_words(channel, pixels.iter().map(|p| p.borrow().word(channel)).collect());
-    let mut channels = channels.to_vec();
-    channels.sort_unstable();
-    channels.dedup();
+    let channels = Channel::in_order(channels.iter().copied());
     let height = pixels.len() as u32 / camera.width;
     Frame { width: camera.width, height, planes: channels.into_iter().map(|c| (c, plane(c))).collect() }
 }

@@ -13,6 +13,7 @@ mod example;
 mod export;
 mod gpu_report;
 mod info;
+mod keep;
 mod kinds;
 mod manual;
 mod new;

@@ -4,6 +4,7 @@ use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Engine, Method, Rendered, RunOptions};
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::geometry::{generate, place};
@@ -205,6 +206,14 @@ fn what_takes_too_many_rounds_is_rasterized() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     // a GPU has no such limit
     if let Err(error) = engine.render(&scene, &camera, &common::gpu::wanted(), &by(Method::Trace)) {
-        assert!(error.to_string().contains("too many steps"), "{error}");
+        assert!(error.to_string().contains("too many steps here; use --method raster"), "{error}");
+    }
+    // so is a frame that follows another one
+    let run = RunOptions::default();
+    let planned = engine.planner().plan(&scene, camera, &common::gpu::wanted(), &run, None).unwrap();
+    let mut sequence = Sequence::default();
+    for _ in 0..2 {
+        let next = sequence.render(&mut engine, planned.clone(), &run).unwrap().rendered();
+        assert_eq!(next.frame.u32(Channel::TriangleId), frame.u32(Channel::TriangleId));
     }
 }

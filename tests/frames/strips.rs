@@ -124,16 +124,16 @@ fn frames_in_flight_together_are_those_of_fresh_engines() {
         let first = plan(&engine, &shows[0]);
         let mut sequence = Sequence::default();
         sequence.upload(&mut engine, &first, &run).unwrap();
-        let mut in_flight = sequence.start(first).unwrap();
+        let mut in_flight = sequence.start(&mut engine, first).unwrap();
         let mut seen = Vec::new();
         for show in &shows[1..] {
             let planned = plan(&engine, show);
             assert!(sequence.show(&planned).unwrap());
-            let next = sequence.start(planned).unwrap();
+            let next = sequence.start(&mut engine, planned).unwrap();
             let before = std::mem::replace(&mut in_flight, next);
-            seen.push(sequence.wait_for(before).unwrap().rendered());
+            seen.push(sequence.wait_for(&mut engine, before).unwrap().rendered());
         }
-        seen.push(sequence.wait_for(in_flight).unwrap().rendered());
+        seen.push(sequence.wait_for(&mut engine, in_flight).unwrap().rendered());
         for (k, ((scene, camera), seen)) in shows.iter().zip(&seen).enumerate() {
             let expected = fresh.render(scene, camera.clone(), &wanted, &RunOptions::default()).unwrap();
             assert!(words(&seen.frame) == words(&expected.frame), "frame {k}");
@@ -154,8 +154,8 @@ fn what_is_of_another_kind_is_to_be_placed_anew() {
     sequence.upload(&mut engine, &planned(&all[0].1, &wanted), &run).unwrap();
     assert!(!sequence.show(&planned(&all[2].1, &wanted)).unwrap());
     assert!(!sequence.show(&planned(&all[0].1, &Wanted::of(vec![Channel::T]))).unwrap());
-    let in_flight = sequence.start(planned(&all[0].1, &wanted)).unwrap();
-    let seen = sequence.wait_for(in_flight).unwrap().rendered();
+    let in_flight = sequence.start(&mut engine, planned(&all[0].1, &wanted)).unwrap();
+    let seen = sequence.wait_for(&mut engine, in_flight).unwrap().rendered();
     let expected = engine.render(&scene, &all[0].1, &wanted, &run).unwrap();
     assert!(words(&seen.frame) == words(&expected.frame));
 }

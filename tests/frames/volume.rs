@@ -453,3 +453,25 @@ fn files_of_every_type_hold_the_same_numbers() {
         assert_eq!(grid.to_world.transform_point3(DVec3::new(3.0, 2.0, 1.0)), DVec3::new(2.5, 4.0, 5.0));
     }
 }
+
+/// What another transfer function colours stays so when another camera looks at it.
+#[test]
+fn what_is_lit_anew_stays_so_through_another_camera() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let run = RunOptions::default();
+    let wanted = Wanted::of(COLOUR.to_vec());
+    let shells = SHELLS.map(|[value, r, g, b, extinction]| [value, b, r, g, 0.5 * extinction]);
+    let [first, second] = [&SHELLS, &shells]
+        .map(|points| scene_of(volume(grid([9, 9, 9], DQuat::IDENTITY, bumps), points, Mode::Composite, false)));
+    let other = "kind = \"orthographic\"\neye = [-3, 1, 4]\ntarget = [0, 0, 0]\nheight = 4.2";
+    let other = camera_of("", SIZE, other).unwrap();
+    let mut frames = engine.prepare(&first, parallel(), &wanted, &run).unwrap();
+    frames.light(&second).unwrap();
+    frames.aim(&other).unwrap();
+    frames.refresh().unwrap();
+    let seen = frames.finish().unwrap().frame;
+    let expected = engine.render(&second, &other, &wanted, &run).unwrap().frame;
+    for of in COLOUR {
+        assert_eq!(channel(&seen, of), channel(&expected, of), "{of:?}");
+    }
+}

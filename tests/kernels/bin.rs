@@ -7,6 +7,7 @@ use anamorph::internals::engine::Capacities;
 use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::sort::sort;
 use anamorph::internals::engine::stage::split::split;
+use anamorph::internals::gpu::buffers::Buffers;
 use anamorph::internals::gpu::kernels::Variant;
 use anamorph::internals::gpu::layout::{COUNTERS, Counter};
 use anamorph::internals::twin::bin::{Binned, Pair, beside, bin, covered};
@@ -32,13 +33,10 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &KernelInputs, work: &[[u32
     run_variant(bench, by_pair, case, input, work)
 }
 
-fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &KernelInputs, work: &[[u32; 2]]) -> Listed {
+/// The kernel after split, with so many pairs counted before.
+fn listed_by(bench: &mut Bench, variant: Variant, input: &KernelInputs, work: &[[u32; 2]], counted: u32) -> Buffers {
     let (gpu, stages) = bench.stages(variant, &[]);
-    // of each cluster its triangle groups
-    let mut input = *input;
-    input.params.task_capacity = 8 * work.len() as u32;
-    input.params.work_capacity = work.len() as u32;
-    let mut buffers = upload(gpu, &input);
+    let mut buffers = upload(gpu, input);
     list(gpu, &mut buffers, "work", work, work.len());
     list(gpu, &mut buffers, "tasks", &[], 8 * work.len());
     let capacity = input.params.pair_capacity as usize;
@@ -49,20 +47,40 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &KernelI
     buffers.upload(gpu, "starts", &vec![POISON; tiles]).unwrap();
     buffers.upload(gpu, "ends", &vec![0u32; tiles]).unwrap();
     buffers.upload(gpu, "busy", &vec![POISON; tiles]).unwrap();
-    let zero_of_lists =
-        if variant.by_tile { vec![(Counter::Busy.index(), 0), (Counter::Sorted.index(), 0)] } else { Vec::new() };
     let zeros = [
         (Counter::Work.index(), work.len() as u32),
         (Counter::Tasks.index(), 0),
-        (Counter::Pairs.index(), 0),
+        (Counter::Pairs.index(), counted),
         (Counter::PairsTested.index(), 0),
     ];
-    counters(gpu, &mut buffers, &[&zeros[..], &zero_of_lists].concat());
+    counters(gpu, &mut buffers, &[&zeros[..], zero_of_lists(variant)].concat());
     run(gpu, |pass| {
         let mut dispatches = vec![split(), stage::bin::bin(variant)];
         dispatches.extend(variant.by_tile.then(|| sort(tiles as u32)).into_iter().flatten());
         stages.encode(gpu, pass, &[&buffers], &dispatches, &mut Default::default())
     });
+    buffers
+}
+
+/// Counters of the lists of tiles.
+fn zero_of_lists(variant: Variant) -> &'static [(u32, u32)] {
+    const OF_TILES: [(u32, u32); 2] = [(Counter::Busy.index(), 0), (Counter::Sorted.index(), 0)];
+    if variant.by_tile { &OF_TILES } else { &[] }
+}
+
+/// With room for the triangle groups of all clusters.
+fn with_tasks<'a>(input: &KernelInputs<'a>, work: &[[u32; 2]]) -> KernelInputs<'a> {
+    let mut input = *input;
+    input.params.task_capacity = 8 * work.len() as u32;
+    input.params.work_capacity = work.len() as u32;
+    input
+}
+
+fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &KernelInputs, work: &[[u32; 2]]) -> Listed {
+    let input = with_tasks(input, work);
+    let buffers = listed_by(bench, variant, &input, work, 0);
+    let (gpu, capacity) = (&bench.gpu, input.params.pair_capacity as usize);
+    let zero_of_lists = zero_of_lists(variant);
 
     let counters = read(gpu, &buffers, "counters");
     for (k, &value) in counters.iter().take(COUNTERS as usize).enumerate() {
@@ -239,6 +257,23 @@ fn the_counter_keeps_counting_past_the_end_of_a_full_list() {
     assert!(overflowed.pairs.iter().all(|p| whole.pairs.contains(p)));
     let none = run_kernel(&mut bench, &case, &input, &[]);
     assert_eq!((none.demand, none.pairs.len()), (0, 0));
+}
+
+/// A count that reached 2^32 would be 0, as if there was nothing to list.
+#[test]
+fn the_counter_does_not_begin_again() {
+    let Some(mut bench) = Bench::open() else { return };
+    let case = cases().into_iter().find(|c| c.name == "weighted pieces").expect("a case of that name");
+    let tables = case.tables();
+    let input = case.inputs(&tables, Capacities { pairs: 100, ..LARGE })[0];
+    let work = cull(&input, Bound::PLAIN).work;
+    let input = with_tasks(&input, &work);
+    for before in [u32::MAX, u32::MAX - 50, 1 << 31] {
+        let buffers = listed_by(&mut bench, case.variant(Real::F32, false), &input, &work, before);
+        let demand = read(&bench.gpu, &buffers, "counters")[Counter::Pairs.index() as usize];
+        assert!(demand >= 1 << 31, "{before} and more than 100 pairs: {demand}");
+        assert_poisoned(read_list(&bench.gpu, &buffers, "pairs").as_flattened(), 0, "pairs");
+    }
 }
 
 /// The twin leaves out tiles beside a triangle; here every pixel is tested.

@@ -2,7 +2,7 @@
 //! first kind can be refitted.
 
 use crate::engine::clusters::Chunk;
-use crate::geometry::mesh::sphere_box;
+use crate::geometry::mesh::extremes;
 use crate::gpu::layout::{BvhNode, LeafTriangle, SPHERE};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -268,14 +268,6 @@ fn primitive(chunk: &Chunk, slot: u32, step: u32, scale: f64) -> Primitive {
 /// The radius of a packed sphere; `None` of a triangle.
 fn radius_of([_, hi, lo, word]: [u32; 4]) -> Option<f64> {
     (word & SPHERE == SPHERE).then(|| f64::from(f32::from_bits(hi)) + f64::from(f32::from_bits(lo)))
-}
-
-/// The corners of a triangle, or of the box around a sphere.
-fn extremes(corners: [DVec3; 3], radius: Option<f64>) -> [DVec3; 3] {
-    radius.map_or(corners, |radius| {
-        let (lo, hi) = sphere_box(corners[0], radius);
-        [corners[0], lo, hi]
-    })
 }
 
 impl Primitive {

@@ -398,7 +398,7 @@ fn bands(view: View, own: Rows, pixel_bytes: u64, binding_limit: u64) -> Vec<Ban
     let mut bands = Vec::new();
     while let Some((row, rows)) = todo.pop() {
         let band = Band::new(view, row, rows);
-        let fits = band.tiles.cells.len() <= CELLS_MAX
+        let fits = band.tiles.start.len() <= TILES_MAX
             && band.tiles.cells.len() * size_of::<layout::Cell>() <= binding_limit as usize
             && size_of_val(band.tiles.cell_samples.as_slice()) <= binding_limit as usize
             && band.nodes.nodes.len() * size_of::<layout::Node>() <= binding_limit as usize
@@ -417,8 +417,8 @@ fn bands(view: View, own: Rows, pixel_bytes: u64, binding_limit: u64) -> Vec<Ban
 /// Rows of tiles that a node's address can name: 14 bits.
 const TILE_ROWS_MAX: u32 = 1 << 14;
 
-/// Cells that a pair can name: 24 bits.
-const CELLS_MAX: usize = 1 << 24;
+/// Tiles that a pair can name: 24 bits.
+const TILES_MAX: usize = 1 << 24;
 
 impl Band {
     fn new(View { camera, slabs, extent, sample_offsets }: View, row: u32, rows: u32) -> Band {

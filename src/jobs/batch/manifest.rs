@@ -2,6 +2,7 @@
 //! program leaves at most one incomplete line, which is ignored.
 
 use super::list::Task;
+use super::lock;
 use crate::engine::report::Judged;
 use crate::image::is_full;
 use crate::input::files::{Inputs, Stamp, stamp};
@@ -14,7 +15,7 @@ use std::fs::{File, TryLockError};
 use std::hash::{Hash, Hasher};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The finished frames of a list.
@@ -302,10 +303,6 @@ const CHANGED: &str = "changed";
 
 /// Most hashes kept in memory.
 const HASHES_MAX: usize = 4096;
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// The [`key_of`] every output in these manifests.
 pub fn outputs(paths: &[PathBuf]) -> HashSet<u64> {

@@ -83,12 +83,13 @@ impl<'a> Run<'a> {
                 let to_write = to_write.clone();
                 named(scope, "device", move || driver.run(self, &ready, &to_write))?;
             }
-            for _ in 0..writers {
+            for _ in 0..writers.max(1) {
                 let taken = taken.clone();
                 named(scope, "write", move || self.write(&taken))?;
             }
             Ok(())
         })
+        .inspect_err(|_| self.queue.stop())
     }
 
     /// Writes frames until the channel closes.
@@ -225,7 +226,12 @@ impl<'a> Run<'a> {
             Event::Failed(..) => counts.failed += 1,
             Event::Note(_) => {}
         }
-        (self.watch)(event, &counts);
+        let told = catch_unwind(AssertUnwindSafe(|| (self.watch)(event, &counts)));
+        drop(counts);
+        // who waits for the frame goes on all the same
+        if told.is_err() {
+            self.stop(Error::work("what watches the batch failed (panic); see the line above"));
+        }
     }
 }
 

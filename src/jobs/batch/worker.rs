@@ -289,7 +289,8 @@ impl Driver<'_> {
             let Some(engine) = self.engine.as_mut() else { return Err(Error::work(NO_ADAPTER)) };
             self.sequence.upload(engine, planned, &RunOptions::default())?;
         }
-        Ok(Launched::InFlight(Box::new(self.sequence.start(planned.clone())?)))
+        let Some(engine) = self.engine.as_mut() else { return Err(Error::work(NO_ADAPTER)) };
+        Ok(Launched::InFlight(Box::new(self.sequence.start(engine, planned.clone())?)))
     }
 
     /// Waits for a frame and passes it on. If its lists were too small it is rendered again, alone.
@@ -302,7 +303,11 @@ impl Driver<'_> {
     ) {
         let Some((ready, pending)) = in_flight else { return };
         let started = pending.started;
-        match guarded(|| self.sequence.wait_for(pending)) {
+        let waited = guarded(|| match self.engine.as_mut() {
+            Some(engine) => self.sequence.wait_for(engine, pending),
+            None => Err(Error::work(NO_ADAPTER)),
+        });
+        match waited {
             Ok(readback) => {
                 let ms = self.was_busy(started);
                 self.hand_on(ready, Picture::Readback(Box::new(readback)), ms, taken);

@@ -32,7 +32,7 @@ const OTHER: Technique = Technique {
     name: "",
     colours: ["#111111", "#eeeeee"],
     mark: Mark::Diamond,
-    what: "another program beside: Embree",
+    what: "a program beside, here Embree: it finds t and ids alone",
 };
 
 const TECHNIQUES: [Technique; 13] = [
@@ -50,6 +50,11 @@ const TECHNIQUES: [Technique; 13] = [
     Technique { name: "raster-cubemap", colours: CUBE, mark: Mark::Square, what: "looked up in a cube map" },
     Technique { name: "raster-image", colours: CUBE, mark: Mark::Down, what: "looked up in one picture" },
 ];
+
+/// Where a technique stands in lists: those that are none of these stand last.
+pub fn place(name: &str) -> usize {
+    TECHNIQUES.iter().position(|t| t.name == name).unwrap_or(TECHNIQUES.len())
+}
 
 fn technique(name: &str) -> &'static Technique {
     TECHNIQUES.iter().find(|t| t.name == name).unwrap_or(&OTHER)
@@ -90,10 +95,14 @@ pub fn mark(name: &str, (x, y): (f64, f64), is_hollow: bool) -> String {
     }
 }
 
-/// The one legend: of the techniques that have rows.
-pub fn legend(has_rows: impl Fn(&str) -> bool) -> String {
+/// The one legend: of the techniques that rows have.
+pub fn legend<'a>(techniques: impl Iterator<Item = &'a str>) -> String {
+    let techniques: Vec<&str> = techniques.collect();
+    let has_rows = |name: &str| techniques.contains(&name);
+    let has_other = techniques.iter().any(|name| TECHNIQUES.iter().all(|t| t.name != *name));
     let mut text = "<p class=\"legend\" id=\"legend\">".to_owned();
-    for t in TECHNIQUES.iter().filter(|t| has_rows(t.name)).chain([&OTHER]) {
+    let other = Some(&OTHER).filter(|_| has_other);
+    for t in TECHNIQUES.iter().filter(|t| has_rows(t.name)).chain(other) {
         let key = format!(
             "<svg width=\"14\" height=\"14\" class=\"{}\">{}</svg>",
             class(t.name),
@@ -102,7 +111,7 @@ pub fn legend(has_rows: impl Fn(&str) -> bool) -> String {
         // writing to a String cannot fail
         let _ = write!(text, "<span>{key} {} <small>{}</small></span> ", t.name, t.what);
     }
-    text + "<span><small>a hollow mark: a variation of its technique, or of what it is asked for; rest on it for its name</small></span></p>\n"
+    text + "<span><small>A hollow mark is a variation: the pointer on it shows which. A number beside a mark is the one that is stepped.</small></span></p>\n"
 }
 
 #[cfg(test)]

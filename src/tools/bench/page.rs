@@ -67,14 +67,64 @@ pub fn plot_of(run: &Run) -> Plot {
     SUITES.iter().find(|s| s.name == run.suite).map_or(Plot::Error, |s| s.plot)
 }
 
-const ABOUT_VERDICT: &str = "Each row of a rival is compared with this engine's frame of the same case in its plain form (exact, one frame; frames of \
-     several samples also with as many frames as the rival takes; a program that finds t and ids alone with a frame that does no more), at an error \
-     that is not larger: above 1 this engine is faster. Times within 5 % are even. Rivals are built anew here, over the same buffers, and share shading and reading \
-     back with this engine.";
+const ABOUT_VERDICT: [&str; 3] = [
+    "Each row of a rival is compared with the fastest frame of this engine of the same case whose error is not larger. Above 1 this engine is faster; \
+     times within 5 % are even.",
+    "This engine takes part in its plain form: in one frame, by raster or trace as it chooses itself. Where a rival takes a frame for each sample, so may \
+     this engine; with a program that finds t and ids alone, a frame is compared that does no more.",
+    "Rivals are built anew here, over the same buffers, and share shading and reading back with this engine. They are not tuned as the papers' authors \
+     tuned theirs.",
+];
+
+/// Words of the tables, each with what it means.
+const WORDS: [(&str, &str); 14] = [
+    (
+        "raster, trace",
+        "this engine's two ways to find the triangle of each pixel: triangle by triangle, or ray by ray through a hierarchy of boxes. By itself \
+     it begins with raster, and stops once tracing is rated cheaper",
+    ),
+    ("wrong pixel", "one that shows another triangle than the f64 reference does for its ray"),
+    (
+        "safe pixel",
+        "one whose answer is the same everywhere within 1/16 px of its centre; between two right answers no other pixel decides",
+    ),
+    (
+        "GLC",
+        "general linear camera: rays through three points of one plane and three of another, and all that lie affinely between (Yu and McMillan 2004)",
+    ),
+    ("pieces, strips", "parts of the image, each with one GLC, or one perspective view"),
+    ("facets", "triangles that a curved mirror or lens is divided into, one GLC each; without them it is exact"),
+    (
+        "texels of an atlas",
+        "each facet is rendered to a triangle of so many texels a side, and looked up (Yu et al., Hou et al.)",
+    ),
+    ("S of 6 x 6", "splats by 6 x 6 positions a triangle (Yu et al.)"),
+    (
+        "PPP, IB",
+        "piecewise perspective projection, and image-based: Lorenz and Doellner's words for drawing each triangle in each piece that sees it, and for \
+     looking rays up in pictures already drawn",
+    ),
+    ("HQ", "high quality, their word for several samples a pixel"),
+    ("a frame a sample", "as many frames as samples, averaged; otherwise one frame has all samples"),
+    ("areas", "triangles count by their visible area in the pixel"),
+    ("no culling", "nothing is left out early"),
+    ("t and ids alone", "no colour"),
+];
+
+/// The words, folded, with the pages that say more.
+fn words() -> String {
+    let all: String =
+        WORDS.iter().map(|(word, what)| format!("<dt>{}</dt><dd>{}</dd>", escaped(word), escaped(what))).collect();
+    format!(
+        "<details id=\"words\"><summary>Words</summary><dl>{all}</dl><p>More: <a href=\"../docs/reference/rivals.md\">rivals and benchmarks</a>, <a \
+         href=\"../docs/claims.md\">claims</a>, <a href=\"../docs/glossary.md\">glossary</a>, <a href=\"../docs/method/README.md\">the method</a>.</p></details>\n"
+    )
+}
 
 /// All runs, each with the name of its folder: a verdict, then each suite in small charts that lead to its run's page.
 pub fn page(runs: &[(String, Run)]) -> String {
-    let mut text = format!("<h2 id=\"verdict\">Verdict</h2>\n<p>{ABOUT_VERDICT}</p>\n");
+    let about: String = ABOUT_VERDICT.map(|text| format!("<p>{text}</p>\n")).concat();
+    let mut text = format!("<h2 id=\"verdict\">Verdict</h2>\n{about}");
     let full = || runs.iter().map(|(_, run)| run).filter(|run| !run.provenance.quick);
     let mut adapters: Vec<&str> = full().map(|run| run.provenance.adapter.as_str()).collect();
     adapters.sort_unstable();
@@ -82,8 +132,8 @@ pub fn page(runs: &[(String, Run)]) -> String {
     for adapter in adapters {
         text += &verdict(adapter, &full().filter(|run| run.provenance.adapter == adapter).collect::<Vec<_>>());
     }
-    let has_rows = |name: &str| runs.iter().flat_map(|(_, run)| &run.rows).any(|row| row.technique == name);
-    text += &marks::legend(has_rows);
+    text += &words();
+    text += &marks::legend(runs.iter().flat_map(|(_, run)| &run.rows).map(|row| row.technique.as_str()));
     text += &format!("<p class=\"note\">{ABOUT_TIMES}</p>\n<nav>");
     for (folder, run) in runs {
         text += &format!("<a href=\"#{folder}\">{}</a> ", escaped(&name(run)));
@@ -102,15 +152,29 @@ pub fn page(runs: &[(String, Run)]) -> String {
         } else {
             for (_, title, svg) in plots(&run.rows, plot_of(run), SMALL) {
                 text += &format!(
-                    "<figure><figcaption><a href=\"{folder}/index.html#{}\">{}</a></figcaption>{svg}</figure>\n",
+                    "<figure><figcaption><a href=\"{folder}/index.html#{}\">{}</a>{}</figcaption>{svg}</figure>\n",
                     anchor(&title),
-                    escaped(&title)
+                    escaped(&title),
+                    escaped(&absent(run, &title))
                 );
             }
         }
         text += "</div></section>\n";
     }
     document("Error and run time", &text)
+}
+
+/// Which rivals a chart of a case does not show; "" where it shows all.
+fn absent(run: &Run, case: &str) -> String {
+    let own = || run.rows.iter().filter(|row| row.case == case);
+    let refused: Vec<&str> = own().filter(|row| row.times.is_none()).map(|row| row.technique.as_str()).collect();
+    match own().any(|row| !row.is_ours()) {
+        true if refused.is_empty() => String::new(),
+        true => format!(" (no time of {}: the table says why)", refused.join(", ")),
+        false if own().next().is_some() => " (this engine alone)".to_owned(),
+        // over several cases
+        false => String::new(),
+    }
 }
 
 /// Of a run: its suite and adapter.
@@ -142,7 +206,7 @@ fn anchor(title: &str) -> String {
 
 /// One run, in its own folder.
 pub fn run_page(run: &Run, plots: &[Drawn]) -> String {
-    let legend = marks::legend(|name| run.rows.iter().any(|row| row.technique == name));
+    let legend = marks::legend(run.rows.iter().map(|row| row.technique.as_str()));
     let text = format!(
         "<nav><a href=\"../index.html\">all runs</a></nav>\n{legend}<p class=\"note\">{ABOUT_TIMES}</p>\n{}{}</section>\n",
         section(0, run, plots),

@@ -2,6 +2,7 @@
 
 use crate::engine::Engine;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::SystemTime;
 
@@ -18,6 +19,7 @@ pub struct Provenance {
     pub version: String,
     /// Commit of the source in the working folder, if it is a checkout.
     pub commit: Option<String>,
+    /// Without `--case` and `--out`: a run may be made case by case, and anywhere. Programs are named without their folder.
     pub command: String,
     pub quick: bool,
 }
@@ -25,7 +27,6 @@ pub struct Provenance {
 impl Provenance {
     pub fn now(engine: &Engine, quick: bool) -> Provenance {
         let info = &engine.gpu.info;
-        let arguments = std::env::args().skip(1).map(|a| format!(" {a}"));
         Provenance {
             date: today(),
             adapter: info.name.clone(),
@@ -34,7 +35,7 @@ impl Provenance {
             cores: std::thread::available_parallelism().map_or(1, |n| n.get()),
             version: env!("CARGO_PKG_VERSION").into(),
             commit: commit(),
-            command: format!("anamorph{}", arguments.collect::<String>()),
+            command: command(std::env::args().skip(1)),
             quick,
         }
     }
@@ -64,6 +65,23 @@ impl Provenance {
     }
 }
 
+fn command(mut arguments: impl Iterator<Item = String>) -> String {
+    let mut text = "anamorph".to_owned();
+    while let Some(argument) = arguments.next() {
+        let (name, own) = argument.split_once('=').map_or((&*argument, None), |(name, value)| (name, Some(value)));
+        let mut value = || own.map(str::to_owned).or_else(|| arguments.next()).unwrap_or_default();
+        match name {
+            "--case" | "--out" => drop(value()),
+            "--yardstick" => {
+                let program = PathBuf::from(value());
+                text += &format!(" --yardstick {}", program.file_name().unwrap_or_default().to_string_lossy());
+            }
+            _ => text += &format!(" {argument}"),
+        }
+    }
+    text
+}
+
 /// The commit that is checked out, `-dirty` where more than results differs from it. Elsewhere what `ANAMORPH_COMMIT` said when this program
 /// was built: it may run where it was carried alone.
 fn commit() -> Option<String> {
@@ -83,4 +101,18 @@ fn checked_out() -> Option<String> {
 fn today() -> String {
     // the date before the time of day
     humantime::format_rfc3339_seconds(SystemTime::now()).to_string().chars().take_while(|c| *c != 'T').collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::command;
+
+    #[test]
+    fn a_command_is_that_of_the_whole_run() {
+        let of = |line: &str| command(line.split(' ').map(str::to_owned));
+        assert_eq!(
+            of("bench papers --case Yu --yardstick /opt/peer --out=runs --runs 9"),
+            "anamorph bench papers --yardstick peer --runs 9"
+        );
+    }
 }

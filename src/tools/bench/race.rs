@@ -68,7 +68,11 @@ impl Rules {
     /// nothing is drawn for longer than some minutes.
     pub fn new(quick: bool, is_software: bool) -> Rules {
         Rules {
-            runs: if quick { [3, 3] } else { [9, 50] },
+            runs: match (quick, is_software) {
+                (true, _) => [3, 3],
+                (false, true) => [7, 50],
+                (false, false) => [9, 50],
+            },
             seconds_max: if is_software { 30.0 } else { 1.5 },
             yardstick: None,
             counts: is_software && !quick,

@@ -255,6 +255,19 @@ impl Row {
         format!("  {:<56} {:<40} {time}{}\n", self.case, self.label(), wrong.unwrap_or_default())
     }
 
+    /// How this engine found its triangles, by the stages that took over a twentieth of the device's time: `raster`, `trace`, or both, where
+    /// trace took over or an atlas was rasterized.
+    pub fn found_by(&self) -> &'static str {
+        let all: f64 = self.stages.iter().filter(|s| !s.0.contains("once")).map(|s| s.1).sum();
+        let took = |name: &str| self.stages.iter().any(|s| s.0 == name && s.1 > all / 20.0);
+        match (self.is_ours(), took("raster"), took("trace")) {
+            (true, true, false) => "raster",
+            (true, false, true) => "trace",
+            (true, true, true) => "raster, trace",
+            _ => "",
+        }
+    }
+
     /// The technique and its label.
     pub fn name(&self) -> String {
         self.label.as_ref().map_or_else(|| self.technique.clone(), |label| format!("{}, {label}", self.technique))

@@ -1,11 +1,10 @@
 //! `anamorph example`: writes example scenes for the user to edit.
 
 use super::args::ExampleArgs;
+use super::keep::may_write;
 use super::say::print;
-use crate::image::check_writable;
 use crate::input::{Error, Result};
-use crate::tools::example::{EXAMPLES, Part, list};
-use std::path::Path;
+use crate::tools::example::{EXAMPLES, list};
 
 pub fn run(args: &ExampleArgs) -> Result<()> {
     let Some(name) = args.name.as_deref().filter(|_| !args.list) else {
@@ -20,18 +19,8 @@ pub fn run(args: &ExampleArgs) -> Result<()> {
         Error::work(format!("{}: the folder cannot be made: {e}; choose another --out", args.out.display()))
     })?;
     for (file, part) in &example.parts() {
-        may_write(&args.out.join(file), part)?;
+        may_write(&args.out.join(file), &part.bytes(), "--out")?;
     }
     let scene = example.write(&args.out)?;
     print(&format!("{}\n", scene.display()))
-}
-
-/// Refuses to replace a file with other content: it is another file, or somebody changed it.
-fn may_write(path: &Path, part: &Part) -> Result<()> {
-    check_writable(path)?;
-    if path.is_file() && std::fs::read(path).ok() != Some(part.bytes()) {
-        let name = path.display();
-        return Err(Error::work(format!("{name}: exists with other content; remove it or choose another --out")));
-    }
-    Ok(())
 }

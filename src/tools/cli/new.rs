@@ -1,8 +1,9 @@
 //! `anamorph new`: a commented scene for the user's own model.
 
 use super::args::{NewArgs, UpAxis};
+use super::keep::may_write;
 use super::say::print;
-use crate::image::{check_writable, write_text};
+use crate::image::write_text;
 use crate::input::{Error, Result};
 use crate::tools::new::{Model, TASKS, Up, list};
 use std::path::{Path, PathBuf};
@@ -16,18 +17,12 @@ pub fn run(args: &NewArgs) -> Result<()> {
         Error::input(format!("no task {name:?}; known: {}", known.join(", ")))
     })?;
     let scene = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
-    check_writable(&scene)?;
     let model = match &args.mesh {
         None => Model::teapot()?,
         Some(path) => Model::read(path, &seen_from(&scene, path), up(args.up))?,
     };
     let text = model.scene(task, &scene.file_name().unwrap_or_default().to_string_lossy())?;
-    if scene.exists() && std::fs::read_to_string(&scene).ok().as_ref() != Some(&text) {
-        return Err(Error::work(format!(
-            "{}: exists with other content; remove it or choose another --output",
-            scene.display()
-        )));
-    }
+    may_write(&scene, text.as_bytes(), "--output")?;
     write_text(&scene, &text)?;
     print(&format!("{}\n", scene.display()))
 }

@@ -3,7 +3,7 @@
 use super::frames;
 use crate::image::open_to_append;
 use crate::input::{Error, Result};
-use crate::jobs::batch::{Counts, Event, Task};
+use crate::jobs::batch::{Counts, Event, Task, lock};
 use crate::tools::cli::args::ProgressName;
 use crate::tools::cli::progress::ProgressLines;
 use crate::tools::cli::say::{complain, line_of, note, print};
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Instant, SystemTime};
 
 pub struct BatchProgress {
@@ -165,10 +165,6 @@ fn line(counts: &Counts, started: Instant) -> Option<String> {
         _ => format!(", {}, {:.0} s left", rate(per_s), (all - tried) as f64 / per_s),
     };
     (tried < all).then(|| format!("{tried} of {all} frames{rest}"))
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The number of frames rendered again, and the most frequent reasons.
