@@ -49,7 +49,7 @@ impl Counts {
             pairs_kept: sum(Counter::PairsKept.index()),
             fragments_tested: sum(Counter::FragmentsTested.index()),
             fragments_kept: sum(Counter::FragmentsKept.index()),
-            rechecked: sum(Counter::RecheckItems.index()) - sum(Counter::Settled.index()),
+            rechecked: sum(Counter::RecheckItems.index()).saturating_sub(sum(Counter::Proven.index())),
             edges: sum(Counter::Edges.index()),
             recheck_sample_items: sum(Counter::RecheckSamples.index()),
             taken_over: sum(Counter::Traced.index()),

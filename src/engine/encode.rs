@@ -16,7 +16,7 @@ use std::sync::PoisonError;
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 
 impl Frames {
-    /// The steps of one frame that are to run again, with or without those that bring its image to the host.
+    /// The steps that draw what is dirty of one frame. With `reads`, they copy its image to where the host can read it.
     pub(super) fn steps(&self, reads: bool, dirty: Dirty) -> Vec<Step> {
         let resident = &self.resident;
         let inputs = FrameInputs {

@@ -153,7 +153,7 @@ impl Resident {
         cost as f64 / f64::from(self.costs.millisecond)
     }
 
-    /// What building them would cost.
+    /// What building the hierarchies would cost that are not there yet.
     pub fn build_cost(&self) -> u64 {
         let slots: u64 = self.chunks.iter().map(|chunk| u64::from(chunk.slots)).sum();
         if self.bvh == BvhState::None { self.costs.triangle * slots } else { 0 }
@@ -170,7 +170,7 @@ impl Resident {
         Ok(())
     }
 
-    /// Uploads the hierarchies that trace follows, or such as hold nothing.
+    /// Uploads the hierarchies that trace follows; empty ones while they are not built.
     fn upload_bvh(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
         if !self.traces {
             return Ok(());
@@ -291,19 +291,19 @@ impl Resident {
         Ok(self.shadow_casters.insert(built).packed(scene))
     }
 
-    /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles. Added to that is room in which the first
-    /// frame of all but very few scenes fits, 32 MiB in all: a frame whose lists are too small is done again.
+    /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles; plus 32 MiB in all, so that the
+    /// first frames of all but very few scenes fit. A frame whose lists are too small is done again.
     fn first_guess(&self, scene: &Scene, camera: &Camera, plan: &Plan) -> Capacities {
         let clusters: u64 = self.chunks.iter().map(|c| c.clusters as u64).sum();
         let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
-        let settled = pixels * plan.variant.settled_a_pixel(camera.layers.len());
+        let proven = pixels * plan.variant.proven_a_pixel(camera.layers.len());
         let cells = plan.bands.iter().map(|b| b.tiles.cells.len()).max().unwrap_or(0) as u64;
         Capacities {
             queue: 4 * clusters + (1 << 15),
             work: 4 * clusters + (1 << 17),
             tasks: 16 * clusters + (1 << 18),
             pairs: 2 * scene.mesh.triangles.len() as u64 + 4 * cells + (1 << 20),
-            recheck_items: scene.mesh.triangles.len() as u64 / 16 + pixels / 64 + settled + (1 << 14),
+            recheck_items: scene.mesh.triangles.len() as u64 / 16 + pixels / 64 + proven + (1 << 14),
             edges: pixels / 8 + 1024,
         }
     }

@@ -74,7 +74,7 @@ counters! {
     /// Pixels of triangles for recheck.
     RecheckItems = "count_recheck_items",
     /// Those of these items that are proven to be nearest in f32: recheck finds their t.
-    Settled = "count_settled",
+    Proven = "count_proven",
     /// Tiles with pairs that raster has not taken yet.
     Busy = "count_busy",
     /// The first of them that raster takes in this round.

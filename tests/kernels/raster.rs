@@ -92,7 +92,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by): Mode, jobs:
         Counter::FragmentsKept.index(),
         Counter::RecheckItems.index(),
         Counter::PairsKept.index(),
-        Counter::Settled.index(),
+        Counter::Proven.index(),
     ];
     let pixels = (jobs[0].0.params.width * jobs[0].0.params.height) as usize;
     let mut visibility = vec![[0u32; 2]; pixels];

@@ -1,6 +1,6 @@
 // What a straight ray meets, to f32.
 // Provides: is_seen, keep_seen, stretches, with_hit, with_triangle
-// Needs: BvhTriangle, CORNER_UNITS, COUNT_RECHECK_ITEMS, COUNT_SETTLED, ENDLESS, LEAST, NONE, ONE_SIDED, PROVEN, Path, Seen, Stretch, UNIT,
+// Needs: BvhTriangle, CORNER_UNITS, COUNT_PROVEN, COUNT_RECHECK_ITEMS, ENDLESS, LEAST, NONE, ONE_SIDED, PROVEN, Path, Seen, Stretch, UNIT,
 //   is_excluded, largest_of, last_of, triangle_id, triangle_reversed
 // Binds: counters, params, recheck_items
 
@@ -93,7 +93,7 @@ fn with_hit(
 
 // Leaves what is seen to recheck, which finds its t, and says how many hits recheck will count.
 fn keep_seen(path: Path, seen: Seen, pixel: u32) -> u32 {
-    atomicAdd(&counters[COUNT_SETTLED], 1u);
+    atomicAdd(&counters[COUNT_PROVEN], 1u);
     let at = atomicAdd(&counters[COUNT_RECHECK_ITEMS], 1u);
     if at < params.recheck_capacity {
         recheck_items[at] = vec2<u32>(seen.slot | PROVEN, path.item);

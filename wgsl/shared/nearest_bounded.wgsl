@@ -1,7 +1,7 @@
 // Tests a triangle against four rays at once, in f32: coverage, proven, and depth, with a bound. What is nearest is left to recheck, which
 // finds its t.
 // Provides: farthest, given, keep_nearest, lines_of, nothing_nearest, test_pixels, tile_reach, triangle_shared
-// Needs: COUNT_RECHECK_ITEMS, COUNT_SETTLED, Column, Edge, INFINITE, LEAST, Lines, MOST, NONE, Node, ONE_SIDED, PERTURB_BOUND, PROVEN,
+// Needs: COUNT_PROVEN, COUNT_RECHECK_ITEMS, Column, Edge, INFINITE, LEAST, Lines, MOST, NONE, Node, ONE_SIDED, PERTURB_BOUND, PROVEN,
 //   SLABBED, STORED_UNIT, Strip, TILE, UNIT, along, lanes_max, size, size4, subgroup_lane, triangle_id, triangle_reversed, vertex_lo
 // Binds: counters, params, recheck_items
 
@@ -196,7 +196,7 @@ fn keep_nearest(tile: u32, lane: u32, pixels: vec4<u32>, upper: Nearest, lower: 
     if count == 0u {
         return 0u;
     }
-    atomicAdd(&counters[COUNT_SETTLED], count);
+    atomicAdd(&counters[COUNT_PROVEN], count);
     let at = atomicAdd(&counters[COUNT_RECHECK_ITEMS], count);
     leave_proven(at, (tile << 6u) | lane, upper.slot, has_upper);
     leave_proven(at + count_upper, (tile << 6u) | (4u * TILE + lane), lower.slot, has_lower);

@@ -93,7 +93,7 @@ impl Hierarchy {
 }
 
 impl PackedBvh {
-    /// Those of the first `count` triangles of a scene that moves, one for the way from each time step to the next:
+    /// Hierarchies over the first `count` triangles of a scene that moves, one for the time from each time step to the next:
     /// `wgsl/lights/casters_timed.wgsl`.
     ///
     /// # Errors

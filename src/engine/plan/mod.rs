@@ -319,7 +319,7 @@ impl Plan {
             RaysKind::Field | RaysKind::Curves { .. } => 24 * u64::from(variant.samples),
         };
         // of 8 bytes each, and a quarter more for what is uncertain
-        let item_bytes = 10 * variant.settled_a_pixel(camera.layers.len());
+        let item_bytes = 10 * variant.proven_a_pixel(camera.layers.len());
         let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes).max(item_bytes);
         let sample_offsets = match variant.samples_edges() {
             // the rasterizer says what its samples see at the pixel's centre

@@ -112,7 +112,7 @@ pub struct Variant {
     pub bounced: bool,
     /// Samples of an edge pixel, 32 at most; 1: its centre alone, and no pixel is looked at for edges.
     pub samples: u32,
-    /// Of such a pixel triangles have shares by their areas, not by their samples' number.
+    /// A triangle's share of an edge pixel is its visible area, not the number of samples that see it.
     pub analytic: bool,
     /// The rasterizer takes such a pixel's samples, and shades at its centre.
     pub centred: bool,
@@ -264,7 +264,7 @@ impl Variant {
     }
 
     /// Triangles of a pixel that are left to recheck, proven to be nearest: by trace one, and by raster where it bounds t one a layer.
-    pub fn settled_a_pixel(self, layers: usize) -> u64 {
+    pub fn proven_a_pixel(self, layers: usize) -> u64 {
         match self {
             _ if self.bounds_t_in_raster() => layers as u64,
             _ => u64::from(self.rechecks() && self.traces()),
@@ -283,7 +283,7 @@ impl Variant {
         Variant { by_tile, ..self }
     }
 
-    /// The same, with small triangles drawn by themselves where there is that: what is found of samples and of proofs takes all pairs.
+    /// The same with the stage `small`, where it applies. Stages that find samples or proofs need all pairs, so it does not go with them.
     pub fn with_small(self) -> Variant {
         let small = self.by_tile
             && self.f64_depths
