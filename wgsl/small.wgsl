@@ -2,8 +2,8 @@
 // Reads triangles, vertices, nodes and pieces; draws the triangles that cover few pixels of a node whose pixels are all of one piece:
 // merges their visibility keys, and leaves what f32 does not prove to recheck. All others go to `large`. Both lists may overflow: counters
 // keep counting.
-// Needs: COUNT_LARGE, COUNT_TASKS, LEVEL_CELL, NONE, TILE, TRIANGLE_GROUP, address_node, close_extent, draw_small, item_index, item_node,
-//   lanes_piece, node_level, node_x, node_y, pixels_within, subgroup_lane, take_lane, triangle_at, vertex
+// Needs: COUNT_LARGE, COUNT_TASKS, LEVEL_CELL, NONE, TILE, TRIANGLE_GROUP, address_node, close_extent, draw_small, hold, item_index,
+//   item_node, lanes_piece, node_level, node_x, node_y, pixels_within, subgroup_lane, take_lane, triangle_at, vertex
 // Binds: counters, large, params, tasks, triangle_groups
 
 // Pixels of a box that one thread draws.
