@@ -179,7 +179,7 @@ pub fn extremes(corners: [DVec3; 3], radius: Option<f64>) -> [DVec3; 3] {
 }
 
 /// The box around two.
-fn joined(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> (DVec3, DVec3) {
+pub fn joined(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> (DVec3, DVec3) {
     (a.0.min(b.0), a.1.max(b.1))
 }
 

@@ -1,5 +1,6 @@
 //! Scenes for the user's own model: a commented template for each task, its places and lengths filled in from the model's bounds.
 
+use crate::geometry::mesh::joined;
 use crate::input::{Error, Result};
 use crate::scene::{Scene, file};
 use glam::{DMat3, DVec3};
@@ -60,6 +61,7 @@ impl Up {
 }
 
 /// A model, and where it is.
+#[derive(Debug)]
 pub struct Model {
     /// Its table of the scene file.
     table: String,
@@ -80,12 +82,14 @@ impl Model {
         let quoted = |path: &str| toml::Value::String(path.to_owned()).to_string();
         let (read_from, shown) = (quoted(&path.to_string_lossy()), quoted(file));
         let name = Path::new(file).file_name().map_or(file.into(), |n| n.to_string_lossy()).into_owned();
-        let (table, scene) = match of_table(&format!("[[mesh]]\nfile = {read_from}\n")) {
-            Ok(scene) => (format!("[[mesh]]\nfile = {shown}"), scene),
+        let (table, (centre, radius)) = match of_table(&format!("[[mesh]]\nfile = {read_from}\n")) {
+            Ok(scene) => (format!("[[mesh]]\nfile = {shown}"), ball(scene.bounds()).ok_or_else(|| nothing(path))?),
             Err(of_mesh) => {
                 // a file of points is no mesh; anything else is told as a mesh
                 let scene = of_table(&format!("[[spheres]]\nfile = {read_from}\nradius = 1\n")).map_err(|_| of_mesh)?;
-                let (_, radius) = ball(&scene).ok_or_else(|| nothing(path))?;
+                // the radius is not known yet: around their centres
+                let centres = scene.mesh.positions.iter().map(|p| (*p, *p));
+                let (centre, radius) = ball(centres.reduce(joined)).ok_or_else(|| nothing(path))?;
                 let points = scene.mesh.sphere_count().max(1) as f64;
                 // neighbours on a surface of the ball's size are about this far apart
                 let apart = rounded(2.0 * radius / points.sqrt(), radius);
@@ -93,11 +97,10 @@ impl Model {
                     format!(
                         "[[spheres]]                     # points, as small spheres\nfile = {shown}\nradius = {apart}"
                     ),
-                    scene,
+                    (centre, radius),
                 )
             }
         };
-        let (centre, radius) = ball(&scene).ok_or_else(|| nothing(path))?;
         Ok(Model { table, name, centre, radius, up })
     }
 
@@ -109,7 +112,7 @@ impl Model {
         let table =
             "[[mesh]]\nbuiltin = \"teapot\"              # or file = \"model.obj\": .ply, .stl, .gltf, .glb, too";
         let scene = of_table(&format!("{table}\n"))?;
-        let (centre, radius) = ball(&scene).ok_or_else(|| Error::work("no teapot"))?;
+        let (centre, radius) = ball(scene.bounds()).ok_or_else(|| Error::work("no teapot"))?;
         Ok(Model { table: table.into(), name: "The teapot".into(), centre, radius, up: Up::Y })
     }
 
@@ -172,9 +175,9 @@ fn of_table(table: &str) -> Result<Scene> {
     Scene::from_file(file::of_text(&format!("{table}{camera}"), Path::new("new.toml"), 0.0)?)
 }
 
-/// Middle and radius of the ball around the bounds.
-fn ball(scene: &Scene) -> Option<(DVec3, f64)> {
-    let (low, high) = scene.bounds()?;
+/// Middle and radius of the ball around bounds.
+fn ball(bounds: Option<(DVec3, DVec3)>) -> Option<(DVec3, f64)> {
+    let (low, high) = bounds?;
     let radius = (high - low).length() / 2.0;
     // halved first, as the sum may overflow; a single point has some size too
     (radius.is_finite()).then(|| (low / 2.0 + high / 2.0, if radius > 0.0 { radius } else { 1.0 }))
@@ -223,6 +226,23 @@ mod tests {
             assert_eq!((filled("length 1").as_str(), filled("name").as_str()), ("1.732", "ground-truth"));
             assert!(model.filled("nonsense", &TASKS[0], "s.toml").is_none());
         }
+    }
+
+    /// Points have no size of their own: those of a small thing are small.
+    #[test]
+    fn points_are_spheres_about_as_large_as_they_lie_apart() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("points.ply");
+        let side = 20;
+        let places = (0..side * side).map(|k| [0.001 * f64::from(k % side), 0.001 * f64::from(k / side)]);
+        let lines: String = places.map(|[x, y]| format!("{x} {y} 5\n")).collect();
+        let properties = "property double x\nproperty double y\nproperty double z\n";
+        let header = format!("ply\nformat ascii 1.0\nelement vertex {}\n{properties}end_header\n", side * side);
+        std::fs::write(&path, header + &lines).unwrap();
+        let model = Model::read(&path, "points.ply", Up::Y).unwrap();
+        assert!((model.radius - 0.0134).abs() < 1e-4 && (model.centre.z - 5.0).abs() < 1e-12, "{model:?}");
+        let radius: f64 = model.table.rsplit("radius = ").next().unwrap().parse().unwrap();
+        assert!((0.0005..0.002).contains(&radius), "{radius}");
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! Rows as raw.csv and as summary.md.
 
+use super::page::plot_of;
 use super::plot::{Drawn, Growth, growths};
 use super::row::{Moving, Row, Stiffness};
+use super::suites::Plot;
 use super::times::Times;
 use super::{Run, operations};
 use crate::input::{Error, Result};
@@ -350,7 +352,8 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
         p.cores,
         p.fairness()
     );
-    for Growth { parameter, exponents } in growths(&run.rows) {
+    let swept = if plot_of(run) == Plot::Scaling { growths(&run.rows) } else { Vec::new() };
+    for Growth { parameter, exponents } in swept {
         let exponents: Vec<String> = exponents.iter().map(|(t, slope)| format!("{slope:.2} ({t})")).collect();
         text += &format!("\nTime grows as {parameter} to the power of {}.\n", exponents.join(", "));
     }
