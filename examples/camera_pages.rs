@@ -79,7 +79,7 @@ distance = 0.4
 const CAPTIONS: [(&str, &str); 6] = [
     (
         "surround",
-        "Each half of a cell is the triangle of one of 320 cameras, which look inwards from a ball. Neighbours on the ball need not be neighbours here, \
+        "Each half of a square is the triangle of one of 320 cameras, which look inwards from a ball. Neighbours on the ball need not be neighbours here, \
          and the last row is not full. A mesh listed row by row stays connected, as in `anamorph example surround`",
     ),
     ("hinge", "Right of the middle the second camera sees the scene, turned by 25 degrees about the column there"),
@@ -93,9 +93,9 @@ const CAPTIONS: [(&str, &str); 6] = [
     ),
     (
         "lightfield",
-        "The middle of it, pixel by pixel: each block of 5 x 4 pixels is one lenslet, which sees the scene from 20 directions",
+        "The middle of the picture, pixel by pixel: each block of 5 x 4 pixels is one lenslet, which sees the scene from 20 directions",
     ),
-    ("ods", "All around for the left eye, and below for the right eye"),
+    ("ods", "Above all around for the left eye, below for the right eye"),
 ];
 
 fn main() -> Result<()> {
@@ -204,7 +204,7 @@ fn page(name: &str, help: &str, view: &View, has_diagram: bool) -> Result<String
     let caption = own.map_or(String::new(), |(_, text)| format!("{text}.\n\n"));
     Ok(format!(
         "# {name}\n\n{}.\n\n![A teapot, a ball, a box and two columns through it]({name}.jpg)\n\n{caption}{diagram}\
-         The camera of this picture, whose scene is in `examples/camera_pages.rs` and whose files are in `examples/agreement`:\n\n<!-- not run: it may name files of its own -->\n```toml\n{}```\n\n{examples}\
+         The camera of this picture (its scene: `examples/camera_pages.rs`; its files: `examples/agreement`):\n\n<!-- not run: it may name files of its own -->\n```toml\n{}```\n\n{examples}\
          ## Keys and formula\n\nAs `anamorph camera --help {name}` prints them. [To the last bit](../reference/definitions.md#{name}).\n\n\
          ```text\n{}\n```\n",
         capital(title(help)),

@@ -64,7 +64,7 @@ pub struct Capacities {
     pub tasks: u64,
     /// (triangle, tile) pairs, and as many (triangle, node) items that `small` leaves to `bin`.
     pub pairs: u64,
-    /// Pixels of triangles that `recheck` takes; `recheck_samples` takes half as many samples.
+    /// Pixels of triangles that `recheck` takes; `recheck_samples` takes half as many items, each of up to four samples of a pixel.
     pub recheck_items: u64,
     /// Edge pixels, whose samples `sample` computes.
     pub edges: u64,

@@ -190,10 +190,10 @@ fn jobs_and_batches_write_what_the_program_does() {
             Some(0)
         );
     }
-    // what watches may panic, and no number of writers is none: the batch ends
+    // a callback may panic, and 0 writers count as 1: the batch ends
     let none = BatchOptions { writers: Some(0), ..Default::default() };
     let outcome = Batch::new(path("jobs.toml")).run(&none, &|_, _| panic!("a test's own")).unwrap();
-    assert!(outcome.stopped_by.is_some_and(|e| e.to_string().contains("watches the batch")));
+    assert!(outcome.stopped_by.is_some_and(|e| e.to_string().contains("watches the batch panicked")));
     // one frame that fails does not end the others
     fs::write(
         path("jobs.toml"),

@@ -154,7 +154,7 @@ fn raster(
         }
     }
 
-    // keep the nearest of each pixel; recheck counts those that it settles
+    // keep the nearest of each pixel; recheck counts those that it proves nearest
     kept -= keep_nearest(tile, lane, rows, nearest_upper, nearest_lower);
     if COUNTING {
         atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], kept);

@@ -61,7 +61,7 @@ pub struct Frames {
     pub(super) moving: Option<Clustered>,
     /// Something failed while another scene, camera or light was sent, of which a part may be there.
     pub(super) is_partly_uploaded: bool,
-    /// Trace could not follow all paths of the last frame.
+    /// Trace could not follow all paths of a frame.
     pub(super) is_lost: bool,
     /// The camera is not that of the first frame any more.
     pub(super) is_aimed: bool,
@@ -201,7 +201,7 @@ impl Frames {
             )));
         }
         // until all is there nothing is drawn
-        self.is_partly_uploaded = true;
+        let was_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
         self.resident.aim(&self.gpu, &camera, &plan)?;
         if let Some(volume) = self.scene.volume.as_ref().filter(|_| plan.variant.volume.is_some()) {
             self.resident.upload_medium(&self.gpu, volume, &self.scene, &plan)?;
@@ -211,7 +211,7 @@ impl Frames {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
         (self.camera, self.plan, self.ray_order, self.is_aimed) = (camera, Arc::new(plan), ray_order, true);
-        self.is_partly_uploaded = false;
+        self.is_partly_uploaded = was_partly_uploaded;
         self.mark_dirty(Changes { plan: true, ..Changes::default() });
         Ok(())
     }
@@ -262,18 +262,22 @@ impl Frames {
         }
         // the triangles stay where they are
         let mut lit = scene.into_owned();
-        if !Arc::ptr_eq(&lit.mesh, &self.scene.mesh) && lit.mesh.positions != self.scene.mesh.positions {
-            Arc::make_mut(&mut lit.mesh).positions.clone_from(&self.scene.mesh.positions);
+        let (own, shown) = (&lit.mesh, &self.scene.mesh);
+        if !Arc::ptr_eq(own, shown) && (&own.positions, &own.triangles) != (&shown.positions, &shown.triangles) {
+            let mesh = Arc::make_mut(&mut lit.mesh);
+            mesh.positions.clone_from(&self.scene.mesh.positions);
+            mesh.triangles.clone_from(&self.scene.mesh.triangles);
         }
+        lit.steps.clone_from(&self.scene.steps);
         self.scene = lit;
-        self.is_partly_uploaded = true;
+        let was_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
         let keeps_masks = if self.moving.is_some() {
             let now = moved(&self.scene, self.fixed_vertices(), self.timed.moved);
             self.resident.upload_appearance(&self.gpu, &self.pages, &now, &self.plan)?
         } else {
             self.resident.upload_appearance(&self.gpu, &self.pages, &self.scene, &self.plan)?
         };
-        self.is_partly_uploaded = false;
+        self.is_partly_uploaded = was_partly_uploaded;
         self.mark_dirty(Changes { appearance: true, alpha_masks: !keeps_masks, ..Changes::default() });
         Ok(())
     }
@@ -420,23 +424,23 @@ impl Frames {
     }
 
     /// How the triangle of each pixel was found, and why so.
-    fn method_used(&self, counts: &Counts) -> MethodUsed {
+    fn method_used(&self, plan: &Plan, counts: &Counts) -> MethodUsed {
         if self.rival.is_some() {
             return MethodUsed::default();
         }
         let milliseconds = |cost| self.resident.milliseconds(cost);
-        let trace = milliseconds(self.resident.trace_cost(&self.plan));
+        let trace = milliseconds(self.resident.trace_cost(plan));
         let trace = format!("tracing every pixel is rated {trace:.2} ms");
         let raster = self.resident.raster_cost(self.timed.raster_cost.max(counts.raster_cost()));
         let raster = format!("raster is rated {:.2} ms", milliseconds(raster));
-        let (name, why) = match (self.plan.variant.method, counts.taken_over > 0) {
+        let (name, why) = match (plan.variant.method, counts.taken_over > 0) {
             (Method::Auto, _) if self.resident.bvh == BvhState::Preferred => {
                 ("trace", format!("{raster} in the first frame, {trace}"))
             }
             (Method::Auto, true) => ("trace", format!("{trace}; what raster would still have taken is rated higher")),
             (Method::Auto, false) => ("raster", format!("{raster}, {trace}")),
-            (Method::Raster, _) => ("raster", self.plan.method_why.to_owned()),
-            (Method::Trace, _) => ("trace", self.plan.method_why.to_owned()),
+            (Method::Raster, _) => ("raster", plan.method_why.to_owned()),
+            (Method::Trace, _) => ("trace", plan.method_why.to_owned()),
         };
         MethodUsed { name, why }
     }
@@ -461,7 +465,7 @@ impl Frames {
                 + self.rival.as_ref().map_or(0, |r| r.bytes())
                 + self.caustics.as_ref().map_or(0, |c| c.buffers.bytes()),
             left_out,
-            method: self.method_used(&counts),
+            method: self.method_used(plan, &counts),
             grown: 0,
             passes: running.recorded.passes.clone(),
             caustics: self.caustics.as_ref().map(|c| c.report),

@@ -56,7 +56,7 @@ impl Frames {
             let InFlight { planned, running, reads, frame_layout, .. } = in_flight;
             wait_for(&self.gpu, &running.recorded.submission)?;
             let raw = reads.finish(&self.gpu, &running)?;
-            let Some(short) = self.shortage(&raw.status, &running) else {
+            let Some(short) = self.shortage(&raw.status, &running, frame_layout.plan.variant.by_tile) else {
                 let (frame_ms, stages) = (vec![running.ms()], raw.stages.clone());
                 let rest = Rendered { frame_ms, stages, grown, ..self.statistics(&frame_layout.plan, &running, &raw) };
                 return Ok(Readback { frame_layout, raw, rest });
@@ -71,7 +71,7 @@ impl Frames {
         }
     }
 
-    /// Its rays could not be followed to their ends: there is nothing to trace them with, or it took too many steps.
+    /// The rays of these frames could not be followed to their ends: there is nothing to trace them with, or it took too many steps.
     pub(super) fn is_lost(&self) -> bool {
         self.is_lost || self.resident.cannot_trace()
     }
@@ -88,14 +88,14 @@ impl Frames {
         if running.bvh != BvhState::Preferred {
             self.timed.raster_cost = Counts::of(&status).raster_cost();
         }
-        match self.shortage(&status, running) {
+        match self.shortage(&status, running, self.plan.variant.by_tile) {
             Some(short) => self.grow_lists(short).map(|()| false),
             None => Ok(true),
         }
     }
 
-    /// The list sizes that a frame needed, by its counters, if it did not have them.
-    fn shortage(&self, status: &[u32], running: &Running) -> Option<Shortage> {
+    /// The list sizes that a frame needed, by its counters, if it did not have them. `by_tile`: its raster went so.
+    fn shortage(&self, status: &[u32], running: &Running, by_tile: bool) -> Option<Shortage> {
         let have = running.capacities;
         let is_set = |job: &[u32], counter: Counter| job[counter.index() as usize] > 0;
         let jobs = || status.chunks_exact(COUNTERS as usize);
@@ -120,7 +120,7 @@ impl Frames {
             !is_set(job, Counter::Traced)
                 && job[Counter::Busy.index() as usize] > job[Counter::BusyEnd.index() as usize]
         };
-        let is_done = !self.plan.variant.by_tile || !jobs().any(is_left);
+        let is_done = !by_tile || !jobs().any(is_left);
         let needs_bvh = running.bvh == BvhState::None && jobs().any(|job| is_set(job, Counter::Traced));
         let has_all = fits && need.recheck_items <= have.recheck_items && need.edges <= have.edges && is_done;
         let is_lost = jobs().any(|job| is_set(job, Counter::Unfinished));

@@ -15,7 +15,7 @@ use crate::scene::Scene;
 #[derive(Default)]
 pub struct Sequence {
     frames: Option<Frames>,
-    /// With what they were uploaded.
+    /// The options that they were uploaded with.
     run: RunOptions,
 }
 
@@ -73,7 +73,7 @@ impl Sequence {
         let planned = in_flight.planned.clone();
         let frames = self.frames.as_mut().ok_or_else(nothing)?;
         match frames.wait_for(in_flight) {
-            // frames that could not be traced have taken its buffers
+            // another frame fell back to raster meanwhile, and the buffers of this one are gone
             Err(_) if frames.plan.variant != planned.plan.variant => {
                 let run = self.run.clone();
                 self.upload(engine, &planned, &run)?;

@@ -14,7 +14,7 @@ pub struct Queries {
 }
 
 impl Queries {
-    /// So many queries, each of which answers so many numbers; `None` where one set may not hold them.
+    /// `count` queries of `numbers` numbers each; `None` if `count` is 0, or more than one set holds.
     pub fn new(gpu: &Gpu, ty: wgpu::QueryType, count: u32, numbers: u64) -> Option<Queries> {
         (1..=wgpu::QUERY_SET_MAX_QUERIES).contains(&count).then(|| Queries {
             set: gpu.device.create_query_set(&wgpu::QuerySetDescriptor { label: Some("queries"), ty, count }),

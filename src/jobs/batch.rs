@@ -235,7 +235,7 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Also where a thread panicked with it: all data here are whole between statements.
+/// Locks even if a thread panicked while it held the lock: each statement leaves the data consistent.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

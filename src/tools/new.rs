@@ -92,7 +92,8 @@ impl Model {
                 let (centre, radius) = ball(centres.reduce(joined)).ok_or_else(|| nothing(path))?;
                 let points = scene.mesh.sphere_count().max(1) as f64;
                 // neighbours on a surface of the ball's size are about this far apart
-                let apart = rounded(2.0 * radius / points.sqrt(), radius);
+                let apart = 2.0 * radius / points.sqrt();
+                let apart = rounded(apart, apart);
                 (
                     format!(
                         "[[spheres]]                     # points, as small spheres\nfile = {shown}\nradius = {apart}"

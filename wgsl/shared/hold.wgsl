@@ -2,7 +2,7 @@
 // Provides: hold
 // Binds: counters
 
-// More items than any list holds. Much less than what a counter holds: some invocations add before one has put it back.
+// More items than any list holds, and half of what a counter holds: invocations may still add before one of them has put it back.
 const BEYOND: u32 = 0x80000000u;
 
 // Keeps a counter that was at `count` from beginning again at 0, which would look as if all had fitted.

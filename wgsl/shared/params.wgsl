@@ -30,7 +30,7 @@ const COUNT_PAIRS_TESTED: u32 = 18u;
 const COUNT_TASKS: u32 = 19u;
 const COUNT_LARGE: u32 = 20u;
 const COUNT_SORTED: u32 = 21u;         // pairs in runs of tiles
-const COUNT_TRACED: u32 = 22u;         // 1: trace takes over from raster
+const COUNT_TRACED: u32 = 22u;         // pixels that trace takes over
 const COUNT_UNFINISHED: u32 = 23u;     // pixels whose paths were longer than trace follows
 // These stay while pairs are listed anew, and so are the last.
 const COUNT_EDGES: u32 = 24u;          // edge pixels

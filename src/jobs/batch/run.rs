@@ -71,25 +71,28 @@ impl<'a> Run<'a> {
     pub fn work(&self, workers: &mut [Worker], writers: usize) -> Result<()> {
         self.workers.store(workers.len(), Ordering::SeqCst);
         std::thread::scope(|scope| {
-            let (to_write, taken) = sync_channel(1);
-            let taken = Arc::new(Mutex::new(taken));
-            for worker in workers {
-                let (to_render, ready) = sync_channel(1);
-                let (reader, mut driver) = worker.parts();
-                for _ in 0..READERS {
-                    let to_render = to_render.clone();
-                    named(scope, "read", move || reader.run(self, &to_render))?;
+            let start = || {
+                let (to_write, taken) = sync_channel(1);
+                let taken = Arc::new(Mutex::new(taken));
+                for worker in workers {
+                    let (to_render, ready) = sync_channel(1);
+                    let (reader, mut driver) = worker.parts();
+                    for _ in 0..READERS {
+                        let to_render = to_render.clone();
+                        named(scope, "read", move || reader.run(self, &to_render))?;
+                    }
+                    let to_write = to_write.clone();
+                    named(scope, "device", move || driver.run(self, &ready, &to_write))?;
                 }
-                let to_write = to_write.clone();
-                named(scope, "device", move || driver.run(self, &ready, &to_write))?;
-            }
-            for _ in 0..writers.max(1) {
-                let taken = taken.clone();
-                named(scope, "write", move || self.write(&taken))?;
-            }
-            Ok(())
+                for _ in 0..writers.max(1) {
+                    let taken = taken.clone();
+                    named(scope, "write", move || self.write(&taken))?;
+                }
+                Ok(())
+            };
+            // the scope ends when all threads do: those that run must not wait for one that never started
+            start().inspect_err(|_| self.queue.stop())
         })
-        .inspect_err(|_| self.queue.stop())
     }
 
     /// Writes frames until the channel closes.
@@ -228,9 +231,9 @@ impl<'a> Run<'a> {
         }
         let told = catch_unwind(AssertUnwindSafe(|| (self.watch)(event, &counts)));
         drop(counts);
-        // who waits for the frame goes on all the same
+        // the threads go on, so that none waits for this frame for ever
         if told.is_err() {
-            self.stop(Error::work("what watches the batch failed (panic); see the line above"));
+            self.stop(Error::work("the callback that watches the batch panicked; see the line above"));
         }
     }
 }

@@ -71,7 +71,7 @@ const ABOUT_VERDICT: [&str; 3] = [
     "Each row of a rival is compared with the fastest frame of this engine of the same case whose error is not larger. Above 1 this engine is faster; \
      times within 5 % are even.",
     "This engine takes part in its plain form: in one frame, by raster or trace as it chooses itself. Where a rival takes a frame for each sample, so may \
-     this engine; with a program that finds t and ids alone, a frame is compared that does no more.",
+     this engine; beside a program that finds t and ids alone, our frame is asked for no more.",
     "Rivals are built anew here, over the same buffers, and share shading and reading back with this engine. They are not tuned as the papers' authors \
      tuned theirs.",
 ];
@@ -86,7 +86,7 @@ const WORDS: [(&str, &str); 14] = [
     ("wrong pixel", "one that shows another triangle than the f64 reference does for its ray"),
     (
         "safe pixel",
-        "one whose answer is the same everywhere within 1/16 px of its centre; between two right answers no other pixel decides",
+        "one whose answer is the same everywhere within 1/16 px of its centre; elsewhere two answers are right",
     ),
     (
         "GLC",
@@ -167,10 +167,12 @@ pub fn page(runs: &[(String, Run)]) -> String {
 /// Which rivals a chart of a case does not show; "" where it shows all.
 fn absent(run: &Run, case: &str) -> String {
     let own = || run.rows.iter().filter(|row| row.case == case);
-    let refused: Vec<&str> = own().filter(|row| row.times.is_none()).map(|row| row.technique.as_str()).collect();
+    let without_time = own().filter(|row| row.times.is_none() && !row.is_ours());
+    let mut refused: Vec<&str> = without_time.map(|row| row.technique.as_str()).collect();
+    refused.dedup();
     match own().any(|row| !row.is_ours()) {
         true if refused.is_empty() => String::new(),
-        true => format!(" (no time of {}: the table says why)", refused.join(", ")),
+        true => format!(" (no time for {}: the table says why)", refused.join(", ")),
         false if own().next().is_some() => " (this engine alone)".to_owned(),
         // over several cases
         false => String::new(),

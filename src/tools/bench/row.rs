@@ -259,8 +259,10 @@ impl Row {
     /// trace took over or an atlas was rasterized.
     pub fn found_by(&self) -> &'static str {
         let all: f64 = self.stages.iter().filter(|s| !s.0.contains("once")).map(|s| s.1).sum();
-        let took = |name: &str| self.stages.iter().any(|s| s.0 == name && s.1 > all / 20.0);
-        match (self.is_ours(), took("raster"), took("trace")) {
+        let took = |names: &[&str]| {
+            self.stages.iter().filter(|s| names.contains(&s.0.as_str())).map(|s| s.1).sum::<f64>() > all / 20.0
+        };
+        match (self.is_ours(), took(&["small", "raster"]), took(&["trace"])) {
             (true, true, false) => "raster",
             (true, false, true) => "trace",
             (true, true, true) => "raster, trace",

@@ -71,7 +71,7 @@ const COLUMNS: [&str; 58] = [
 
 /// What times are.
 pub const ABOUT_TIMES: &str = "Times are medians of frames that ran in turn with those of all other techniques. A frame lasts from the first \
-     submission until the results are complete on the device; of a program beside it is the time that it says tracing took. What is built once over a \
+     submission until the results are complete on the device; of a program beside (Embree) it is the tracing time that it reports. What is built once over a \
      scene that stands still is not in it: a hierarchy of boxes, of this engine where it traces and of the rivals that do; the suite dynamic has it in the \
      time. Intervals hold the median with 95 % probability, whatever the distribution. A \
      ratio is the median over rounds in which both ran. (?): an end of the interval is more than 5 % from the median after all rounds. What \
@@ -329,7 +329,7 @@ pub fn work(row: &Row) -> Option<[String; 8]> {
 
 pub const WORK_HEADS: [&str; 8] = [
     "technique",
-    "stages of one more frame, ms",
+    "stages, median ms",
     "passes",
     "MiB",
     "pairs kept, or triangles drawn",

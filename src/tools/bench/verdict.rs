@@ -242,7 +242,7 @@ fn printed<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<String> {
          than that, {} times as long at most: it is not tuned as theirs was. This engine takes longer in {} of {}.</p>\n",
         longer(&own),
         own.len(),
-        digits(*own.last()?),
+        digits(own.last().copied().unwrap_or(0.0)),
         longer(&ours),
         ours.len()
     ))
@@ -269,8 +269,9 @@ pub fn verdict(adapter: &str, all: &[&Run]) -> String {
             None => runs.push(run),
         }
     }
-    let left_out: Vec<&str> =
+    let mut left_out: Vec<&str> =
         all.iter().map(|run| &*run.suite).filter(|suite| runs.iter().all(|run| run.suite != *suite)).collect();
+    left_out.dedup();
     if runs.is_empty() {
         return text + "<p>No verdict over these runs: none is of one commit. Each row stands for itself.</p>\n";
     }
@@ -308,7 +309,7 @@ pub fn verdict(adapter: &str, all: &[&Run]) -> String {
     text += &table(&HEADS, against.iter().map(Against::cells));
     let (near, compared) = against.iter().fold((0, 0), |sum, a| (sum.0 + a.near_the_floor, sum.1 + a.ratios.len()));
     text += &format!(
-        "<p class=\"note\">In {near} of these {compared} comparisons an empty kernel takes over a tenth of our time: the ratio would be farther from 1 \
+        "<p class=\"note\">In {near} of these {compared} comparisons an empty kernel takes more than a tenth of our time: the ratio would be farther from 1 \
          without that.</p>\n"
     );
     let worst = |a: &Against| {
@@ -319,7 +320,7 @@ pub fn verdict(adapter: &str, all: &[&Run]) -> String {
     };
     let lost: Vec<String> = against.iter().filter_map(worst).collect();
     let lost = if lost.is_empty() { "nowhere".to_owned() } else { lost.join("; ") };
-    text + &format!("<p>Where it loses most: {}.</p>\n", escaped(&lost))
+    text + &format!("<p>Where this engine loses most: {}.</p>\n", escaped(&lost))
 }
 
 #[cfg(test)]
