@@ -70,12 +70,12 @@ const COLUMNS: [&str; 58] = [
 ];
 
 /// What times are.
-pub const ABOUT_TIMES: &str = "Times are medians of frames that ran in turn with those of all other techniques. A frame lasts from the first \
-     submission until the results are complete on the device; of a program beside (Embree) it is the tracing time that it reports. What is built once over a \
-     scene that stands still is not in it: a hierarchy of boxes, of this engine where it traces and of the rivals that do; the suite dynamic has it in the \
-     time. Intervals hold the median with 95 % probability, whatever the distribution. A \
-     ratio is the median over rounds in which both ran. (?): an end of the interval is more than 5 % from the median after all rounds. What \
-     takes over 10 s a frame ran once, and has no interval.";
+pub const ABOUT_TIMES: &str = "Times are medians of frames that ran in turn with those of all other techniques. A frame lasts from the first submission until the \
+     results are complete on the device. Of an outside program (Embree) it is the tracing time that the program reports. What is built once \
+     over a scene that stands still is not in it: a hierarchy of boxes, of this engine where it traces and of the rivals that do; the suite \
+     dynamic has it in the time. Intervals hold the median with 95 % probability, whatever the distribution. A ratio is the median over \
+     rounds in which both ran. (?): an end of the interval is more than 5 % from the median after all rounds. What takes over 10 s a frame \
+     ran once, and has no interval.";
 
 /// Every row, every value. Stages are name=ms, and the times of frames ms, separated by semicolons.
 pub fn csv(rows: &[Row]) -> Result<String> {
