@@ -51,6 +51,14 @@ pub enum Up {
 }
 
 impl Up {
+    /// What a scene says of it.
+    fn told(self) -> &'static str {
+        match self {
+            Up::Y => "                # if its z axis points up: anamorph new --up z",
+            Up::Z => "                # its z axis points up",
+        }
+    }
+
     /// Right, up and towards the viewer, as columns.
     fn axes(self) -> DMat3 {
         match self {
@@ -83,7 +91,9 @@ impl Model {
         let (read_from, shown) = (quoted(&path.to_string_lossy()), quoted(file));
         let name = Path::new(file).file_name().map_or(file.into(), |n| n.to_string_lossy()).into_owned();
         let (table, (centre, radius)) = match of_table(&format!("[[mesh]]\nfile = {read_from}\n")) {
-            Ok(scene) => (format!("[[mesh]]\nfile = {shown}"), ball(scene.bounds()).ok_or_else(|| nothing(path))?),
+            Ok(scene) => {
+                (format!("[[mesh]]\nfile = {shown}{}", up.told()), ball(scene.bounds()).ok_or_else(|| nothing(path))?)
+            }
             Err(of_mesh) => {
                 // a file of points is no mesh; anything else is told as a mesh
                 let scene = of_table(&format!("[[spheres]]\nfile = {read_from}\nradius = 1\n")).map_err(|_| of_mesh)?;

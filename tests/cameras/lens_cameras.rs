@@ -252,6 +252,19 @@ fn wrong_calibrations_say_why() {
     assert_refused(&format!("{POSE}kind = 'opencv'\nfile = 'none.yml'"), "cannot be read");
 }
 
+#[test]
+fn a_file_that_leaves_its_model_open_is_told_of() {
+    let open = yaml(MATRIX, &[0.1, 0.0, 0.0, 0.0]);
+    let told = |text: &str, keys: &str| opencv(text, &format!("{POSE}{keys}"), None).unwrap().unfulfilled;
+    assert!(told(&open, "")[0].contains("model = \"fisheye\""));
+    // the scene says, the file says, or no fisheye has as many
+    assert!(told(&open, "model = 'brown'").is_empty() && told(&open, "model = 'fisheye'").is_empty());
+    for line in ["distortion_model: plumb_bob", "distortion_model: fisheye", "fisheye_model: 0"] {
+        assert!(told(&format!("{open}{line}\n"), "").is_empty(), "{line}");
+    }
+    assert!(told(&yaml(MATRIX, &[0.1, 0.0, 0.0, 0.0, 0.0]), "").is_empty());
+}
+
 /// The same lens in all three formats of `FileStorage`, as OpenCV 5 writes them.
 #[test]
 fn xml_and_json_are_read_as_yaml_is() {

@@ -1,5 +1,6 @@
-// Visible area, in the pixel, of each triangle that a sample sees. Edges are taken as lines at the signed distance E / |grad E| from the
-// centre: exact for straight edges and two surfaces, one behind the other. With three, the area that two of them hide is subtracted
+// Visible area, in the pixel, of each triangle that a sample sees. Edges are taken as lines at the signed distance b / |grad b| from the
+// centre, b the hit's weight that is 0 there: exact for two surfaces with straight edges, one behind the other, that rays meet at a constant
+// N . D. With three, the area that two of them hide is subtracted
 // twice. Where samples contradict the lines (a curved edge, an intersection), or more triangles are seen than are kept, samples are
 // counted instead.
 // Provides: measure, seen_next, share_of, whole

@@ -30,6 +30,8 @@ struct FromFile {
     lens: Lens,
     shutter: Shutter,
     tessellation: Tessellation,
+    /// What the file leaves open.
+    doubt: Option<String>,
 }
 
 /// Where the plane of a lens model lies in the image.
@@ -90,7 +92,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
             None => Pose::of_camera(placed.eye, placed.rotation, table.or("distance", 1.0, Field::above_zero)?)?,
         },
     };
-    from_file(table, &file, pose, calibration)
+    from_file(table, &file, pose, calibration, None)
 }
 
 /// Kind `opencv`: a file of OpenCV, of which the scene may name the model.
@@ -106,11 +108,18 @@ pub fn read_opencv(table: &Table) -> Result<Arc<dyn Recipe>> {
     if let (Some(field), Some(line)) = (table.get("model"), named.and_then(|fisheye| found.contradicts(fisheye))) {
         return Err(field.error(format_args!("the file says {line}; leave model out, or correct the file")));
     }
+    let doubt = found.doubt().filter(|_| named.is_none());
     let calibration = found.calibration(named).map_err(|why| file.error(why))?;
-    from_file(table, &file, Pose::read(table)?, calibration)
+    from_file(table, &file, Pose::read(table)?, calibration, doubt)
 }
 
-fn from_file(table: &Table, file: &Field, pose: Pose, calibration: Calibration) -> Result<Arc<dyn Recipe>> {
+fn from_file(
+    table: &Table,
+    file: &Field,
+    pose: Pose,
+    calibration: Calibration,
+    doubt: Option<String>,
+) -> Result<Arc<dyn Recipe>> {
     let Calibration { intrinsics, model, .. } = calibration;
     let lens = Lens::new(&model).map_err(|why| file.error(why))?;
     let shutter = Shutter {
@@ -123,7 +132,7 @@ fn from_file(table: &Table, file: &Field, pose: Pose, calibration: Calibration) 
             return Err(field.error("the camera moves from row to row only with a line_time; add line_time = 3e-5"));
         }
     }
-    Ok(Arc::new(FromFile { pose, intrinsics, model, lens, shutter, tessellation: Tessellation::read(table)? }))
+    Ok(Arc::new(FromFile { pose, intrinsics, model, lens, shutter, tessellation: Tessellation::read(table)?, doubt }))
 }
 
 impl Recipe for FromFile {
@@ -136,7 +145,9 @@ impl Recipe for FromFile {
             model: self.model.clone(),
             shutter: self.shutter,
         };
-        self.tessellation.build(Arc::new(Sensor { calibrated, lens: self.lens.clone() }), &setting.of_size(size))
+        let sensor = Sensor { calibrated, lens: self.lens.clone() };
+        let built = self.tessellation.build(Arc::new(sensor), &setting.of_size(size))?;
+        Ok(Built { unfulfilled: self.doubt.iter().cloned().collect(), ..built })
     }
 
     fn lines(&self) -> Option<Lines> {

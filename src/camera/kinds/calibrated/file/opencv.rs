@@ -32,6 +32,12 @@ impl OpenCvFile {
         Ok(Calibration { intrinsics: self.intrinsics, model, placed: None })
     }
 
+    /// What the file does not say: which model its four coefficients belong to.
+    pub fn doubt(&self) -> Option<String> {
+        let is_open = self.fisheye.is_none() && self.coefficients.len() == 4;
+        is_open.then(|| "the file names no model: 4 coefficients are taken as k1, k2, p1, p2 of brown; or set model = \"fisheye\"".into())
+    }
+
     /// The line of the file that names another model than `fisheye` says.
     pub fn contradicts(&self, fisheye: bool) -> Option<&str> {
         self.fisheye.as_ref().filter(|(said, _)| *said != fisheye).map(|(_, line)| line.as_str())
@@ -124,10 +130,10 @@ fn said_model(keys: &Keys) -> std::result::Result<Option<(bool, String)>, String
     let named = match keys.distortion_model.as_deref() {
         None => None,
         Some(name @ ("plumb_bob" | "rational_polynomial")) => Some((false, format!("distortion_model: {name}"))),
-        Some(name @ "equidistant") => Some((true, format!("distortion_model: {name}"))),
+        Some(name @ ("equidistant" | "fisheye")) => Some((true, format!("distortion_model: {name}"))),
         Some(name) => {
             return Err(format!(
-                "distortion_model: {name:?} is not known; use plumb_bob or rational_polynomial (Brown), or equidistant (fisheye)"
+                "distortion_model: {name:?} is not known; use plumb_bob or rational_polynomial (Brown), or equidistant or fisheye (fisheye)"
             ));
         }
     };
