@@ -14,7 +14,7 @@ use std::path::Path;
 /// Checks, before any work, that the points can be written.
 ///
 /// # Errors
-/// [`Error::Input`] for a file of another kind, or a camera whose rays are curved or have several segments.
+/// [`Error::Input`] for a file of another kind, or a camera whose rays are curved, or have several segments, as behind a mirror.
 pub fn check(files: &Files, camera: &Camera) -> Result<()> {
     let Some(path) = &files.points else { return Ok(()) };
     if !has_extension(path, "ply") && !has_extension(path, "npy") {
@@ -25,7 +25,7 @@ pub fn check(files: &Files, camera: &Camera) -> Result<()> {
             "--points needs one ray per pixel; a composite with master has several; use --exr with --channels P",
         ));
     }
-    if camera.is_curved() || camera.layers.len() > 1 {
+    if camera.is_curved() || camera.layers.len() > 1 || camera.optics.is_some() {
         return Err(Error::input("--points needs one straight ray per pixel; use --exr with --channels P,Z,t"));
     }
     Ok(())
@@ -37,7 +37,8 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 
 /// Writes the points row by row: the hits and their triangles as PLY; or every pixel's as an array, NaN where there is none.
 ///
-/// A point is `P + t D` of the camera's f64 ray. t is computed again in f64, from the plane of the frame's triangle, or from its sphere.
+/// A point is `P + t D` of the camera's f64 ray. t is computed again in f64, from the plane of the frame's triangle, or from its sphere, where
+/// they are at the pixel's time.
 pub fn write(path: &Path, scene: &Scene, camera: &Camera, frame: &Frame) -> Result<()> {
     let ids = frame.u32(Channel::TriangleId).ok_or_else(|| Error::work("--points: the frame has no triangle ids"))?;
     let width = camera.width as usize;
@@ -59,13 +60,12 @@ fn point(scene: &Scene, camera: &Camera, i: u32, j: u32, id: u32) -> Option<DVec
         return None;
     }
     let ray = camera.ray(i, j)?;
+    let [a, b, c] = scene.corners_at(id, scene.moment(camera, (i, j)));
     if let Some(radius) = scene.mesh.radius(id) {
-        let centre = scene.mesh.positions[scene.mesh.triangles[id as usize][0] as usize];
-        let [enters, leaves] = nearest_meetings(centre, radius, (ray.origin, ray.direction));
+        let [enters, leaves] = nearest_meetings(a, radius, (ray.origin, ray.direction));
         let t = if enters < camera.t_range[0] { leaves } else { enters };
         return Some(ray.origin + t * ray.direction);
     }
-    let [a, b, c] = scene.mesh.triangles[id as usize].map(|v| scene.mesh.positions[v as usize]);
     let normal = (b - a).cross(c - a);
     let t = normal.dot(a - ray.origin) / normal.dot(ray.direction);
     t.is_finite().then(|| ray.origin + t * ray.direction)

@@ -14,6 +14,9 @@ const SCANNER: &str = "kind = 'lidar'\neye = [0, 0, 0]\ntarget = [0, 0, -1]\n";
 /// Sines and sums of numbers up to 10, 2^-53 each.
 const ROUNDING: f64 = 1e-14;
 
+/// Of the share of the way between two time steps: 2^-25 of a unit a second for a second.
+const TIME_ROUNDING: f64 = 3e-8 + ROUNDING;
+
 fn without_size(table: &str) -> Camera {
     camera_in(tempfile::tempdir().unwrap().path(), table, None).unwrap()
 }
@@ -101,6 +104,11 @@ fn wrong_scanners_name_their_keys() {
 fn render(folder: &Path, camera: &str, flags: &[&str]) -> Output {
     let mesh = "[[mesh]]\nbuiltin = 'plane'\nsize = 4\n";
     std::fs::write(folder.join("scene.toml"), format!("{mesh}[camera]\n{camera}\n")).unwrap();
+    run(folder, flags)
+}
+
+/// Renders the folder's scene.
+fn run(folder: &Path, flags: &[&str]) -> Output {
     let program = env!("CARGO_BIN_EXE_anamorph");
     let fixed = ["render", "scene.toml", "--engine", "reference"];
     Command::new(program).args(fixed).args(flags).current_dir(folder).output().unwrap()
@@ -140,6 +148,35 @@ fn points_lie_where_the_rays_meet_the_plane() {
         assert!((DVec3::new(x(0), x(1), x(2)) - *at).length() < ROUNDING);
         assert!(u32::from_le_bytes(record[24..].try_into().unwrap()) < 2);
     }
+}
+
+#[test]
+fn points_are_where_things_are_at_the_pixels_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let camera =
+        "kind = 'orthographic'\neye = [0, 5, 0]\ntarget = [0, 0, 0]\nup = [0, 0, -1]\nheight = 3\nline_time = 0.1\n";
+    // a unit up in a second, a frame
+    let rises = "translate = [{ frame = 0, value = [0, 0, 0] }, { frame = 1, value = [0, 1, 0] }]\n";
+    for (thing, height) in
+        [("[[mesh]]\nbuiltin = 'plane'\nsize = 4\n", 0.0), ("[[spheres]]\ncenters = [[0, 0, 0]]\nradius = 2\n", 2.0)]
+    {
+        let scene = format!("[image]\nwidth = 1\nheight = 9\n{thing}{rises}[camera]\n{camera}");
+        std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+        let done = run(folder.path(), &["--points", "p.npy"]);
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let points = read_npy_rows::<3>(&folder.path().join("p.npy")).unwrap();
+        for (row, point) in points.iter().enumerate() {
+            // rows are a third of a unit apart; below a sphere's top by its roundness
+            let z = (row as f64 - 4.0) / 3.0;
+            let top = if height > 0.0 { (height * height - z * z).sqrt() } else { 0.0 };
+            let expected = DVec3::new(0.0, top + 0.1 * row as f64, z);
+            assert!((DVec3::from(*point) - expected).length() < TIME_ROUNDING, "{row}: {point:?}, not {expected}");
+        }
+    }
+    let mirror = "kind = 'reflection'\neye = { kind = 'pinhole', eye = [0, 3, 3], target = [0, 0, 0], vfov = 40 }\nmirror = { shape = 'sphere', center = [0, 0.5, 0], radius = 0.5 }\n";
+    let refused = render(folder.path(), mirror, &["--size", "16x12", "--points", "p.npy"]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(2) && said.contains("one straight ray per pixel"), "{said}");
 }
 
 #[test]
