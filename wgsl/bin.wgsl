@@ -2,8 +2,8 @@
 // Reads triangles, vertices and nodes; writes (slot, tile) pairs of the tiles under the node that the triangle may cover, by its extent
 // and its three edge conics there, or of the one tile of the cell that the item names. `pairs` may overflow: the counter keeps counting.
 // Needs: BOUND_TOLERANCE, CENTRES, COUNT_PAIRS, COUNT_PAIRS_TESTED, LEVEL_CELL, NODE_PX, NONE, SAMPLE_REACH, TILE, bin_item, box_met,
-//   close_extent, conics, hold, is_empty, item_pixels, may_cover, node_cell, node_level, node_x, node_y, pair_pack, pixels_within, store,
-//   tile_pixels, triangle_at, vertex
+//   close_extent, conics, is_empty, item_pixels, may_cover, node_cell, node_level, node_x, node_y, pair_pack, pixels_within, store,
+//   take_places, tile_pixels, triangle_at, vertex
 // Binds: cells, counters, params
 
 override COUNTING: bool = false;
@@ -89,9 +89,8 @@ fn list(slot: u32, tile: u32, pixels: vec4<u32>) {
     if is_empty(pixels) {
         return;
     }
-    let at = atomicAdd(&counters[COUNT_PAIRS], 1u);
+    let at = take_places(COUNT_PAIRS, 1u);
     if at < params.pair_capacity {
         store(at, tile, pair_pack(slot, tile, pixels.xy, pixels.zw - 1u));
     }
-    hold(COUNT_PAIRS, at);
 }

@@ -5,7 +5,7 @@
 // Discontinuous nodes of level 1 are queued once more: their tiles go to `work`, and of discontinuous tiles the cells.
 // `queue_out` and `work` may overflow: counters keep counting.
 // Needs: BRANCH, COUNT_WORK, Node, RAYS_AFFINE, RAYS_DISCONTINUOUS, cell_pack, extent, item_index, level_height, level_width, node_index,
-//   node_level, node_meets, node_pack, node_x, node_y, table_texel, tile_meets
+//   node_level, node_meets, node_pack, node_x, node_y, table_texel, take_places, tile_meets
 // Binds: cells, clusters, counters, nodes, params, queue_in, queue_out, step, tile_start, work
 
 // Children met by which a cluster is handed on undivided: descending costs every triangle of the cluster a set-up a
@@ -56,7 +56,7 @@ fn cull(
         let seen = extent(own, centre - half, centre, centre + half);
         is_bundle = own.rays == RAYS_AFFINE;
         if is_bundle && seen.tight && all(seen.hi - seen.lo < vec2<f32>(CLEAR)) && node_meets(own, centre, half) {
-            put_to_work(atomicAdd(&counters[COUNT_WORK], 1u), vec2<u32>(cluster, node));
+            put_to_work(take_places(COUNT_WORK, 1u), vec2<u32>(cluster, node));
             return;
         }
     }
@@ -88,14 +88,14 @@ fn cull(
 
     // hand it on undivided, where it meets many
     if is_bundle && countOneBits(kept) > HAND_ON {
-        put_to_work(atomicAdd(&counters[COUNT_WORK], 1u), vec2<u32>(cluster, node));
+        put_to_work(take_places(COUNT_WORK, 1u), vec2<u32>(cluster, node));
         return;
     }
 
     // descend where children have much tighter bounds
     let further = select(discontinuous, kept, level > 2u);
     let done = kept & ~further;
-    var at = atomicAdd(&counters[COUNT_WORK], countOneBits(done));
+    var at = take_places(COUNT_WORK, countOneBits(done));
     for (var left = done; left != 0u; left &= left - 1u) {
         let bit = firstTrailingBit(left);
         put_to_work(at, vec2<u32>(cluster, node_pack(level - 1u, x + bit % BRANCH, y + bit / BRANCH)));
@@ -108,7 +108,7 @@ fn cull(
         }
         return;
     }
-    at = atomicAdd(&counters[step.value + 1u], countOneBits(further));
+    at = take_places(step.value + 1u, countOneBits(further));
     for (var left = further; left != 0u; left &= left - 1u) {
         let bit = firstTrailingBit(left);
         if at < params.queue_capacity {
@@ -136,7 +136,7 @@ fn descend_to_cells(tile: u32, cluster: u32) {
     let end = tile_start[tile + 1u];
     for (var cell = tile_start[tile]; cell < end; cell++) {
         if !CULLING || node_meets(nodes[cells[cell].node], cluster_centre(cluster), cluster_half(cluster)) {
-            put_to_work(atomicAdd(&counters[COUNT_WORK], 1u), vec2<u32>(cluster, cell_pack(cell)));
+            put_to_work(take_places(COUNT_WORK, 1u), vec2<u32>(cluster, cell_pack(cell)));
         }
     }
 }

@@ -7,7 +7,7 @@
 // Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT,
 //   COUNT_RECHECK_ITEMS, Extent, GROUP, LANES, LOWER, SLABBED, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, in_line,
 //   is_empty, is_excluded, item_node, keep_nearest, lanes_any, lanes_max, lines_of, may_cover, nothing_nearest, pair_slot, pixels_within,
-//   row_bits, start_of, subgroup_lane, take_lane, test_pixels, tile_column, tile_corner, tile_reach, triangle_at, triangle_id,
+//   row_bits, start_of, subgroup_lane, take_lane, take_places, test_pixels, tile_column, tile_corner, tile_reach, triangle_at, triangle_id,
 //   triangle_shared, vertex
 // Binds: busy, counters, ends, pairs, params, recheck_items, starts
 
@@ -192,7 +192,7 @@ fn leave_column(slot: u32, item: u32, bits: u32) {
             break;
         }
         left = 0u;
-        let at = atomicAdd(&counters[COUNT_RECHECK_ITEMS], countOneBits(bits));
+        let at = take_places(COUNT_RECHECK_ITEMS, countOneBits(bits));
         leave_row(slot, item, bits, at, 0u);
         leave_row(slot, item, bits, at, 1u);
         leave_row(slot, item, bits, at, 2u);

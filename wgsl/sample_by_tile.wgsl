@@ -6,7 +6,7 @@
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, complemented_key, given,
 //   group_index, in_line, item_node, lanes_any, lanes_max, lines_of, nothing_nearest, reach_of, real3, row_bits, sample_strip, shared_of,
-//   size, subgroup_lane, take_lane, test_pixels, triangle_at, vertex, vertex_lo
+//   size, subgroup_lane, take_lane, take_places, test_pixels, triangle_at, vertex, vertex_lo
 // Binds: blocks, counters, params, recheck_items, samples, touches
 
 @compute @workgroup_size(64)
@@ -114,7 +114,7 @@ fn sample(
 
 fn leave_to_recheck_samples(pixel: u32, pair: u32, strip: u32, rays: u32) {
     if rays != 0u {
-        let at = atomicAdd(&counters[COUNT_RECHECK_SAMPLES], 1u);
+        let at = take_places(COUNT_RECHECK_SAMPLES, 1u);
         if at < params.recheck_capacity / 2u {
             recheck_items[2u * at] = vec2<u32>(pair, (strip << 4u) | rays);
             recheck_items[2u * at + 1u] = vec2<u32>(pixel, 0u);

@@ -2,8 +2,8 @@
 // Reads triangles, vertices, nodes and pieces; draws the triangles that cover few pixels of a node whose pixels are all of one piece:
 // merges their visibility keys, and leaves what f32 does not prove to recheck. All others go to `large`. Both lists may overflow: counters
 // keep counting.
-// Needs: COUNT_LARGE, COUNT_TASKS, LEVEL_CELL, NONE, TILE, TRIANGLE_GROUP, address_node, close_extent, draw_small, hold, item_index,
-//   item_node, lanes_piece, node_level, node_x, node_y, pixels_within, subgroup_lane, take_lane, triangle_at, vertex
+// Needs: COUNT_LARGE, COUNT_TASKS, LEVEL_CELL, NONE, TILE, TRIANGLE_GROUP, address_node, close_extent, draw_small, item_index, item_node,
+//   lanes_piece, node_level, node_x, node_y, pixels_within, subgroup_lane, take_lane, take_places, triangle_at, vertex
 // Binds: counters, large, params, tasks, triangle_groups
 
 // Pixels of a box that one thread draws.
@@ -63,10 +63,9 @@ fn small(
     let is_small = is_bounded && box_size.x * box_size.y <= SMALL;
     draw_small(slot, triangle, hi, piece, select(vec4<u32>(0u, 0u, 1u, 1u), pixels, is_small), is_small);
     if lane < count && !is_small {
-        let at = atomicAdd(&counters[COUNT_LARGE], 1u);
+        let at = take_places(COUNT_LARGE, 1u);
         if at < params.pair_capacity {
             large[at] = vec2<u32>(slot, address);
         }
-        hold(COUNT_LARGE, at);
     }
 }

@@ -1,7 +1,8 @@
 // split: one thread per triangle group of the cluster of an item of `work`.
 // Reads triangle groups and nodes; writes (triangle group, node) items where a ray of the node may meet the triangle group's box. `tasks`
 // may overflow: the counter keeps counting.
-// Needs: CLUSTER, COUNT_TASKS, COUNT_WORK, TRIANGLE_GROUP, address_node, hold, item_index, item_meets, item_node, item_rays, node_meets
+// Needs: CLUSTER, COUNT_TASKS, COUNT_WORK, TRIANGLE_GROUP, address_node, item_index, item_meets, item_node, item_rays, node_meets,
+//   take_places
 // Binds: counters, params, tasks, triangle_groups, work
 
 const TRIANGLE_GROUPS: u32 = CLUSTER / TRIANGLE_GROUP;
@@ -29,10 +30,9 @@ fn split(
     let is_met = triangle_group.count > 0u && (!CULLING || node_meets(node, triangle_group.centre, triangle_group.half));
     let rays = item_rays(address, node, triangle_group.centre, triangle_group.half, is_met, lane);
     if is_met && item_meets(address, rays, node, triangle_group.centre, triangle_group.half) {
-        let at = atomicAdd(&counters[COUNT_TASKS], 1u);
+        let at = take_places(COUNT_TASKS, 1u);
         if at < params.task_capacity {
             tasks[at] = vec2<u32>(index, address);
         }
-        hold(COUNT_TASKS, at);
     }
 }

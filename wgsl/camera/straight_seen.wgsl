@@ -1,7 +1,7 @@
 // What a straight ray meets, to f32.
 // Provides: is_seen, keep_seen, stretches, with_hit, with_triangle
 // Needs: BvhTriangle, CORNER_UNITS, COUNT_PROVEN, COUNT_RECHECK_ITEMS, ENDLESS, LEAST, NONE, ONE_SIDED, PROVEN, Path, Seen, Stretch, UNIT,
-//   is_excluded, largest_of, last_of, triangle_id, triangle_reversed
+//   is_excluded, largest_of, last_of, take_places, triangle_id, triangle_reversed
 // Binds: counters, params, recheck_items
 
 // No hit is proven: all that may be one is left to recheck.
@@ -79,7 +79,7 @@ fn with_hit(
             break;
         }
         is_left = false;
-        let at = atomicAdd(&counters[COUNT_RECHECK_ITEMS], 1u);
+        let at = take_places(COUNT_RECHECK_ITEMS, 1u);
         if at < params.recheck_capacity {
             recheck_items[at] = vec2<u32>(own.slot, path.item);
         }
@@ -94,7 +94,7 @@ fn with_hit(
 // Leaves what is seen to recheck, which finds its t, and says how many hits recheck will count.
 fn keep_seen(path: Path, seen: Seen, pixel: u32) -> u32 {
     atomicAdd(&counters[COUNT_PROVEN], 1u);
-    let at = atomicAdd(&counters[COUNT_RECHECK_ITEMS], 1u);
+    let at = take_places(COUNT_RECHECK_ITEMS, 1u);
     if at < params.recheck_capacity {
         recheck_items[at] = vec2<u32>(seen.slot | PROVEN, path.item);
     }

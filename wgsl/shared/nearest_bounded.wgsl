@@ -2,7 +2,8 @@
 // finds its t.
 // Provides: farthest, given, keep_nearest, lines_of, nothing_nearest, test_pixels, tile_reach, triangle_shared
 // Needs: COUNT_PROVEN, COUNT_RECHECK_ITEMS, Column, Edge, INFINITE, LEAST, Lines, MOST, NONE, Node, ONE_SIDED, PERTURB_BOUND, PROVEN,
-//   SLABBED, STORED_UNIT, Strip, TILE, UNIT, along, lanes_max, size, size4, subgroup_lane, triangle_id, triangle_reversed, vertex_lo
+//   SLABBED, STORED_UNIT, Strip, TILE, UNIT, along, lanes_max, size, size4, subgroup_lane, take_places, triangle_id, triangle_reversed,
+//   vertex_lo
 // Binds: counters, params, recheck_items
 
 // What four pixels see: a triangle, the depths between which it is met, and a depth that nothing nearer lies beyond. Depths are s = back t.
@@ -197,7 +198,7 @@ fn keep_nearest(tile: u32, lane: u32, pixels: vec4<u32>, upper: Nearest, lower: 
         return 0u;
     }
     atomicAdd(&counters[COUNT_PROVEN], count);
-    let at = atomicAdd(&counters[COUNT_RECHECK_ITEMS], count);
+    let at = take_places(COUNT_RECHECK_ITEMS, count);
     leave_proven(at, (tile << 6u) | lane, upper.slot, has_upper);
     leave_proven(at + count_upper, (tile << 6u) | (4u * TILE + lane), lower.slot, has_lower);
     return count;

@@ -1,13 +1,15 @@
-// Counts beyond all lists.
-// Provides: hold
+// Places in lists that may overflow: the counter keeps counting.
+// Provides: take_places
 // Binds: counters
 
 // More items than any list holds, and half of what a counter holds: invocations may still add before one of them has put it back.
 const BEYOND: u32 = 0x80000000u;
 
-// Keeps a counter that was at `count` from beginning again at 0, which would look as if all had fitted.
-fn hold(counter: u32, count: u32) {
-    if count >= BEYOND {
+// The first of some places in a counter's list. The counter does not begin again at 0, which would look as if all had fitted.
+fn take_places(counter: u32, count: u32) -> u32 {
+    let first = atomicAdd(&counters[counter], count);
+    if first >= BEYOND {
         atomicStore(&counters[counter], BEYOND);
     }
+    return first;
 }

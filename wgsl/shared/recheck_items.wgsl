@@ -1,6 +1,6 @@
 // What f32 does not prove, left to recheck.
 // Provides: leave_to_recheck
-// Needs: COUNT_RECHECK_ITEMS, hold
+// Needs: COUNT_RECHECK_ITEMS, take_places
 // Binds: counters, params, recheck_items
 
 // An item for each of some pixels of a tile, bit 8 y + x, 32 from `first` on: the triangle's slot; the tile, and in the low 6 bits the pixel.
@@ -10,11 +10,10 @@ fn leave_to_recheck(slot: u32, tile: u32, first: u32, uncertain: u32) {
         if left == 0u {
             break;
         }
-        let at = atomicAdd(&counters[COUNT_RECHECK_ITEMS], 1u);
+        let at = take_places(COUNT_RECHECK_ITEMS, 1u);
         if at < params.recheck_capacity {
             recheck_items[at] = vec2<u32>(slot, (tile << 6u) | (first + firstTrailingBit(left)));
         }
-        hold(COUNT_RECHECK_ITEMS, at);
         left &= left - 1u;
     }
 }

@@ -35,7 +35,7 @@ pub fn kernel(variant: Variant) -> Kernel {
         bindings.push(writes("pairs", "array<vec2<u32>>"));
     }
     bindings.extend(variant.incoherent_rays(variant.culling));
-    let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, SLABS, VERTEX, PAIR, WITHIN, BOX_MET, HOLD, variant.item_rays()];
+    let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, SLABS, VERTEX, PAIR, WITHIN, BOX_MET, PLACES, variant.item_rays()];
     let snippets = [&snippets[..], items, &[own, snippets!("bin.wgsl")]].concat();
     let mut kernel = Kernel::new("bin", bindings, &snippets);
     kernel.constants.push(("SLABBED", variant.slabbed as u32 as f64));

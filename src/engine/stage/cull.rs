@@ -19,7 +19,7 @@ pub fn kernel(variant: Variant) -> Kernel {
     ];
     bindings.extend(variant.incoherent_rays(true));
     let own = snippets!("shared/table.wgsl", "cull.wgsl");
-    let snippets = [PARAMS, ITEMS, INDEX, WITHIN, MEETS, variant.tile_rays(), own];
+    let snippets = [PARAMS, ITEMS, INDEX, WITHIN, MEETS, PLACES, variant.tile_rays(), own];
     let mut kernel = Kernel::new("cull", bindings, &snippets);
     kernel.constants.push(("CULLING", variant.culling as u32 as f64));
     kernel

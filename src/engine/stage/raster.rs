@@ -59,7 +59,7 @@ fn by_tile(variant: Variant) -> Kernel {
     if !is_field {
         snippets.push(variant.lanes_piece());
     }
-    snippets.extend([PAIR, WITHIN, variant.lane_places(), LANES, variant.item_node(), column, nearest]);
+    snippets.extend([PAIR, WITHIN, variant.lane_places(), LANES, PLACES, variant.item_node(), column, nearest]);
     let own: Parts = snippets!("shared/waiting.wgsl", "raster_by_tile.wgsl");
     let mut kernel = Kernel::new("raster", bindings, &[&snippets[..], &[own], variant.start()].concat());
     kernel.constants = variant.constants();

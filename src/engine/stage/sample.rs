@@ -65,7 +65,8 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
             &[PIECES, SAMPLE_OFFSETS, snippets!("camera/pieces_strip.wgsl")]
         }
     };
-    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), PACKED_TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
+    let snippets =
+        [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), PACKED_TRIANGLE, BUNDLE, KEY, BITS, WITHIN, PLACES];
     let own = [variant.lane_places(), LANES, variant.item_node(), COLUMN, CELL_SAMPLES];
     let stage = [
         snippets!("shared/waiting.wgsl"),

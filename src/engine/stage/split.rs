@@ -17,7 +17,7 @@ pub fn kernel(variant: Variant) -> Kernel {
     ];
     bindings.extend(variant.incoherent_rays(variant.culling));
     let own = [variant.item_rays(), variant.item_node(), snippets!("split.wgsl")];
-    let snippets = [&[PARAMS, ITEMS, INDEX, ADDRESS, MEETS, HOLD][..], &own].concat();
+    let snippets = [&[PARAMS, ITEMS, INDEX, ADDRESS, MEETS, PLACES][..], &own].concat();
     let mut kernel = Kernel::new("split", bindings, &snippets);
     kernel.constants.push(("CULLING", variant.culling as u32 as f64));
     kernel

@@ -8,10 +8,20 @@ use crate::gpu::layout::Counter;
 pub fn kernel(variant: Variant) -> Kernel {
     let path = match variant.rays {
         RaysKind::Pieces => {
-            snippets!("camera/pieces_path.wgsl", "camera/straight_stretch.wgsl", "camera/straight_seen.wgsl")
+            snippets!(
+                "camera/pieces_path.wgsl",
+                "shared/places.wgsl",
+                "camera/straight_stretch.wgsl",
+                "camera/straight_seen.wgsl"
+            )
         }
         RaysKind::Field => {
-            snippets!("camera/field_path.wgsl", "camera/straight_stretch.wgsl", "camera/straight_seen.wgsl")
+            snippets!(
+                "camera/field_path.wgsl",
+                "shared/places.wgsl",
+                "camera/straight_stretch.wgsl",
+                "camera/straight_seen.wgsl"
+            )
         }
         RaysKind::Curves { .. } => snippets!("camera/curves_path.wgsl"),
     };

@@ -30,8 +30,8 @@ pub(crate) const LANES: Parts = snippets!("shared/lanes.wgsl");
 pub(crate) const COLUMN: Parts = snippets!("shared/column.wgsl");
 /// No triangle has an alpha mask.
 pub(crate) const SOLID: Parts = snippets!("textures/solid.wgsl");
-pub(crate) const UNCERTAIN: Parts = snippets!("shared/hold.wgsl", "shared/recheck_items.wgsl");
-pub(crate) const HOLD: Parts = snippets!("shared/hold.wgsl");
+pub(crate) const UNCERTAIN: Parts = snippets!("shared/places.wgsl", "shared/recheck_items.wgsl");
+pub(crate) const PLACES: Parts = snippets!("shared/places.wgsl");
 pub(crate) const PAIR: Parts = snippets!("shared/pair.wgsl");
 pub(crate) const BITS: Parts = snippets!("shared/bits.wgsl");
 pub(crate) const MEETING: Parts = snippets!("shared/meeting.wgsl");
