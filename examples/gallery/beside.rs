@@ -1,5 +1,5 @@
 //! Pictures beside those of the examples: the same scene by an ordinary camera, by one of the views that were joined, with one number
-//! changed, or as the paper's own technique draws it.
+//! changed, as the paper's own technique draws it, or from close by.
 
 pub struct Beside {
     /// The example's name.
@@ -11,14 +11,26 @@ pub struct Beside {
     pub change: &'static str,
     /// The technique that draws it in place of ours, as after --engine.
     pub rival: Option<&'static str>,
+    /// A close-up: left, top, width and height as shares of the picture's. All of it without.
+    pub close: Option<[f64; 4]>,
 }
 
 const fn view(of: &'static str, name: &'static str, shows: &'static str, change: &'static str) -> Beside {
-    Beside { of, name, shows, change, rival: None }
+    Beside { of, name, shows, change, rival: None, close: None }
+}
+
+const fn close(
+    of: &'static str,
+    name: &'static str,
+    shows: &'static str,
+    change: &'static str,
+    part: [f64; 4],
+) -> Beside {
+    Beside { of, name, shows, change, rival: None, close: Some(part) }
 }
 
 const fn splats(name: &'static str, shows: &'static str, rival: &'static str) -> Beside {
-    Beside { of: "primitives", name, shows, change: "", rival: Some(rival) }
+    Beside { of: "primitives", name, shows, change: "", rival: Some(rival), close: None }
 }
 
 /// Those beside an example, in the order of the page.
@@ -26,8 +38,12 @@ pub fn beside(of: &str) -> impl Iterator<Item = &'static Beside> {
     BESIDE.iter().filter(move |b| b.of == of)
 }
 
+/// Where the aeroplane lies across two segments, and the inner side of the ring.
+const AT_THE_JOINT: [f64; 4] = [0.28, 0.36, 0.4, 0.3];
+const RIM: [f64; 4] = [0.33, 0.2, 0.34, 0.34];
+
 #[rustfmt::skip] // a table
-const BESIDE: [Beside; 29] = [
+const BESIDE: [Beside; 31] = [
     view("city-cross-slit", "pinhole", "the same by a pinhole",
         "camera={kind='pinhole',eye=[-36,20,50],target=[-10,9.5,15],vfov=34}"),
     splats("splats-5", "as the paper draws it: splats, 5 texels a side for each triangle", "raster-splat:5"),
@@ -60,10 +76,12 @@ const BESIDE: [Beside; 29] = [
     view("opposite", "right", "the right view",
         "camera={kind='pinhole',eye=[0.8,2.6,0.5],target=[20,4.6,-3.5],vfov=60}"),
     view("aeroplane", "root", "morph = 0: the root's plain view", "camera.morph=0"),
-    view("aeroplane", "bent", "few and straight segments: it is bent at the joint", "camera.join='straight' camera.lateral=2"),
+    close("aeroplane", "smooth", "from close by: it stays smooth across 40 strips", "", AT_THE_JOINT),
+    close("aeroplane", "bent", "few and straight segments: it is bent at the joint", "camera.join='straight' camera.lateral=2", AT_THE_JOINT),
     view("city-cylinder", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[0,31,0],target=[-10,23,-3],vfov=90}"),
     view("deformation", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[34,40,62],target=[0,3,0],vfov=42}"),
-    view("mirror-ring", "once", "depth = 1: the ring does not see itself", "camera.depth=1"),
+    close("mirror-ring", "twice", "from close by: the ring sees itself", "", RIM),
+    close("mirror-ring", "once", "depth = 1: it does not", "camera.depth=1", RIM),
     view("mirror-teapot", "more", "512 cameras and 1,600 triangles", "camera.mirror.cameras=512 mesh.0.file=flock-1500.obj"),
     view("surround", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[0,1.6,5],target=[0,1,0],vfov=45}"),
 ];

@@ -24,7 +24,7 @@ use anamorph::internals::tools::example::{Example, gallery};
 use beside::{Beside, beside};
 use dress::dressed;
 use image::codecs::jpeg::JpegEncoder;
-use image::{ImageError, RgbImage};
+use image::{ImageError, RgbImage, imageops};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -106,8 +106,12 @@ impl Studio {
     }
 
     fn picture_beside(&mut self, example: &Example, beside: &Beside) -> Result<RgbImage> {
-        let scene = self.scene(example, beside.change, SIZE_BESIDE)?;
-        self.picture(scene, beside.rival)
+        let [left, top, width, height] = beside.close.unwrap_or([0.0, 0.0, 1.0, 1.0]);
+        let scene = self.scene(example, beside.change, (f64::from(SIZE_BESIDE) / width).round() as u32)?;
+        let whole = self.picture(scene, beside.rival)?;
+        let across = |share: f64| (share * f64::from(whole.width())).round() as u32;
+        let down = |share: f64| (share * f64::from(whole.height())).round() as u32;
+        Ok(imageops::crop_imm(&whole, across(left), down(top), across(width), down(height)).to_image())
     }
 
     /// In good light; by a rival, whose points are not where rays meet triangles, without shadows.

@@ -35,7 +35,7 @@ impl Provenance {
             cores: std::thread::available_parallelism().map_or(1, |n| n.get()),
             version: env!("CARGO_PKG_VERSION").into(),
             commit: commit(),
-            command: command(std::env::args().skip(1)),
+            command: command(std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())),
             quick,
         }
     }

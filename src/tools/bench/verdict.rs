@@ -56,17 +56,14 @@ fn time(row: &Row) -> Option<f64> {
 /// The rows of this engine that a rival's is compared with: its plain form, or one that takes as many frames as the rival's; for a program
 /// beside, which finds t and ids alone, one that finds no more. Where there is no plain form, all.
 fn comparable<'a>(case: &'a [&'a Row], rival: &Row) -> Vec<&'a Row> {
-    let ours = || case.iter().copied().filter(|row| row.is_ours());
-    let with =
-        |label: &dyn Fn(Option<&str>) -> bool| ours().filter(|row| label(row.label.as_deref())).collect::<Vec<_>>();
     let is_beside = TECHNIQUES.iter().all(|technique| technique.name != rival.technique);
-    let own = rival.label.as_deref();
-    let found = [
-        with(&|label| is_beside && label == Some(BARE)),
-        with(&|label| label.is_none() || label == own || label == Some(RASTER)),
-        with(&|_| true),
-    ];
-    found.into_iter().find(|rows| !rows.is_empty()).unwrap_or_default()
+    let label = |row: &Row, label: &str| row.label.as_deref() == Some(label);
+    let is_plain =
+        |row: &Row| row.label.is_none() || row.label == rival.label || label(row, RASTER) && !is_in_parts(row);
+    let tests: [&dyn Fn(&Row) -> bool; 3] = [&|row| is_beside && label(row, BARE), &is_plain, &|_| true];
+    let with =
+        |test: &dyn Fn(&Row) -> bool| case.iter().copied().filter(|row| row.is_ours() && test(row)).collect::<Vec<_>>();
+    tests.into_iter().map(with).find(|rows| !rows.is_empty()).unwrap_or_default()
 }
 
 /// The row of a rival that is told to leave nothing out, where it has a row in which it leaves out what it may: no way that one would take.

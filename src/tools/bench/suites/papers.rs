@@ -30,7 +30,7 @@ fn atlas_arms((key, count): (&str, u32), texels: u32, rivals: &[&str]) -> Vec<Ar
     let exact = Arm::ours().set(&["camera.facets=\"exact\""]);
     let direct = Arm::ours().set(&[&set[0]]).label("facets");
     let painted = |arm: Arm| arm.set(&[&set[0], &set[1]]).parameter("texels of an atlas", f64::from(texels));
-    let by_raster = painted(Arm::ours().by(Method::Raster).label("facets, raster"));
+    let by_raster = painted(Arm::ours().by(Method::Raster));
     let rivals = rivals.iter().map(|name| painted(Arm::rival(name).set(&["camera.facets=\"flat\""])));
     [exact, direct, painted(Arm::ours().label("facets")), by_raster].into_iter().chain(rivals).collect()
 }
