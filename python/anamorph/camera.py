@@ -1126,7 +1126,8 @@ def opencv(
                              camera_matrix (no skew) and distortion_coefficients; other keys are ignored
       model      "brown"     0, 4, 5, 8, 12 or 14 coefficients k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y
                  "fisheye"   Kannala and Brandt: 4 coefficients k1, k2, k3, k4
-                             (default: the file's distortion_model or fisheye_model, else brown)
+                             (default: the file's distortion_model (plumb_bob and rational_polynomial are brown; equidistant and fisheye)
+                             or fisheye_model (1, 0); else brown, which is told where 4 coefficients may be of either)
       line_time  seconds     from one row of the sensor to the next (default 0: all at once)
       velocity   [x, y, z]   of the camera, world units a second (default 0)
       angular_velocity  [x, y, z]  degrees a second about the world's axes through the eye, right-handed (default 0)
@@ -1362,7 +1363,7 @@ def display(
 ) -> Camera:
     """What a viewer sees through a curved screen, or a projector throws on it.
 
-      eye      [x, y, z]     the viewer or the projector; t = 0
+      eye      [x, y, z]     the viewer, of a projector's picture too; t = 0
       mesh     "SCREEN.obj"  the screen in world units; its texture coordinates are places in the image, (0, 0) the lower left corner and
                              (1, 1) the upper right one, as for any texture. Every face has them, and no two overlap there
       t_range  [t0, t1]      ends of t, inclusive (default [0, inf]); [1, inf]: only what lies behind the screen
