@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._camera import Camera
-from ._values import Numbers, Value
+from ._values import Numbers, Value, as_numbers
 
 '''
 
@@ -35,7 +35,7 @@ def rays(origins: Numbers, directions: Numbers, t_range: tuple[float, float] = (
     Raises:
         ValueError: the arrays have other shapes, or hold no ray.
     """
-    given = [np.asarray(vectors, dtype=np.float64) for vectors in (origins, directions)]
+    given = [as_numbers(vectors, np.float64) for vectors in (origins, directions)]
     for name, vectors in zip(("origins", "directions"), given):
         if vectors.ndim != 3 or vectors.shape[2] != 3 or vectors.shape != given[0].shape:
             raise ValueError(f"{name}: an array of shape (H, W, 3) is needed, as of the other, not {vectors.shape}")

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Union
 import numpy as np
 import numpy.typing as npt
 
-from ._values import Numbers
+from ._values import Numbers, as_numbers
 
 Array = Union[npt.NDArray[np.float32], npt.NDArray[np.uint32]]
 
@@ -89,7 +89,7 @@ class Gradients(Mapping[str, Array]):
 
     def _sides(self, colors: Numbers) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """The colours on both sides of each pixel's edge; without one, twice the pixel's own."""
-        own = np.asarray(colors, dtype=np.float64)
+        own = as_numbers(colors, np.float64)
         height, width = self["coverage"].shape
         if own.ndim not in (2, 3) or own.shape[:2] != (height, width):
             raise ValueError(f"colors needs an array of shape ({height}, {width}) or ({height}, {width}, C), not {own.shape}")

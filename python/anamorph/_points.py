@@ -10,7 +10,7 @@ import numpy.typing as npt
 from . import _native
 from ._camera import Camera
 from ._scene import Scene
-from ._values import Numbers, array, quiet_window_system
+from ._values import Numbers, array, as_array, quiet_window_system
 
 
 class Projections(NamedTuple):
@@ -102,7 +102,7 @@ def splat(
     """
     own = camera._bind(scene, size)
     places = array(points, np.float64, 3, "points")
-    rows = None if colors is None else np.asarray(colors)
+    rows = None if colors is None else as_array(colors)
     if rows is not None and (rows.ndim != 2 or len(rows) != len(places)):
         raise ValueError(f"colors: {rows.shape} for {len(places)} points; give an array (N, C)")
     with quiet_window_system():

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._mesh import Mesh
-from ._values import Numbers, Path, Value, array, as_array, assignment, table
+from ._values import Numbers, Path, Value, array, as_array, as_numbers, assignment, table
 
 if TYPE_CHECKING:
     from .camera import Camera
@@ -139,7 +139,7 @@ class Scene:
             ValueError: a key or a value is wrong; a shape is, a center is not finite, a radius not above 0, a color not in [0, 1].
         """
         places = array(centers, np.float64, 3, "centers")
-        sizes = np.asarray(radii, dtype=np.float64)
+        sizes = as_numbers(radii, np.float64)
         if sizes.shape not in ((), (len(places),)):
             raise ValueError(f"radii: one number, or {len(places)} of shape ({len(places)},), are needed, not {sizes.shape}")
         own = None if colors is None else array(colors, np.float32, 3, "colors")
@@ -157,7 +157,7 @@ class Scene:
         Raises:
             ValueError: there is no such object; the matrix is wrong. The scene is unchanged.
         """
-        rows = np.asarray(matrix, dtype=np.float64)
+        rows = as_numbers(matrix, np.float64)
         if rows.shape not in ((3, 4), (4, 4)):
             raise ValueError(f"matrix: an affine matrix of shape (3, 4) or (4, 4) is needed, not {rows.shape}")
         if rows.shape == (4, 4) and rows[3].tolist() != [0, 0, 0, 1]:
@@ -174,7 +174,7 @@ class Scene:
         Raises:
             ValueError: there is no such object; the array is wrong. The scene is unchanged.
         """
-        rows = np.ascontiguousarray(vertices, dtype=np.float64)
+        rows = as_numbers(vertices, np.float64)
         if rows.ndim != 2 or rows.shape[1] != 3:
             raise ValueError(f"vertices: an array of shape (N, 3) is needed, not {rows.shape}")
         self._native.set_vertices(mesh, rows)
@@ -194,8 +194,8 @@ class Scene:
         Raises:
             ValueError: there is no such object; an array is wrong. The scene is unchanged.
         """
-        steps = np.ascontiguousarray(vertices, dtype=np.float64)
-        moments = np.asarray(times, dtype=np.float64)
+        steps = as_numbers(vertices, np.float64)
+        moments = as_numbers(times, np.float64)
         if moments.ndim != 1 or steps.ndim != 3 or steps.shape[0] != len(moments) or steps.shape[2] != 3:
             raise ValueError(f"times of shape (K,) and vertices of shape (K, N, 3) are needed, not {moments.shape} and {steps.shape}")
         self._native.animate(mesh, moments.tolist(), steps)
@@ -214,7 +214,7 @@ class Scene:
         Raises:
             ValueError: a value is wrong.
         """
-        table = None if times is None else np.ascontiguousarray(times, dtype=np.float64)
+        table = None if times is None else as_numbers(times, np.float64)
         if table is not None and table.ndim != 2:
             raise ValueError(f"times: an array of shape (H, W) is needed, not {table.shape}")
         self._native.set_exposure(line_time, line_order, table, shutter)
@@ -230,7 +230,7 @@ class Scene:
         Raises:
             ValueError: a key or a value is wrong, or a number is not finite. The scene is unchanged.
         """
-        grid = None if values is None else np.ascontiguousarray(values, dtype=np.float32)
+        grid = None if values is None else as_numbers(values, np.float32)
         if grid is not None and grid.ndim != 3:
             raise ValueError(f"values: an array of shape (Z, Y, X) is needed, not {grid.shape}")
         self._native.set_volume(grid, table(keys), os.getcwd())

@@ -6,6 +6,7 @@ import contextlib
 import json
 import math
 import os
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Union
 
@@ -19,22 +20,33 @@ Numbers = npt.ArrayLike
 Path = Union[str, "os.PathLike[str]"]
 
 
+#: How many threads are within :func:`quiet_window_system`, and what the variable was before the first of them.
+_quiet = threading.Lock()
+_quiet_threads = 0
+_before: str | None = None
+
+
 @contextlib.contextmanager
 def quiet_window_system() -> Iterator[None]:
     """Vulkan asks for a Wayland display, whose library complains on stderr where this variable is missing; a folder that does not exist is no
     display either, silently."""
+    global _quiet_threads, _before
     variable = "XDG_RUNTIME_DIR"
-    is_missing = not os.environ.get(variable, "").startswith("/")
-    before = os.environ.get(variable)
-    if is_missing:
-        os.environ[variable] = "/nonexistent"
+    with _quiet:
+        if _quiet_threads == 0:
+            _before = os.environ.get(variable)
+            if not (_before or "").startswith("/"):
+                os.environ[variable] = "/nonexistent"
+        _quiet_threads += 1
     try:
         yield
     finally:
-        if is_missing and before is None:
-            del os.environ[variable]
-        elif is_missing and before is not None:
-            os.environ[variable] = before
+        with _quiet:
+            _quiet_threads -= 1
+            if _quiet_threads == 0 and _before is None:
+                os.environ.pop(variable, None)
+            elif _quiet_threads == 0 and _before is not None:
+                os.environ[variable] = _before
 
 
 def plain(value: Value, key: str) -> Any:
@@ -86,10 +98,16 @@ def _text(value: Any) -> str:
 
 
 def as_array(values: Any) -> npt.NDArray[Any]:
-    """An array of what NumPy takes or what only speaks DLPack (on the CPU), without a copy where that is possible."""
-    if hasattr(values, "__dlpack__") and not hasattr(values, "__array__"):
-        return np.from_dlpack(values)
-    return np.asarray(values)
+    """An array of what NumPy takes or what only speaks DLPack (on the CPU), without a copy where that is possible: numbers that lie between
+    others, as in records of several types, may be whole numbers of bytes apart, and not of numbers."""
+    only_dlpack = hasattr(values, "__dlpack__") and not hasattr(values, "__array__")
+    given = np.from_dlpack(values) if only_dlpack else np.asarray(values)
+    return given.copy() if given.itemsize and any(step % given.itemsize for step in given.strides) else given
+
+
+def as_numbers(values: Numbers, dtype: type[Any]) -> npt.NDArray[Any]:
+    """An array of this type, its rows one after another, without a copy where it is one already."""
+    return np.asarray(as_array(values), dtype=dtype, order="C")
 
 
 def array(values: Numbers, dtype: type[Any], width: int, name: str) -> npt.NDArray[Any]:
@@ -98,7 +116,8 @@ def array(values: Numbers, dtype: type[Any], width: int, name: str) -> npt.NDArr
     if given.ndim != 2 or given.shape[1] != width:
         raise ValueError(f"{name}: an array of shape (N, {width}) is needed, not {given.shape}")
     whole = np.issubdtype(dtype, np.integer)
-    if given.size and not (np.issubdtype(given.dtype, np.integer) if whole else np.issubdtype(given.dtype, np.number)):
+    is_real = np.issubdtype(given.dtype, np.number) and not np.issubdtype(given.dtype, np.complexfloating)
+    if given.size and not (np.issubdtype(given.dtype, np.integer) if whole else is_real):
         raise TypeError(f"{name}: {'whole numbers' if whole else 'numbers'} are needed, not {given.dtype}")
     if whole and given.size and (given.min() < 0 or given.max() > np.iinfo(dtype).max):
         raise ValueError(f"{name}: indices are 0 and above, not {given.min()} to {given.max()}")

@@ -4,10 +4,10 @@ use crate::calls::run;
 use crate::camera::Camera;
 use crate::frame::{Planes, channels, planes};
 use crate::scene::Scene;
-use anamorph::{Error, Numbers, RenderOptions};
+use anamorph::{Numbers, RenderOptions};
 use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 /// A device, or the reference on the CPU, with what it holds.
 #[pyclass(module = "anamorph._native", frozen)]
@@ -113,6 +113,12 @@ impl Renderer {
     }
 }
 
-fn lock(renderer: &Mutex<anamorph::Renderer>) -> anamorph::Result<std::sync::MutexGuard<'_, anamorph::Renderer>> {
-    renderer.lock().map_err(|_| Error::Work("the renderer failed before; open another one".into()))
+/// Opened again if a call broke off in the middle.
+fn lock(renderer: &Mutex<anamorph::Renderer>) -> anamorph::Result<MutexGuard<'_, anamorph::Renderer>> {
+    renderer.lock().or_else(|broken| {
+        let mut own = broken.into_inner();
+        own.reopen()?;
+        renderer.clear_poison();
+        Ok(own)
+    })
 }

@@ -1,6 +1,6 @@
 //! Scenes, and meshes from arrays.
 
-use crate::calls::run;
+use crate::calls::{python_error, run};
 use anamorph::{Caster, Exposure, LineOrder, Mesh};
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
@@ -38,23 +38,28 @@ impl Scene {
         }
     }
 
-    /// As it is now.
+    /// As it is now. While another thread changes it, Python's lock is free.
     pub fn now(&self) -> Arc<anamorph::Scene> {
-        self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        match self.scene.try_lock() {
+            Ok(scene) => scene.clone(),
+            Err(_) => {
+                Python::attach(|py| py.detach(|| self.scene.lock().unwrap_or_else(PoisonError::into_inner).clone()))
+            }
+        }
     }
 
-    /// Adds what `make` makes, on a thread of its own.
+    /// Adds what `make` makes on a thread of its own; nothing if the call is broken off meanwhile.
     fn add(
         &self,
         py: Python<'_>,
         make: impl FnOnce() -> anamorph::Result<anamorph::Placed> + Send + 'static,
     ) -> PyResult<()> {
-        let scene = self.scene.clone();
-        run(py, move || {
-            let placed = make()?;
-            let mut scene = scene.lock().unwrap_or_else(PoisonError::into_inner);
+        let placed = run(py, make)?;
+        let add = || {
+            let mut scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner);
             Arc::make_mut(&mut scene).add_placed(placed)
-        })
+        };
+        py.detach(add).map_err(python_error)
     }
 
     fn change(

@@ -78,6 +78,7 @@ impl Renderer {
         let size = (rays.width, rays.height);
         check_memory(size.0, size.1, plain.channels.len() + 3, 0)?;
         asked.check_memory(size)?;
+        self.recover()?;
         let rendered = self.render_frame(scene, rays, &plain, 1)?;
         let ids = rendered.frame.u32(Channel::TriangleId).ok_or_else(|| Error::work("the frame has no triangles"))?;
         let backend = self.backend(&RenderJob::of(""))?;

@@ -125,6 +125,7 @@ impl Job {
         options::samples(&self.job.samples.to_string()).map_err(Error::Input)?;
         let work = Work::read(self.job.clone(), &Library::for_once())?;
         work.check_memory()?;
+        renderer.recover()?;
         let seen = work.render(&mut renderer.backend(work.job())?)?;
         let written = work.write(seen, &renderer.device_of(work.job()), started, |_| ())?;
         Ok(work.summary(&written))

@@ -100,6 +100,8 @@ impl Rendered {
 /// Meshes, cameras and textures stay on the device between images of the same size and channels.
 pub struct Renderer {
     pub(super) engine: Option<Engine>,
+    /// Those that the engine was opened with.
+    options: GpuOptions,
     is_reference: bool,
     /// The contents of the device, and the plan of the last image.
     pub(super) sequence: Sequence,
@@ -112,7 +114,7 @@ impl Renderer {
     /// # Errors
     /// [`Error::Work`] if the adapter cannot be used.
     pub fn new() -> Result<Renderer> {
-        Ok(Renderer::with(Engine::open(&GpuOptions::default())?, false))
+        Renderer::open(GpuOptions::default())
     }
 
     /// Opens an adapter by a part of its name, ignoring case.
@@ -121,16 +123,41 @@ impl Renderer {
     /// [`Error::Input`] without such an adapter, [`Error::Work`] if it cannot be used.
     pub fn on(adapter: impl Into<String>) -> Result<Renderer> {
         let options = GpuOptions { adapter: Some(adapter.into()), ..GpuOptions::default() };
-        Ok(Renderer::with(Engine::open(&options)?, false))
+        Renderer::open(options)
     }
 
     /// The reference: f64 on the CPU, slow.
     pub fn reference() -> Renderer {
-        Renderer::with(None, true)
+        Renderer::with(None, GpuOptions::default(), true)
     }
 
-    fn with(engine: Option<Engine>, is_reference: bool) -> Renderer {
-        Renderer { engine, is_reference, sequence: Sequence::default(), last: None }
+    fn open(options: GpuOptions) -> Result<Renderer> {
+        Ok(Renderer::with(Engine::open(&options)?, options, false))
+    }
+
+    fn with(engine: Option<Engine>, options: GpuOptions, is_reference: bool) -> Renderer {
+        Renderer { engine, options, is_reference, sequence: Sequence::default(), last: None }
+    }
+
+    /// Opens the adapter again. Nothing is on it then: what the next image needs is sent anew. A renderer whose device has failed, as for want of
+    /// memory, does so by itself at its next image.
+    ///
+    /// # Errors
+    /// [`Error::Work`] if the adapter cannot be used any more.
+    pub fn reopen(&mut self) -> Result<()> {
+        let Some(engine) = &self.engine else { return Ok(()) };
+        // its memory is free before more is taken
+        (self.sequence, self.last) = (Sequence::default(), None);
+        let gone = || Error::work(format!("adapter {}: it is not there any more", engine.gpu.info.name));
+        let opened = Engine::open(&self.options)?.ok_or_else(gone)?;
+        self.engine = Some(opened);
+        Ok(())
+    }
+
+    /// Opens the adapter again if its device has failed.
+    pub(super) fn recover(&mut self) -> Result<()> {
+        let has_failed = self.engine.as_ref().is_some_and(|engine| engine.gpu.failure().is_err());
+        if has_failed { self.reopen() } else { Ok(()) }
     }
 
     /// The adapter's name; `None` for the reference.
@@ -147,6 +174,7 @@ impl Renderer {
         let wanted = options.wanted()?;
         let (scene, camera) = (&scene.scene, &camera.camera);
         check_memory(camera.width, camera.height, wanted.channels.len() + 3, 0)?;
+        self.recover()?;
         let rendered = self.render_frame(scene, camera, &wanted, options.samples)?;
         let device = self.device_of(&RenderJob::of(""));
         let mut report = Report::new(device, scene, camera, &rendered, None);
@@ -219,4 +247,27 @@ pub fn check(scene: &Scene, camera: &Camera, frame: &Frame) -> Result<Comparison
     }
     let truth = crate::reference::image::judge(&scene.scene, &camera.camera, frame);
     compare(frame, &truth.truth, Some(&truth.safe), Some(&truth.scales))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_failed_is_opened_again() {
+        let scene = "image = { width = 8, height = 6 }\nmesh = [{ builtin = \"box\" }]\n\
+                     camera = { kind = \"pinhole\", eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }";
+        let scene = Scene::parse(scene, ".").unwrap();
+        let camera = scene.camera().unwrap();
+        let mut renderer = Renderer::new().unwrap();
+        let options = RenderOptions { channels: vec![Channel::T], ..RenderOptions::default() };
+        let first = renderer.render(&scene, &camera, &options).unwrap().frame;
+        let Some(engine) = &renderer.engine else { return };
+        engine.gpu.failed("its memory is full".into());
+        assert!(engine.gpu.failure().is_err());
+        assert_eq!(renderer.render(&scene, &camera, &options).unwrap().frame, first);
+        assert!(renderer.engine.as_ref().is_some_and(|engine| engine.gpu.failure().is_ok()));
+        renderer.reopen().unwrap();
+        assert_eq!(renderer.render_many(&scene, &[camera], &options).unwrap().planes, first.planes);
+    }
 }

@@ -100,6 +100,7 @@ impl Renderer {
             what,
             "render fewer at once",
         )?;
+        self.recover()?;
         let cameras: Vec<Arc<Rays>> = cameras.iter().map(|camera| camera.camera.clone()).collect();
         let (jobs, why) = match self.stacked(scene, &cameras, &wanted, options.samples) {
             Ok(jobs) => (jobs, None),

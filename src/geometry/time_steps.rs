@@ -12,6 +12,9 @@ pub const TIMES_MAX: usize = 1 << 8;
 /// the same number in f32 and f64.
 const PARTS: u32 = 1 << 24;
 
+/// Of the size of a position that two interpolations between others gave, each with up to eight roundings.
+const STRAIGHT_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// A mesh at several times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeSteps {
@@ -118,14 +121,16 @@ impl TimeSteps {
     }
 
     /// The mesh as it moves already, if it does, and a run of its vertices by itself: at each of these times, ascending, as many positions as
-    /// the run has vertices; constant before the first and after the last time. `None` if nothing moves.
+    /// the run has vertices; constant before the first and after the last time. Times at which the run alone moved otherwise are left out.
+    /// `None` if nothing moves.
     pub fn with(
         before: Option<&TimeSteps>,
         mesh: &Mesh,
         vertices: Range<usize>,
         (times, positions): (&[f64], &[Vec<DVec3>]),
     ) -> Option<TimeSteps> {
-        let mut all: Vec<f64> = before.into_iter().flat_map(|b| &b.times).chain(times).copied().collect();
+        let needed = before.map_or_else(Vec::new, |b| b.needed_times(mesh, &vertices));
+        let mut all: Vec<f64> = needed.iter().chain(times).copied().collect();
         all.sort_by(f64::total_cmp);
         all.dedup();
         let count = vertices.end.max(before.map_or(0, |b| b.steps[0].positions.len()));
@@ -143,6 +148,46 @@ impl TimeSteps {
         };
         let steps = all.iter().map(step).collect();
         TimeSteps::new(all, steps)
+    }
+
+    /// The times at which vertices other than these, or normals, do not move on straight as before: none where they stand still.
+    fn needed_times(&self, mesh: &Mesh, but: &Range<usize>) -> Vec<f64> {
+        let others = || (0..self.steps[0].positions.len()).filter(|v| !but.contains(v));
+        let normals = 0..self.steps[0].normals.len() as u32;
+        let is_same = |a: usize, b: usize| {
+            let [a, b] = [a, b].map(|k| k as u32);
+            others().all(|v| self.position(mesh, v as u32, a) == self.position(mesh, v as u32, b))
+                && normals.clone().all(|n| self.normal(mesh, n, a) == self.normal(mesh, n, b))
+        };
+        let is_between = |a: usize, k: usize, b: usize| {
+            let share = (self.times[k] - self.times[a]) / (self.times[b] - self.times[a]);
+            let is_straight = |v: usize| {
+                let [p, q, r] = [a, k, b].map(|k| self.position(mesh, v as u32, k as u32));
+                let reach = p.abs().max(r.abs()).max_element();
+                (q - (p + share * (r - p))).abs().max_element() <= STRAIGHT_ROUNDING * reach
+            };
+            let is_steady = |n: u32| {
+                let [p, q, r] = [a, k, b].map(|k| self.normal(mesh, n, k as u32));
+                p == q && q == r
+            };
+            others().all(is_straight) && normals.clone().all(is_steady)
+        };
+        let mut kept: Vec<usize> = (0..self.times.len()).collect();
+        let mut at = 0;
+        while at < kept.len() {
+            let [before, after] = [at.checked_sub(1), Some(at + 1)].map(|k| k.and_then(|k| kept.get(k).copied()));
+            let is_left_out = match (before, after) {
+                (Some(a), Some(b)) => is_between(a, kept[at], b),
+                (None, Some(other)) | (Some(other), None) => is_same(other, kept[at]),
+                (None, None) => true,
+            };
+            if is_left_out {
+                kept.remove(at);
+            } else {
+                at += 1;
+            }
+        }
+        kept.into_iter().map(|k| self.times[k]).collect()
     }
 
     fn exact_normal(&self, mesh: &Mesh, normal: u32, time: f64) -> Vec3 {
@@ -284,6 +329,27 @@ mod tests {
             assert_eq!(at(2, time), p, "{time}");
         }
         assert_eq!(at(0, 1.7), DVec3::ZERO);
+    }
+
+    #[test]
+    fn times_of_an_earlier_movement_are_forgotten() {
+        let mesh = Mesh { positions: vec![DVec3::ZERO, DVec3::Y], ..Mesh::default() };
+        // one vertex moves for good, and not straight
+        let turns = [DVec3::Y, DVec3::new(0.3, 0.7, 0.1), DVec3::X].map(|p| vec![p]);
+        let mut steps = TimeSteps::with(None, &mesh, 1..2, (&[0.0, 0.7, 1000.0], &turns)).unwrap();
+        for k in 0..600 {
+            let (from, to) = (f64::from(k), f64::from(k) + 1.1);
+            let moves = [from, to].map(|x| vec![x * DVec3::X]);
+            steps = TimeSteps::with(Some(&steps), &mesh, 0..1, (&[from, to], &moves)).unwrap();
+            assert!(steps.count() <= 5, "{k}: {:?}", steps.times);
+        }
+        let at = |time: f64| steps.position_at(&mesh, 1, steps.moment(time));
+        for (time, expected) in [(0.0, DVec3::Y), (0.7, turns[1][0]), (1000.0, DVec3::X)] {
+            assert!((at(time) - expected).length() < 1e-12, "{time}: {}", at(time));
+        }
+        // of one that stands still again nothing is left
+        let still = TimeSteps::with(Some(&steps), &mesh, 0..1, (&[0.0], &[vec![DVec3::ZERO]])).unwrap();
+        assert_eq!(still.times, [0.0, 0.7, 1000.0]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::lines;
 use super::messages::{Header, Quality, Times};
 use super::session::{At, Inspection, Job, Session, Work};
 use crate::camera::Camera;
+use crate::camera::exposure::Exposure;
 use crate::engine::plan::Wanted;
 use crate::engine::planned::Planned;
 use crate::engine::sequence::Sequence;
@@ -96,7 +97,11 @@ impl Loader {
             }
         };
         let is_black = scene.background == [0.0; 3];
-        let steps = scene.steps.as_ref().map(|steps| Arc::new(steps.after(&base.mesh)));
+        // where the text moves nothing, what moves in `base` does; the text's own vertices stand still then
+        let steps = match &scene.steps {
+            Some(steps) => Some(Arc::new(steps.after(&base.mesh))),
+            None => base.steps.clone(),
+        };
         Ok(Scene {
             steps,
             mesh,
@@ -113,6 +118,7 @@ impl Loader {
             background: if is_black { base.background } else { scene.background },
             tone: if scene.tone == Tone::default() { base.tone } else { scene.tone },
             caustics: scene.caustics.or_else(|| base.caustics.clone()),
+            exposure: if scene.exposure == Exposure::default() { base.exposure.clone() } else { scene.exposure },
             ..scene
         })
     }

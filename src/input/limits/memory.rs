@@ -43,13 +43,23 @@ fn too_large(bytes: u64, free: u64, what: impl std::fmt::Display, advice: &str) 
 
 fn free_here() -> Option<u64> {
     let machine = field(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
-    let number = |name: &str| {
-        let text = std::fs::read_to_string(Path::new("/sys/fs/cgroup").join(name)).ok()?;
-        text.trim().parse::<u64>().ok()
-    };
-    let group = number("memory.max").zip(number("memory.current")).map(|(most, now)| most.saturating_sub(now));
+    let text = |name: &str| std::fs::read_to_string(Path::new("/sys/fs/cgroup").join(name)).ok();
+    let number = |name: &str| text(name)?.trim().parse::<u64>().ok();
+    // pages of files that were read or written count as used, and are given back when memory is needed
+    let files = text("memory.stat").map_or(0, |stat| file_pages(&stat));
+    let group = number("memory.max").zip(number("memory.current"));
+    let group = group.map(|(most, now)| most.saturating_sub(now.saturating_sub(files)));
     let own = address_space().zip(status("VmSize:")).map(|(most, now)| most.saturating_sub(now));
     Some([group, own].into_iter().flatten().fold(machine, u64::min))
+}
+
+/// Bytes of the pages of files, by a control group's `memory.stat`. Those in memory alone (`shmem`) are not among them.
+fn file_pages(stat: &str) -> u64 {
+    let lines = stat.lines().filter_map(|line| line.split_once(' '));
+    lines
+        .filter(|(key, _)| ["active_file", "inactive_file"].contains(key))
+        .filter_map(|(_, n)| n.parse::<u64>().ok())
+        .sum()
 }
 
 /// The limit of the process's address space in bytes (`ulimit -v`).
@@ -82,6 +92,13 @@ mod tests {
              --no-limits"
         );
         assert_eq!(error.exit_code(), 1);
+    }
+
+    #[test]
+    fn pages_of_files_are_not_used_up() {
+        let stat =
+            "anon 1000\nfile 700\nshmem 100\ninactive_anon 5\nactive_anon 6\ninactive_file 400\nactive_file 200\n";
+        assert_eq!((file_pages(stat), file_pages("")), (600, 0));
     }
 
     #[test]

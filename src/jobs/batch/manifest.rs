@@ -20,11 +20,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The finished frames of a list.
 pub struct Manifest {
-    /// Opened for appending, and locked against other programs.
-    own: Mutex<File>,
-    /// The files of all lines; this manifest's own is the last.
+    /// The files of all lines. This manifest's own is the last: opened for appending too, and locked against other programs, of which some
+    /// systems' locks also keep other handles of this one.
     files: Vec<(PathBuf, Mutex<File>)>,
-    /// The last line of a frame, by its first output.
+    /// The last line of a frame, by its [`key`].
     lines: Mutex<HashMap<u64, Line>>,
     hashes: Mutex<HashMap<PathBuf, (Stamp, String)>>,
 }
@@ -144,12 +143,12 @@ impl Manifest {
                 }
             }
         }
-        files.push((path.to_owned(), Mutex::new(File::open(path).map_err(failed)?)));
+        files.push((path.to_owned(), Mutex::new(own)));
         for (k, (path, file)) in files.iter().enumerate() {
             read_lines(k, &lock(file), &mut lines, Counts::Newest).map_err(|e| failure(path, &e))?;
         }
         let (lines, hashes) = (Mutex::new(lines), Mutex::default());
-        Ok(Manifest { own: Mutex::new(own), files, lines, hashes })
+        Ok(Manifest { files, lines, hashes })
     }
 
     /// The status of a frame by the present list and input files.
@@ -232,9 +231,10 @@ impl Manifest {
     }
 
     fn append(&self, task: &Task, done: &Done) -> Result<()> {
-        let failed = |e: io::Error| failure(&self.files[self.files.len() - 1].0, &e);
+        let (path, own) = &self.files[self.files.len() - 1];
+        let failed = |e: io::Error| failure(path, &e);
         let text = serde_json::to_string(done).map_err(|e| Error::work(format!("manifest as JSON: {e}")))? + "\n";
-        let mut own = lock(&self.own);
+        let mut own = lock(own);
         let start = own.seek(SeekFrom::End(0)).map_err(failed)?;
         if let Err(e) = own.write_all(text.as_bytes()) {
             // remove an incomplete line before the next one
@@ -333,9 +333,19 @@ fn as_json(error: &Judged) -> Result<serde_json::Value> {
     serde_json::to_value(error).map_err(|e| Error::work(format!("an error as JSON: {e}")))
 }
 
-/// Identifies a frame: its first output, which no other frame writes.
+/// Identifies a frame: its first output that no other frame writes; several may write to one device, such as `/dev/null`. Without any,
+/// its settings.
 fn key(task: &Task) -> Result<u64> {
-    Ok(task.outputs()?.first().map_or(0, |path| key_of(&task.short(path))))
+    match task.outputs()?.iter().find(|path| path.is_file() || !path.exists()) {
+        Some(path) => Ok(key_of(&task.short(path))),
+        None => Ok(key_of_settings(&task.settings()?)),
+    }
+}
+
+fn key_of_settings(settings: &[String]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    settings.hash(&mut hasher);
+    hasher.finish()
 }
 
 pub fn key_of(path: &Path) -> u64 {
@@ -372,10 +382,15 @@ fn read_lines(k: usize, file: &File, lines: &mut HashMap<u64, Line>, counts: Cou
         if let Ok(Head { outputs, settings, made_ms, ms }) = serde_json::from_slice(&text) {
             // outputs are words of the settings, in their order
             let first = settings.iter().map(Path::new).find(|word| outputs.contains_key(*word));
-            if let Some(first) = first {
+            let key = match first {
+                Some(first) => Some(key_of(first)),
+                None => outputs.is_empty().then(|| key_of_settings(&settings)),
+            };
+            if let Some(key) = key {
                 let own = Line { file: k, start, ms: ms as f32, made_ms };
-                let kept = lines.entry(key_of(first)).or_insert(own);
-                if counts == Counts::Newest && kept.made_ms <= made_ms {
+                let kept = lines.entry(key).or_insert(own);
+                // of one file the last line counts, whatever the clock said
+                if counts == Counts::Newest && (kept.file == k || kept.made_ms <= made_ms) {
                     *kept = own;
                 }
             }
