@@ -62,7 +62,7 @@
 //! #   camera = { kind = "fisheye", eye = [0, 0, 4], target = [0, 0, 0], fov = 120 }
 //! # "#, ".")?;
 //! # let camera = scene.camera()?;
-//! let images = anamorph::project(&camera, &[[0.0, 0.0, 0.0], [1.0, 0.5, 0.0]]);
+//! let images = anamorph::project(&camera, &[[0.0, 0.0, 0.0], [1.0, 0.5, 0.0]])?;
 //! assert!(images.iter().all(|of_point| !of_point.images.is_empty()));
 //!
 //! let options = RenderOptions { channels: camera.channels(), ..Default::default() };

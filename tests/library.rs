@@ -139,7 +139,7 @@ fn a_point_is_shown_where_its_ray_is() {
     let camera: Camera = scene.camera().unwrap();
     let [origin, direction] = camera.ray(10, 20).unwrap();
     let point = [0, 1, 2].map(|k| origin[k] + 3.0 * direction[k]);
-    let images = anamorph::project(&camera, &[point]);
+    let images = anamorph::project(&camera, &[point]).unwrap();
     let [image] = &images[0].images[..] else { panic!("{images:?}") };
     // pixel centres; a few roundings of coordinates up to 48
     assert!((image.x - 10.5).abs() < 1e-9 && (image.y - 20.5).abs() < 1e-9 && (image.t - 3.0).abs() < 1e-9);

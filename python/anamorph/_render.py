@@ -262,6 +262,9 @@ def project(
         camera: the camera.
         points: (N, 3), world units.
         size: width and height of the image, pixels.
+
+    Raises:
+        ValueError: the camera has a mirror or a lens.
     """
     own = camera._bind(scene or Scene(), size)
     found = _native.project(own, array(points, np.float64, 3, "points"))

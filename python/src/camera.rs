@@ -116,7 +116,7 @@ pub fn project(
     points: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Vec<(Vec<Place>, Option<&'static str>)>> {
     let (camera, points) = (camera.camera.clone(), rows::<f64, 3>(&points));
-    let all = run(py, move || Ok(anamorph::project(&camera, &points)))?;
+    let all = run(py, move || anamorph::project(&camera, &points))?;
     let place = |image: &anamorph::Image| (image.x, image.y, image.t, image.piece);
     Ok(all.iter().map(|of| (of.images.iter().map(place).collect(), of.degenerate.map(|d| d.name()))).collect())
 }

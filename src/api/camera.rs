@@ -1,6 +1,7 @@
 //! Cameras, and projection of points.
 
 use super::Scene;
+use super::project::refuse_optics;
 use crate::camera::Field;
 use crate::camera::kinds::raymap::RayArrays;
 use crate::camera::kinds::{KINDS, calibrated};
@@ -128,7 +129,11 @@ pub fn colmap_images(folder: impl AsRef<Path>) -> Result<Vec<String>> {
 }
 
 /// All images of each point (world units): every place whose ray, or curve, passes through it.
-pub fn project(camera: &Camera, points: &[[f64; 3]]) -> Vec<Images> {
+///
+/// # Errors
+/// [`Error::Input`] for a camera with a mirror or a lens.
+pub fn project(camera: &Camera, points: &[[f64; 3]]) -> Result<Vec<Images>> {
+    refuse_optics(camera)?;
     let points: Vec<DVec3> = points.iter().map(|point| DVec3::from_array(*point)).collect();
-    Projector::project_all(&camera.camera, &points)
+    Ok(Projector::project_all(&camera.camera, &points))
 }

@@ -134,6 +134,9 @@ impl Scene {
         match normals {
             // none are left after set_vertices
             Some(normals) if normals.len() == rest.normals.len() => {
+                if let Some(steps) = &mut self.scene.steps {
+                    Arc::make_mut(steps).set_normals(rest.normals.clone(), &normals);
+                }
                 mesh.normals[rest.normals.clone()].copy_from_slice(&normals);
             }
             _ => {

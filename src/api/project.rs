@@ -62,7 +62,7 @@ pub fn splat(camera: &Camera, points: &[[f64; 3]], device: &Device) -> Result<Sp
     splat::splat(&camera.camera, &vectors(points), gpu.as_ref())
 }
 
-fn refuse_optics(camera: &Camera) -> Result<()> {
+pub(super) fn refuse_optics(camera: &Camera) -> Result<()> {
     match camera.camera.optics {
         None => Ok(()),
         Some(_) => Err(Error::input(format!("camera: {} reflects or refracts rays; use another kind", camera.kind()))),

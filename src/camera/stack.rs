@@ -38,6 +38,7 @@ pub fn can_stack(cameras: &[Arc<Camera>]) -> Result<(), &'static str> {
         }
         _ if camera.optics.is_some() => Some("a camera looks at a mirror or lens"),
         _ if camera.composition.is_some() => Some("a camera is a composite"),
+        _ if camera.moving.is_some() => Some("a camera moves while an image is taken"),
         [Rays::Curves(_)] => Some("the rays of a camera are curved"),
         [] | [_, _, ..] => Some("a camera has several layers of rays"),
         _ if camera.t_range != cameras[0].t_range => Some("the cameras differ in their range of t"),

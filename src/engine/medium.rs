@@ -50,7 +50,7 @@ pub fn medium(volume: &Volume, scene: &Scene, plan: &Plan) -> Medium {
         corner_rate: errors.corner_rate as f32,
         value_error: errors.value_error as f32,
         place_error: errors.place_error as f32,
-        headlight: u32::from(volume.is_lit && scene.lights.is_empty() && scene.sky.is_none()),
+        headlight: u32::from(volume.is_lit && scene.has_headlight()),
         point: table.point,
         slope: table.slope,
         value: table.value,

@@ -57,8 +57,18 @@ impl TimeSteps {
     /// From times and the mesh at each; `None` if there are less than two, or nothing moves.
     pub fn new(times: Vec<f64>, steps: Vec<TimeStep>) -> Option<TimeSteps> {
         let moves = steps.iter().skip(1).any(|step| step.positions != steps[0].positions);
+        moves.then(|| TimeSteps::all(times, steps))
+    }
+
+    /// The same of a mesh that lies at `own` where it has no time; `None` if it does at all of these times.
+    pub fn beside(own: &Mesh, times: Vec<f64>, steps: Vec<TimeStep>) -> Option<TimeSteps> {
+        let moves = times.len() > 1 && steps.iter().any(|step| step.positions != own.positions);
+        moves.then(|| TimeSteps::all(times, steps))
+    }
+
+    fn all(times: Vec<f64>, steps: Vec<TimeStep>) -> TimeSteps {
         debug_assert!(times.len() == steps.len() && times.len() <= TIMES_MAX && times.is_sorted());
-        moves.then_some(TimeSteps { times, steps })
+        TimeSteps { times, steps }
     }
 
     pub fn count(&self) -> u32 {
@@ -188,6 +198,15 @@ impl TimeSteps {
             }
         }
         kept.into_iter().map(|k| self.times[k]).collect()
+    }
+
+    /// These normals are the same at all times.
+    pub fn set_normals(&mut self, range: Range<usize>, normals: &[Vec3]) {
+        for step in &mut self.steps {
+            if let Some(own) = step.normals.get_mut(range.clone()) {
+                own.copy_from_slice(normals);
+            }
+        }
     }
 
     fn exact_normal(&self, mesh: &Mesh, normal: u32, time: f64) -> Vec3 {

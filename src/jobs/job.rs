@@ -2,8 +2,8 @@
 
 use super::options::{Gradients, Named};
 use crate::camera::Camera;
-use crate::engine::Method;
 use crate::engine::rival::Choice;
+use crate::engine::{Method, RunOptions};
 use crate::geometry::texture::ImagesRead;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -73,6 +73,11 @@ pub struct RenderJob {
 }
 
 impl RenderJob {
+    /// How a single frame of it is rendered.
+    pub(crate) fn run_options(&self) -> RunOptions {
+        RunOptions { no_cull: self.no_cull, method: self.method, ..RunOptions::default() }
+    }
+
     /// A render of a scene without outputs.
     pub fn of(scene: impl Into<PathBuf>) -> RenderJob {
         RenderJob {

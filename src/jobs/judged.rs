@@ -3,9 +3,9 @@
 use super::backend::Backend;
 use super::job::RenderJob;
 use crate::camera::Camera;
+use crate::engine::Rendered;
 use crate::engine::plan::Wanted;
 use crate::engine::report::Judged;
-use crate::engine::{Rendered, RunOptions};
 use crate::image::compare::compare;
 use crate::image::frame::Channel;
 use crate::input::Result;
@@ -21,7 +21,7 @@ pub fn render(job: &RenderJob, backend: &mut Backend, scene: &Scene, camera: &Ar
     }
     let channels = if job.check { camera.channels() } else { vec![Channel::TriangleId] };
     let wanted = Wanted { counting, ..Wanted::of(channels) };
-    let run = RunOptions { no_cull: job.no_cull, method: job.method, ..Default::default() };
+    let run = job.run_options();
     backend.render(scene, camera, &wanted, &run).map(Some)
 }
 

@@ -194,7 +194,7 @@ impl Work {
         let samples = if at_once { job.samples } else { 1 };
         backend.check_size(camera, &Wanted { samples, ..wanted.clone() })?;
         if let (Some(row_bytes), Backend::Compute(engine, None)) = (self.strips, &mut *backend) {
-            let run = RunOptions { no_cull: job.no_cull, method: job.method, ..Default::default() };
+            let run = job.run_options();
             let wanted = &Wanted { samples, ..wanted.clone() };
             let (color, exr) = (self.files.color.as_deref(), self.files.exr.as_deref());
             let rendered = Strips { scene, camera, wanted, run, row_bytes, color, exr }.render(engine)?;
@@ -204,8 +204,7 @@ impl Work {
             self.check_whole()?;
         }
         let mut mattes = self.mattes();
-        let (repeat, moving, no_cull) = (job.repeat.unwrap_or(0), job.moving, job.no_cull);
-        let run = RunOptions { repeat, moving, no_cull, method: job.method, ..Default::default() };
+        let run = RunOptions { repeat: job.repeat.unwrap_or(0), moving: job.moving, ..job.run_options() };
         let rendered = samples::render(backend, scene, camera, wanted, job.samples, &run, &mut mattes)?;
         let extra = judged::render(job, backend, scene, camera)?;
         let gradients = self.gradients(backend, &rendered)?;
@@ -234,7 +233,7 @@ impl Work {
             return Ok(None);
         };
         planner.check_size(camera, &wanted)?;
-        let run = RunOptions { no_cull: job.no_cull, method: job.method, ..Default::default() };
+        let run = job.run_options();
         planner.plan(scene, camera.clone(), &wanted, &run, last).map(Some)
     }
 

@@ -1,9 +1,10 @@
 //! One pixel as text.
 
+use super::bounces::Outcome;
 use super::composed::Composed;
 use super::lens::own_for_few;
 use super::path::{Path, Segment};
-use super::{Finding, Reference};
+use super::{Finding, Reference, Seen};
 use crate::camera::Camera;
 use crate::camera::kinds::composite::composition::Composition;
 use crate::geometry::mesh::Mesh;
@@ -27,15 +28,21 @@ pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> Explained {
     if let Some(composition) = camera.layered() {
         return explain_each(scene, composition, (i, j));
     }
-    let camera = &*own_for_few(camera);
+    let (scene, camera) = (&*scene.with_optics(camera), &*own_for_few(camera));
     let path = Path::of_pixel(camera, i, j);
-    let finding = Reference::of_scene(scene).at(scene.moment(camera, (i, j))).finding(camera, &path, (i, j));
+    let reference = Reference::of_scene(scene).at(scene.moment(camera, (i, j)));
+    let finding = reference.finding(camera, &path, (i, j));
+    let shown = match camera.optics {
+        Some(_) => reference.shown(camera, path),
+        None => Outcome::of_eye(finding.seen, path),
+    };
     let mut text = format!("pixel {i},{j}\n");
     // writing to a String cannot fail
     let _ =
-        write_path(&mut text, &path).and_then(|()| write_finding(&mut text, (&scene.mesh, camera), &path, &finding));
-    let point = finding.seen.and_then(|seen| Some(path.segments[seen.layer]?.1.point(seen.hit.t)));
-    Explained { text, triangle: finding.seen.map(|seen| seen.hit.triangle), point }
+        write_path(&mut text, &shown).and_then(|()| write_finding(&mut text, (&scene.mesh, camera), &shown, &finding));
+    let segment = |seen: &Seen| shown.path.segments.get(seen.layer).copied().flatten();
+    let point = shown.seen.and_then(|seen| Some(segment(&seen)?.1.point(seen.hit.t)));
+    Explained { text, triangle: shown.seen.map(|seen| seen.hit.triangle), point }
 }
 
 /// What each camera of a composite sees, and which one is seen.
@@ -59,7 +66,12 @@ fn explain_each(scene: &Scene, composition: &Composition, (i, j): (u32, u32)) ->
     Explained { text, triangle: own.as_ref().and_then(|e| e.triangle), point: own.and_then(|e| e.point) }
 }
 
-fn write_path(text: &mut String, path: &Path) -> std::fmt::Result {
+/// Behind a mirror or lens each bounced ray is one more segment.
+fn write_path(text: &mut String, shown: &Outcome) -> std::fmt::Result {
+    let path = &shown.path;
+    if let Some(first) = shown.first {
+        writeln!(text, "bounces: {}, the first at triangle {first}", shown.bounces)?;
+    }
     for (layer, segment) in path.segments.iter().enumerate() {
         if path.segments.len() > 1 {
             writeln!(text, "layer: {layer}")?;
@@ -82,10 +94,10 @@ fn write_path(text: &mut String, path: &Path) -> std::fmt::Result {
 fn write_finding(
     text: &mut String,
     (mesh, camera): (&Mesh, &Camera),
-    path: &Path,
+    Outcome { path, seen, .. }: &Outcome,
     finding: &Finding,
 ) -> std::fmt::Result {
-    match finding.seen {
+    match seen {
         None => writeln!(text, "hit: none")?,
         Some(seen) => {
             let (h, [u, v]) = (seen.hit, seen.hit.bary);
@@ -94,7 +106,7 @@ fn write_finding(
                 false => writeln!(text, "hit: triangle {}, t {}, bary {u} {v}", h.triangle, seen.t())?,
             }
             if path.segments.len() > 1 || camera.is_curved() {
-                writeln!(text, "at: layer {}, piece {}, Z {}", seen.layer, seen.piece, path.depth(&seen))?;
+                writeln!(text, "at: layer {}, piece {}, Z {}", seen.layer, seen.piece, path.depth(seen))?;
             }
         }
     }

@@ -76,7 +76,7 @@ impl<'a> Medium<'a> {
         let mut medium = Medium { volume, to_grid: volume.grid.to_world.inverse(), light: NodeLight::None };
         if volume.is_lit {
             let normals = medium.normals();
-            medium.light = match scene.lights.is_empty() && scene.sky.is_none() {
+            medium.light = match scene.has_headlight() {
                 true => NodeLight::Headlight(normals),
                 false => NodeLight::Given(medium.lit(scene, &normals)),
             };

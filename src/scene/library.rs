@@ -268,7 +268,7 @@ impl Library {
         };
         let steps = file.steps.iter().map(step).collect::<Result<_>>()?;
         let times = file.steps.iter().map(|step| step.time).collect();
-        Ok(TimeSteps::new(times, steps).map(Arc::new))
+        Ok(TimeSteps::beside(mesh, times, steps).map(Arc::new))
     }
 
     /// A mesh in the world, and its objects: one, or one for each copy.

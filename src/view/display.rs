@@ -123,9 +123,14 @@ fn depths(z: &[f32]) -> Colours {
 /// How many triangles each pixel's ray meets, and how often it enters or leaves spheres.
 fn overdraw(scene: &Scene, camera: &Camera) -> Result<Colours> {
     let is_plain = camera.layers.len() == 1 && camera.optics.is_none() && !matches!(camera.layers[0], Rays::Curves(_));
-    if !is_plain {
+    if !is_plain || camera.layered().is_some() {
         return Err(Error::input(
-            "depth complexity: needs a camera of one layer of straight rays, without mirrors or lenses; choose another channel",
+            "depth complexity: needs a camera of one layer of straight rays, without mirrors, lenses or composites by depth; choose another channel",
+        ));
+    }
+    if scene.steps.is_some() {
+        return Err(Error::input(
+            "depth complexity: needs a scene that stands still while a frame is taken; choose another channel",
         ));
     }
     let (width, height) = (camera.width, camera.height);

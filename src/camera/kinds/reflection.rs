@@ -257,6 +257,15 @@ impl Optical {
                 format!("{kind} looks at a mirror or lens itself; use a camera that looks at the scene"),
             );
         }
+        if eye.layered().is_some() {
+            return refused(
+                "eye",
+                format!("a {kind} with master or feather has several rays per pixel; use one of its cameras"),
+            );
+        }
+        if eye.composition.is_some() && eye.t_range != [0.0, f64::INFINITY] {
+            return refused("eye", format!("cameras of this {kind} have a t_range; leave it out"));
+        }
         if !eye.is_curved_or_layered() {
             return Ok(());
         }

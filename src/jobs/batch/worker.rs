@@ -3,11 +3,11 @@
 use super::list::Task;
 use super::run::{Run, guarded};
 use super::slots::Slot;
+use crate::engine::Engine;
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::readback::{InFlight, Readback};
 use crate::engine::report::Device;
 use crate::engine::sequence::Sequence;
-use crate::engine::{Engine, RunOptions};
 use crate::gpu::device::{GpuOptions, NO_ADAPTER, adapters};
 use crate::gpu::needs::lacks;
 use crate::input::files::Inputs;
@@ -287,7 +287,7 @@ impl Driver<'_> {
                 return Ok(Launched::Not);
             }
             let Some(engine) = self.engine.as_mut() else { return Err(Error::work(NO_ADAPTER)) };
-            self.sequence.upload(engine, planned, &RunOptions::default())?;
+            self.sequence.upload(engine, planned, &next.work.job().run_options())?;
         }
         let Some(engine) = self.engine.as_mut() else { return Err(Error::work(NO_ADAPTER)) };
         Ok(Launched::InFlight(Box::new(self.sequence.start(engine, planned.clone())?)))

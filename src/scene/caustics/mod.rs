@@ -130,13 +130,21 @@ impl Caustics {
     pub fn counting(&self, scene: &Scene) -> (Scene, Camera) {
         let optics = Optics { tint: COUNTING_TINT, base: [1.0; 3], ..(*self.optics).clone() };
         let camera = Camera { optics: Some(Arc::new(optics)), ..self.light.clone() };
-        let mut white =
-            Scene { background: [1.0; 3], caustics: None, sky: None, style: Default::default(), ..scene.clone() };
+        let mut white = Scene {
+            background: [1.0; 3],
+            caustics: None,
+            sky: None,
+            volume: None,
+            style: Default::default(),
+            ..scene.clone()
+        };
         // no light but that from everywhere
         white.lights = vec![Light { source: Source::Distant(DVec3::ZERO), ..Light::distant(DVec3::X) }];
         white.projector_lights = Vec::new();
         white.ambient_occlusion = None;
-        for material in &mut Arc::make_mut(&mut white.mesh).materials {
+        let mesh = Arc::make_mut(&mut white.mesh);
+        mesh.clear_colors();
+        for material in &mut mesh.materials {
             *material = Material {
                 diffuse: [1.0 / crate::scene::light::AMBIENT; 3],
                 two_sided: material.two_sided,

@@ -33,6 +33,10 @@ pub(super) fn steps(keyed: &Node, source: &Source, file: &SceneFile, frame: f64)
     times.extend([first, last]);
     times.sort_by(f64::total_cmp);
     times.dedup();
+    if times.len() == 1 {
+        // all at one time, which is not the frame's own
+        times.push(last + 1.0);
+    }
     let ends = times.iter().map(|t| at(*t)).collect::<Result<Vec<_>>>()?;
     let ways: Vec<(f64, f64, u32)> = ends
         .windows(2)
@@ -53,7 +57,7 @@ pub(super) fn steps(keyed: &Node, source: &Source, file: &SceneFile, frame: f64)
         )));
     }
     let part = |(from, to, parts)| (0..parts).map(move |k| from + (to - from) * f64::from(k) / f64::from(parts));
-    ways.into_iter().flat_map(part).chain([last]).map(at).collect()
+    ways.into_iter().flat_map(part).chain(times.last().copied()).map(at).collect()
 }
 
 fn entry<'a>(root: &'a Node, key: &str) -> Option<&'a Node> {

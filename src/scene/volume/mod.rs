@@ -113,7 +113,7 @@ impl Grid {
     /// The factor of the volume's colour at each node by the lights of a scene: `None` if it has none but the headlight, whose factor
     /// [`headlight`] depends on the ray.
     pub fn lit(&self, scene: &Scene) -> Option<Vec<DVec3>> {
-        if scene.lights.is_empty() && scene.sky.is_none() {
+        if scene.has_headlight() {
             return None;
         }
         Some(self.each_node(|node| {

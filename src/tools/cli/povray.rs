@@ -37,11 +37,21 @@ const IDS_MAX: usize = (1 << 24) - 1;
 ///
 /// # Errors
 /// [`Error::Input`] for cameras that POV-Ray cannot express: curves, several layers, optics, a `t_range` that starts at
-/// -inf or ends some rays sooner than others, spheres, more triangles than a colour has values; [`Error::Write`] naming `path`.
+/// -inf or ends some rays sooner than others, composites with `master` or `feather`, spheres, alpha masks, things that move while the frame is
+/// taken, more triangles than a colour has values; [`Error::Write`] naming `path`.
 pub fn write(path: &Path, scene: &Scene, camera: &Camera) -> Result<()> {
     let refuse = |why: String| Error::input(format!("--export-povray: {why}"));
     if scene.mesh.has_spheres() {
         return Err(refuse("only triangles are written; leave out [[spheres]]".into()));
+    }
+    if scene.steps.is_some() {
+        return Err(refuse("things move while the frame is taken; make shutter and line_time 0".into()));
+    }
+    if scene.mesh.has_alpha_masks() {
+        return Err(refuse("the colour of a triangle is its id, so that alpha masks are lost; remove them".into()));
+    }
+    if camera.layered().is_some() {
+        return Err(refuse("a composite with master or feather has several rays per pixel; use another camera".into()));
     }
     let triangles = scene.mesh.triangles.len();
     if triangles > IDS_MAX {
