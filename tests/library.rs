@@ -143,6 +143,10 @@ fn a_point_is_shown_where_its_ray_is() {
     let [image] = &images[0].images[..] else { panic!("{images:?}") };
     // pixel centres; a few roundings of coordinates up to 48
     assert!((image.x - 10.5).abs() < 1e-9 && (image.y - 20.5).abs() < 1e-9 && (image.t - 3.0).abs() < 1e-9);
+    let mirror = "kind = 'reflection'\nmirror = { shape = 'sphere', center = [0, 0, 0], radius = 1 }\n\
+                  eye = { kind = 'pinhole', eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }";
+    let mirror = Camera::parse(mirror, ".", &scene, Some((8, 6))).unwrap();
+    assert!(anamorph::project(&mirror, &[point]).unwrap_err().to_string().contains("reflects or refracts"));
     assert_eq!((camera.ray(48, 0), camera.kind(), camera.width(), camera.height()), (None, "pinhole", 48, 36));
 }
 
@@ -292,6 +296,21 @@ fn objects_move_and_come_back() {
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     scene.move_object("ball", identity).unwrap();
     assert!(seen(&scene) == at_rest);
+
+    // the same beside something that moves while the image is taken
+    let timed = |places: &str| {
+        let moves =
+            "builtin = \"box\"\ntranslate = [{ frame = 0, value = [0, 0, -9] }, { frame = 1, value = [1, 0, -9] }]";
+        let camera = "kind = \"pinhole\"\neye = [0, 1, 5]\ntarget = [0, 0, 0]\nvfov = 40\nline_time = 0.01";
+        let image = "[image]\nwidth = 64\nheight = 48";
+        let text = format!("{image}\n[[mesh]]\n{moves}\n[[mesh]]\n{}\n[camera]\n{camera}\n", table(places));
+        Scene::parse(&text, folder.path()).unwrap()
+    };
+    let mut beside = timed("");
+    let before = seen(&beside);
+    beside.move_object("ball", matrix).unwrap();
+    let moved = seen(&beside);
+    assert!(moved == seen(&timed("rotate = [0, 90, 0]\ntranslate = [0.5, 0.25, -0.125]")) && moved != before);
 
     // other vertices: those of the ball where it was moved, shaded flat
     let count = scene.objects().find(|(name, _)| *name == "ball").unwrap().1;

@@ -181,6 +181,42 @@ def test_arrays_of_other_libraries_by_dlpack() -> None:
     assert np.shares_memory(np.from_dlpack(frame["Z"]), frame["Z"])
 
 
+    scene.update("mesh", OnlyDlpack(vertices + 1))
+    scene.move("mesh", OnlyDlpack(np.eye(4)))
+    scene.animate("mesh", OnlyDlpack(np.array([0.0, 1.0])), OnlyDlpack(np.stack([vertices, vertices + 1])))
+    rays = [OnlyDlpack(np.ones((2, 3, 3))) for _ in range(2)]
+    assert am.camera.rays(*rays)._arrays is not None
+
+
+def test_fields_of_records_are_read_where_they_lie(pinhole) -> None:
+    """Of records of 27 bytes the numbers of a field are no whole number of numbers apart."""
+    vertices = np.array([[-1.0, -1, 0], [1, -1, 0], [0, 1, 0]])
+    records = np.zeros(3, dtype=[("at", "<f8", 3), ("rgb", "u1", 3)])
+    records["at"] = vertices
+    normals = np.zeros(3, dtype=[("n", "<f4", 3), ("rgb", "u1", 3)])
+    normals["n"] = [0, 0, 1]
+
+    def seen(at, n):
+        scene = am.Scene()
+        scene.add(am.Mesh(at, [[0, 1, 2]], normals=n))
+        return am.render(scene, pinhole, SIZE, ["Z", "N.X"])
+
+    expected = seen(vertices, np.array([[0, 0, 1]] * 3, dtype=np.float32))
+    found = seen(records["at"], normals["n"])
+    assert all(np.array_equal(found[name], expected[name]) for name in ("Z", "N.X"))
+    assert np.array_equal(am.splat(pinhole, records["at"], size=SIZE).point, am.splat(pinhole, vertices, size=SIZE).point)
+    with pytest.raises(TypeError, match="numbers are needed, not complex128"):
+        am.Mesh(vertices + 0j, [[0, 1, 2]])
+
+
+def test_animations_follow_one_another() -> None:
+    bar = np.array([[-0.1, -2, 0], [0.1, -2, 0], [0.1, 2, 0]], dtype=float)
+    scene = am.Scene()
+    scene.add(am.Mesh(bar, [[0, 1, 2]], name="bar"))
+    for k in range(400):
+        scene.animate("bar", [k, k + 1], [bar + k, bar + k + 1])
+
+
 def test_what_moves_is_seen_at_the_time_of_its_row() -> None:
     bar = np.array([[-0.1, -2, 0], [0.1, -2, 0], [0.1, 2, 0], [-0.1, 2, 0]], dtype=float)
     scene = am.Scene()

@@ -6,6 +6,7 @@ use crate::common;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::image::frame::Channel;
+use anamorph::internals::image::write_npy_f64;
 use anamorph::internals::reference::caustics::{caustics, photons};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
@@ -17,6 +18,7 @@ use common::file::load;
 use common::gpu::{engine_on, words};
 use glam::DVec2;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 const FLOOR: &str = "[[mesh]]\nbuiltin = \"plane\"\nsize = 12\ncolor = [0.8, 0.6, 0.4]";
 const CAMERA: &str = r#"
@@ -356,6 +358,28 @@ fn a_mirror_shows_the_caustic_too_as_much_as_it_leaves() {
         assert!((less - share * full).abs() <= 1e-6, "pixel {k}: {less} of {full}");
     }
     assert!(mirrored > 100, "{mirrored}");
+}
+
+/// What the photons' share of light is found from is white, whatever the colours of vertices are; and nothing floats in their way.
+#[test]
+fn photons_are_those_of_a_plain_floor() {
+    let Some(mut engine) = engine() else { return };
+    let plain = scene(FLOOR, LENS);
+    let mut coloured = plain.clone();
+    let mesh = Arc::make_mut(&mut coloured.mesh);
+    mesh.colors = vec![[1.0, 0.0, 0.0]];
+    mesh.corner_colors = vec![[0; 3]; mesh.triangles.len()];
+    let folder = tempfile::tempdir().unwrap();
+    write_npy_f64(&folder.path().join("v.npy"), &[2, 2, 2], &[1.0; 8]).unwrap();
+    let file = folder.path().join("v.npy");
+    let volume = format!(
+        "[volume]\nfile = {:?}\nmin = [-1, 0.2, -1]\nmax = [1, 1, 1]\ntransfer = [[0, 1, 1, 1, 0.5], [2, 1, 1, 1, 0.5]]",
+        file.display().to_string()
+    );
+    let filled = scene(&format!("{FLOOR}\n{volume}"), LENS);
+    let mut maps = |scene: &Scene| engine.caustic_maps(scene).unwrap().unwrap().clone();
+    let expected = maps(&plain);
+    assert!(maps(&coloured).maps == expected.maps && maps(&filled).maps == expected.maps);
 }
 
 #[test]

@@ -314,6 +314,17 @@ fn a_border_within_tiles_of_curves_costs_little() {
 }
 
 #[test]
+fn a_mirror_is_seen_by_one_ray_a_pixel() {
+    let before = |eye: String| {
+        let mirror = "mirror = { shape = 'sphere', center = [0, 0, 0], radius = 1 }";
+        format!("kind = 'reflection'\n{mirror}\n[camera.eye]\n{eye}")
+    };
+    let (both, ended) = ([member(PINHOLE, ""), member(PINHOLE, "")], PINHOLE.replace(" }", ", t_range = [0, 9] }"));
+    assert_refused(&before(format!("{}\nmaster = 0", composite(&both))), "several rays per pixel");
+    assert_refused(&before(composite(&[member(&ended, "")])), "have a t_range");
+}
+
+#[test]
 fn errors_say_which_camera_and_what_to_do() {
     let one = |of: &str| composite(&[member(PINHOLE, ""), member(of, "")]);
     let region = |region: &str| composite(&[member(PINHOLE, &format!("region = {region}"))]);

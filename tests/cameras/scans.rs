@@ -173,6 +173,22 @@ fn points_are_where_things_are_at_the_pixels_time() {
             assert!((DVec3::from(*point) - expected).length() < TIME_ROUNDING, "{row}: {point:?}, not {expected}");
         }
     }
+    // all at one time, which is not the frame's own
+    write_npy_f64(&folder.path().join("late.npy"), &[9], &[0.5; 9]).unwrap();
+    let late = camera.replace("line_time = 0.1", "times = 'late.npy'");
+    for (mesh, eye, expected) in [
+        (rises, "eye = [0, 5, 0]", 0.5),
+        ("", "eye = [{ frame = 0, value = [0, 5, 0] }, { frame = 1, value = [0.5, 5, 0] }]", 0.0),
+    ] {
+        let camera = late.replace("eye = [0, 5, 0]", eye);
+        let plane = "[[mesh]]\nbuiltin = 'plane'\nsize = 4\n";
+        let scene = format!("[image]\nwidth = 1\nheight = 9\n{plane}{mesh}[camera]\n{camera}");
+        std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+        let done = run(folder.path(), &["--points", "p.npy"]);
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let points = read_npy_rows::<3>(&folder.path().join("p.npy")).unwrap();
+        assert!((points[4][1] - expected).abs() < TIME_ROUNDING, "{points:?}");
+    }
     let mirror = "kind = 'reflection'\neye = { kind = 'pinhole', eye = [0, 3, 3], target = [0, 0, 0], vfov = 40 }\nmirror = { shape = 'sphere', center = [0, 0.5, 0], radius = 0.5 }\n";
     let refused = render(folder.path(), mirror, &["--size", "16x12", "--points", "p.npy"]);
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();

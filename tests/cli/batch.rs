@@ -411,6 +411,21 @@ fn what_is_killed_goes_on_and_ends_with_the_same_files() {
     assert!(place.names().iter().all(|name| !name.ends_with(".tmp")), "{:?}", place.names());
 }
 
+/// Pictures go where nothing is kept, and the table has each frame's own numbers.
+#[cfg(target_os = "linux")]
+#[test]
+fn frames_without_files_have_lines_of_their_own() {
+    let place = Place::new();
+    let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"/dev/null\"\nsize = \"32x24\"\nengine = \"reference\"\n";
+    place.write("jobs.toml", format!("{job}sweep.\"mesh.0.level\" = [1, 2, 3]\n"));
+    place.works(&["batch", "jobs.toml", "--csv", "t.csv"]);
+    let mut table = csv::Reader::from_path(place.path().join("t.csv")).unwrap();
+    let triangles = table.headers().unwrap().iter().position(|name| name == "triangles").unwrap();
+    let counts: Vec<String> = table.records().map(|row| row.unwrap()[triangles].to_owned()).collect();
+    assert!(counts.len() == 3 && counts[0] != counts[1] && counts[1] != counts[2], "{counts:?}");
+    assert_eq!(place.works(&["batch", "jobs.toml", "--resume"]), "jobs.toml: 0 frames, 3 before\n");
+}
+
 /// A small disk is full before all is written; with more space the rest is done.
 #[cfg(target_os = "linux")]
 #[test]

@@ -374,6 +374,39 @@ fn texts_are_printed() {
     assert!(pixel.contains("hit: triangle") && pixel.contains("safe: "), "{pixel}");
 }
 
+/// Of a pixel behind a mirror the triangle is told that the picture shows, and where; of one on facets as of one on the surface itself.
+#[test]
+fn a_pixel_behind_a_mirror_is_explained() {
+    let place = Place::new();
+    for facets in ["exact", "normals", "flat"] {
+        let eye = "eye = { kind = \"pinhole\", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }";
+        let mirror = "mirror = { shape = \"sphere\", center = [0, 0, 0], radius = 1 }";
+        let scene = format!(
+            "image = {{ width = 64, height = 48 }}\nmesh = [{{ builtin = \"plane\", size = 12, divisions = 1, translate = [0, -1.1, 0] }}]\n\
+             [camera]\nkind = \"reflection\"\n{eye}\n{mirror}\nfacets = \"{facets}\"\n"
+        );
+        place.write("mirror.toml", scene);
+        place.works(&[
+            "render",
+            "mirror.toml",
+            "--engine",
+            "reference",
+            "--exr",
+            "m.exr",
+            "--channels",
+            "triangle.id,P.Y",
+        ]);
+        let shown = frame(&place, "m.exr");
+        let (ids, y) = (shown.u32(Channel::TriangleId).unwrap(), shown.f32(Channel::PositionY).unwrap());
+        // below the middle the ball shows the floor
+        let at = 34 * 64 + 32;
+        assert!(ids[at] < 2 && (y[at] + 1.1).abs() < 1e-5, "{facets}: {} {}", ids[at], y[at]);
+        let text = place.works(&["render", "mirror.toml", "--pixel", "32,34"]);
+        let says = [format!("hit: triangle {},", ids[at]), "bounces: 1, ".into(), "layer: 1".into()];
+        assert!(says.iter().all(|words| text.contains(words)), "{facets}: {text}");
+    }
+}
+
 #[test]
 fn points_are_projected() {
     let place = Place::new();
