@@ -1,7 +1,7 @@
 // What f32 does not prove, left to recheck.
 // Provides: leave_to_recheck
 // Needs: COUNT_RECHECK_ITEMS, take_places
-// Binds: counters, params, recheck_items
+// Binds: params, recheck_items
 
 // An item for each of some pixels of a tile, bit 8 y + x, 32 from `first` on: the triangle's slot; the tile, and in the low 6 bits the pixel.
 fn leave_to_recheck(slot: u32, tile: u32, first: u32, uncertain: u32) {
