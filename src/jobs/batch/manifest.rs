@@ -377,6 +377,7 @@ fn read_lines(k: usize, file: &File, lines: &mut HashMap<u64, Line>, counts: Cou
         ms: f64,
     }
     let mut reader = BufReader::new(file);
+    reader.seek(SeekFrom::Start(0))?;
     let (mut start, mut text) = (0, Vec::new());
     while reader.read_until(b'\n', &mut text)? > 0 {
         if let Ok(Head { outputs, settings, made_ms, ms }) = serde_json::from_slice(&text) {
