@@ -125,7 +125,7 @@ class RayCaster:
         return hits.point, hits.ray, hits.triangle
 
     def contains_points(self, points: Numbers) -> Bools:
-        """(N,): whether each point is inside of a closed mesh: a ray from it meets an odd number of triangles."""
+        """(N,): whether each point is inside of a closed mesh, two-sided as meshes are by default: a ray from it meets an odd number of triangles."""
         upward = cast(self.scene, points, [0.0, 0.0, 1.0], all=True)
         counts = np.bincount(upward.ray, minlength=as_array(points).reshape(-1, 3).shape[0])
         odd: Bools = counts % 2 == 1
