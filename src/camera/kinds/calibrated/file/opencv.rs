@@ -35,7 +35,8 @@ impl OpenCvFile {
     /// What the file does not say: which model its four coefficients belong to.
     pub fn doubt(&self) -> Option<String> {
         let is_open = self.fisheye.is_none() && self.coefficients.len() == 4;
-        is_open.then(|| "the file names no model: 4 coefficients are taken as k1, k2, p1, p2 of brown; or set model = \"fisheye\"".into())
+        let told = "the file names no model: its 4 coefficients are taken as k1, k2, p1, p2 of brown; for cv::fisheye set model = \"fisheye\"";
+        is_open.then(|| told.into())
     }
 
     /// The line of the file that names another model than `fisheye` says.
