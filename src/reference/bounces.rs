@@ -39,6 +39,14 @@ impl Reference<'_> {
         }
     }
 
+    /// The same where a path's finding is known: a chain's verdict knows what is seen better than a second look.
+    pub fn shown_by(&self, camera: &Camera, finding: &Finding, path: Path) -> Outcome {
+        match camera.optics {
+            Some(_) => self.shown(camera, path),
+            None => Outcome::of_eye(finding.seen, path),
+        }
+    }
+
     /// Follows `path` through optics whose facets are the last triangles of the mesh. A curve goes on as its tangent (Brosz et al. 2007,
     /// section 6.1).
     pub fn outcome(&self, optics: &Optics, path: Path) -> Outcome {

@@ -32,10 +32,7 @@ pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> Explained {
     let path = Path::of_pixel(camera, i, j);
     let reference = Reference::of_scene(scene).at(scene.moment(camera, (i, j)));
     let finding = reference.finding(camera, &path, (i, j));
-    let shown = match camera.optics {
-        Some(_) => reference.shown(camera, path),
-        None => Outcome::of_eye(finding.seen, path),
-    };
+    let shown = reference.shown_by(camera, &finding, path);
     let mut text = format!("pixel {i},{j}\n");
     // writing to a String cannot fail
     let _ =

@@ -153,11 +153,7 @@ impl<'a> CameraView<'a> {
         let path = Path::of_pixel(self.camera, i, j);
         let reference = self.reference.at(self.scene.moment(self.camera, (i, j)));
         let finding = reference.finding(self.camera, &path, (i, j));
-        // a chain's verdict knows what is seen better than a second look
-        let shown = match self.camera.optics {
-            Some(_) => reference.shown(self.camera, path),
-            None => Outcome::of_eye(finding.seen, path),
-        };
+        let shown = reference.shown_by(self.camera, &finding, path);
         let scale = (self.extent / shown.path.speed(shown.seen.as_ref())) as f32;
         Judged { values: self.shown(&reference, &shown, (i, j)), finding, scale }
     }

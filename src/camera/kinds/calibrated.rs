@@ -31,7 +31,7 @@ struct FromFile {
     shutter: Shutter,
     tessellation: Tessellation,
     /// What the file leaves open.
-    doubt: Option<String>,
+    model_note: Option<String>,
 }
 
 /// Where the plane of a lens model lies in the image.
@@ -108,9 +108,9 @@ pub fn read_opencv(table: &Table) -> Result<Arc<dyn Recipe>> {
     if let (Some(field), Some(line)) = (table.get("model"), named.and_then(|fisheye| found.contradicts(fisheye))) {
         return Err(field.error(format_args!("the file says {line}; leave model out, or correct the file")));
     }
-    let doubt = found.doubt().filter(|_| named.is_none());
+    let model_note = found.model_note().filter(|_| named.is_none());
     let calibration = found.calibration(named).map_err(|why| file.error(why))?;
-    from_file(table, &file, Pose::read(table)?, calibration, doubt)
+    from_file(table, &file, Pose::read(table)?, calibration, model_note)
 }
 
 fn from_file(
@@ -118,7 +118,7 @@ fn from_file(
     file: &Field,
     pose: Pose,
     calibration: Calibration,
-    doubt: Option<String>,
+    model_note: Option<String>,
 ) -> Result<Arc<dyn Recipe>> {
     let Calibration { intrinsics, model, .. } = calibration;
     let lens = Lens::new(&model).map_err(|why| file.error(why))?;
@@ -132,7 +132,15 @@ fn from_file(
             return Err(field.error("the camera moves from row to row only with a line_time; add line_time = 3e-5"));
         }
     }
-    Ok(Arc::new(FromFile { pose, intrinsics, model, lens, shutter, tessellation: Tessellation::read(table)?, doubt }))
+    Ok(Arc::new(FromFile {
+        pose,
+        intrinsics,
+        model,
+        lens,
+        shutter,
+        tessellation: Tessellation::read(table)?,
+        model_note,
+    }))
 }
 
 impl Recipe for FromFile {
@@ -147,7 +155,7 @@ impl Recipe for FromFile {
         };
         let sensor = Sensor { calibrated, lens: self.lens.clone() };
         let built = self.tessellation.build(Arc::new(sensor), &setting.of_size(size))?;
-        Ok(Built { unfulfilled: self.doubt.iter().cloned().collect(), ..built })
+        Ok(Built { unfulfilled: self.model_note.iter().cloned().collect(), ..built })
     }
 
     fn lines(&self) -> Option<Lines> {

@@ -338,19 +338,14 @@ fn as_json(error: &Judged) -> Result<serde_json::Value> {
 fn key(task: &Task) -> Result<u64> {
     match task.outputs()?.iter().find(|path| path.is_file() || !path.exists()) {
         Some(path) => Ok(key_of(&task.short(path))),
-        None => Ok(key_of_settings(&task.settings()?)),
+        None => Ok(key_of(task.settings()?)),
     }
 }
 
-fn key_of_settings(settings: &[String]) -> u64 {
+/// Of an output's path, or of settings.
+pub fn key_of(what: impl Hash) -> u64 {
     let mut hasher = DefaultHasher::new();
-    settings.hash(&mut hasher);
-    hasher.finish()
-}
-
-pub fn key_of(path: &Path) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    path.hash(&mut hasher);
+    what.hash(&mut hasher);
     hasher.finish()
 }
 
@@ -385,7 +380,7 @@ fn read_lines(k: usize, file: &File, lines: &mut HashMap<u64, Line>, counts: Cou
             let first = settings.iter().map(Path::new).find(|word| outputs.contains_key(*word));
             let key = match first {
                 Some(first) => Some(key_of(first)),
-                None => outputs.is_empty().then(|| key_of_settings(&settings)),
+                None => outputs.is_empty().then(|| key_of(&settings)),
             };
             if let Some(key) = key {
                 let own = Line { file: k, start, ms: ms as f32, made_ms };

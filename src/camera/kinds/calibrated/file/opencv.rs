@@ -33,7 +33,7 @@ impl OpenCvFile {
     }
 
     /// What the file does not say: which model its four coefficients belong to.
-    pub fn doubt(&self) -> Option<String> {
+    pub fn model_note(&self) -> Option<String> {
         let is_open = self.fisheye.is_none() && self.coefficients.len() == 4;
         let told = "the file names no model: its 4 coefficients are taken as k1, k2, p1, p2 of brown; for cv::fisheye set model = \"fisheye\"";
         is_open.then(|| told.into())
