@@ -257,7 +257,7 @@ impl Task<'_> {
 
     /// The key of an output of this frame in [`manifest::outputs`](super::manifest::outputs).
     pub(crate) fn output_key(&self, path: &Path) -> u64 {
-        key_of(&self.short(path))
+        key_of(self.short(path))
     }
 
     fn command_line(&self, path: impl Fn(&Path) -> PathBuf) -> Result<Vec<String>> {

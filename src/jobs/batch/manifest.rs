@@ -337,7 +337,7 @@ fn as_json(error: &Judged) -> Result<serde_json::Value> {
 /// its settings.
 fn key(task: &Task) -> Result<u64> {
     match task.outputs()?.iter().find(|path| path.is_file() || !path.exists()) {
-        Some(path) => Ok(key_of(&task.short(path))),
+        Some(path) => Ok(key_of(task.short(path))),
         None => Ok(key_of(task.settings()?)),
     }
 }
