@@ -1206,7 +1206,7 @@ def calibrated(
     The image has the file's size; an [image] of another size shows the same view stretched to it. Directions, at angle theta from the
     axis, are projected onto a plane at radius r, a distortion moves the plane's points, and focal lengths and principal point make
     pixels of them. COLMAP's first pixel has its centre at (0.5, 0.5), that of all others at (0, 0).
-    COLMAP: every model. SIMPLE_PINHOLE to FULL_OPENCV and the fisheyes are opencv's brown and fisheye; FOV: r = atan(2 tan(theta)
+    COLMAP: all models up to EQUIRECTANGULAR. SIMPLE_PINHOLE to FULL_OPENCV and the fisheyes are opencv's brown and fisheye; FOV: r = atan(2 tan(theta)
     tan(omega / 2)) / omega; THIN_PRISM_FISHEYE: r = theta, then brown with k1..k4 of r^2..r^8, p1, p2, s1 = sx1, s3 = sy1;
     RAD_TAN_THIN_PRISM_FISHEYE: r = theta, then k0..k5 of r^2..r^12, then p and s of the moved point; DIVISION: tan(theta) =
     r / (1 + k r^2); EUCM; EQUIRECTANGULAR: longitude and latitude.

@@ -66,7 +66,7 @@ impl Camera {
     }
 
     fn of_spec(spec: &CameraSpec, size: Option<(u32, u32)>, scene: &Scene) -> Result<Camera> {
-        let camera = Arc::new(crate::camera::Camera::in_scene(spec, size, &scene.scene.mesh)?);
+        let camera = Arc::new(crate::camera::Camera::in_scene(spec, size, scene.scene.surroundings())?);
         Ok(Camera { camera, keys: Arc::default() })
     }
 

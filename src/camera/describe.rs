@@ -17,6 +17,9 @@ pub struct Description {
     pub pieces: usize,
     /// One, or those of a chain, first to last.
     pub layers: Vec<Layer>,
+    /// It moves while an image is taken.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub moves: bool,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
 }
@@ -68,6 +71,7 @@ impl Description {
             t_range: camera.t_range.map(Bound),
             pieces: camera.piece_count(),
             layers: camera.layers.iter().map(Layer::of).collect(),
+            moves: camera.moving.is_some(),
             notes: camera.notes.iter().chain(&camera.unfulfilled).cloned().collect(),
         }
     }
@@ -153,6 +157,9 @@ impl fmt::Display for Description {
             }
         }
         writeln!(f, "t_range  [{}, {}]", self.t_range[0], self.t_range[1])?;
+        if self.moves {
+            writeln!(f, "moves    while the image is taken: each pixel has the ray of its own time")?;
+        }
         self.notes.iter().try_for_each(|note| writeln!(f, "note     {note}"))
     }
 }

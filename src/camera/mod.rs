@@ -49,7 +49,7 @@ pub use field::{Field, RayMap};
 use glam::DVec3;
 use moving::Moving;
 pub use pieces::{Piece, Pieces};
-use recipe::{Built, SceneUse, Setting};
+use recipe::{Built, SceneUse, Setting, Surroundings};
 use std::cell::Cell;
 use std::sync::Arc;
 
@@ -109,10 +109,14 @@ impl Camera {
         Camera::in_scene(spec, size, &Mesh::default())
     }
 
-    /// Compiles `spec` for an image of `size` in the scene of `mesh`, which matters for cameras that depend on the scene,
-    /// such as `track`. A ray map has its own size; `size` must be equal or `None`.
-    pub fn in_scene(spec: &CameraSpec, size: Option<(u32, u32)>, mesh: &Mesh) -> Result<Camera> {
-        Camera::in_setting(spec, &Setting::new(size, mesh, spec.t_range))
+    /// Compiles `spec` for an image of `size` in a scene, which matters for cameras that depend on it, such as `track`. A ray map has its
+    /// own size; `size` must be equal or `None`.
+    pub fn in_scene<'a>(
+        spec: &CameraSpec,
+        size: Option<(u32, u32)>,
+        seen: impl Into<Surroundings<'a>>,
+    ) -> Result<Camera> {
+        Camera::in_setting(spec, &Setting::new(size, seen, spec.t_range))
     }
 
     /// Compiles a camera that may be part of another, and records in `setting` how much of the scene it depends on.

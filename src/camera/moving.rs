@@ -23,8 +23,13 @@ impl Moving {
     /// From times, two at least, and the camera at each.
     ///
     /// # Errors
-    /// [`Error::Input`] if it has a mirror or lens, or its layers change.
+    /// [`Error::Input`] if it has a mirror or lens, or if anything but its rays changes: its layers, its range of t, regions of a composite.
     pub fn new(exposure: Exposure, times: Vec<f64>, cameras: Vec<Camera>) -> Result<Arc<Moving>> {
+        let regions = |c: &Camera| {
+            let composition = c.composition.as_ref()?;
+            Some((composition.order.clone(), composition.members.iter().map(|m| m.region.clone()).collect::<Vec<_>>()))
+        };
+        let fixed = |c: &Camera| (c.t_range, regions(c));
         let shape = |c: &Camera| (c.kind, c.width, c.height, c.layers.len(), c.layers.first().map(degree));
         if cameras.iter().any(|c| c.optics.is_some()) {
             return Err(Error::input(format!(
@@ -35,6 +40,11 @@ impl Moving {
         if cameras.iter().any(|c| shape(c) != shape(&cameras[0])) {
             return Err(Error::input(
                 "camera: its size or its layers change while a frame is taken; make shutter and line_time 0",
+            ));
+        }
+        if cameras.iter().any(|c| fixed(c) != fixed(&cameras[0])) {
+            return Err(Error::input(
+                "camera: t_range and the regions of a composite cannot change while a frame is taken; make shutter and line_time 0",
             ));
         }
         Ok(Arc::new(Moving { exposure, times, cameras }))

@@ -4,7 +4,7 @@ use super::Rays;
 use super::exposure::Lines;
 use crate::camera::kinds::composite::composition::Composition;
 use crate::camera::optics::Optics;
-use crate::geometry::mesh::Mesh;
+use crate::geometry::mesh::{Mesh, joined};
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -72,6 +72,28 @@ impl<T: Any + PartialEq> Equal for T {
     }
 }
 
+/// What a camera looks at.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings<'a> {
+    pub mesh: &'a Mesh,
+    /// The corners of a box around all else that has a place: a volume, and the mesh at other times.
+    pub beside: Option<(DVec3, DVec3)>,
+    /// Rays that miss all of it show something, too: an environment.
+    pub is_endless: bool,
+}
+
+impl<'a> From<&'a Mesh> for Surroundings<'a> {
+    fn from(mesh: &'a Mesh) -> Surroundings<'a> {
+        Surroundings { mesh, beside: None, is_endless: false }
+    }
+}
+
+impl<'a> From<&'a Arc<Mesh>> for Surroundings<'a> {
+    fn from(mesh: &'a Arc<Mesh>) -> Surroundings<'a> {
+        mesh.as_ref().into()
+    }
+}
+
 /// What a recipe may depend on.
 #[derive(Debug, Clone, Copy)]
 pub struct Setting<'a> {
@@ -79,7 +101,7 @@ pub struct Setting<'a> {
     pub size: Option<(u32, u32)>,
     /// The t range of the scene file.
     pub t_range: [f64; 2],
-    mesh: &'a Mesh,
+    surroundings: Surroundings<'a>,
     scene_use: Option<&'a Cell<SceneUse>>,
 }
 
@@ -93,9 +115,15 @@ pub enum SceneUse {
 }
 
 impl<'a> Setting<'a> {
-    /// Of an image of `size` in the scene of `mesh`.
-    pub fn new(size: Option<(u32, u32)>, mesh: &'a Mesh, t_range: [f64; 2]) -> Setting<'a> {
-        Setting { size, t_range, mesh, scene_use: None }
+    /// Of an image of `size`.
+    pub fn new(size: Option<(u32, u32)>, seen: impl Into<Surroundings<'a>>, t_range: [f64; 2]) -> Setting<'a> {
+        Setting { size, t_range, surroundings: seen.into(), scene_use: None }
+    }
+
+    /// The same with something else, in the box with these corners, to look at.
+    pub fn and(self, corners: (DVec3, DVec3)) -> Setting<'a> {
+        let beside = self.surroundings.beside.map_or(corners, |beside| joined(beside, corners));
+        Setting { surroundings: Surroundings { beside: Some(beside), ..self.surroundings }, ..self }
     }
 
     /// The same for a camera with this range of t; `scene_use` records how much of the scene it reads.
@@ -103,7 +131,7 @@ impl<'a> Setting<'a> {
     where
         'a: 'b,
     {
-        Setting { size: self.size, t_range, mesh: self.mesh, scene_use: Some(scene_use) }
+        Setting { size: self.size, t_range, surroundings: self.surroundings, scene_use: Some(scene_use) }
     }
 
     /// The same for an image of another size.
@@ -119,13 +147,20 @@ impl<'a> Setting<'a> {
     /// The scene's triangles, world units.
     pub fn mesh(&self) -> &'a Mesh {
         self.note_use(SceneUse::Mesh);
-        self.mesh
+        self.surroundings.mesh
     }
 
-    /// The corners of the box around all vertices; `None` without any.
+    /// The corners of the box around all that has a place; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.note_use(SceneUse::Bounds);
-        self.mesh.bounds()
+        let Surroundings { mesh, beside, .. } = self.surroundings;
+        mesh.bounds().into_iter().chain(beside).reduce(joined)
+    }
+
+    /// Rays that miss all that has a place show something, too.
+    pub fn is_endless(&self) -> bool {
+        self.note_use(SceneUse::Bounds);
+        self.surroundings.is_endless
     }
 
     /// Records that a camera reads this much of the scene.

@@ -47,6 +47,21 @@ pub(crate) fn read_camera(field: &Field) -> Result<CameraSpec> {
     read_kind(&field.table()?)
 }
 
+/// A camera that is part of another, whose pixels have no times of their own.
+pub(crate) fn read_part(field: &Field) -> Result<CameraSpec> {
+    let table = field.table()?;
+    let spec = read_kind(&table)?;
+    match ["line_time", "period"]
+        .into_iter()
+        .find_map(|key| table.get(key))
+        .filter(|_| spec.kind.recipe.lines().is_some())
+    {
+        Some(key) => Err(key
+            .error("a camera in another one has no times of its own; leave it out, or give the outer one a line_time")),
+        None => Ok(spec),
+    }
+}
+
 /// The camera of a scene: its kind, and when its pixels are read in an image of this size, with so many frames a second.
 pub(crate) fn read_camera_and_readout(
     field: &Field,

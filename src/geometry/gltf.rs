@@ -17,7 +17,9 @@ use gltf::scene::Transform;
 use gltf::texture::{Info, WrappingMode};
 use gltf::{Document, Node, Primitive, Semantic};
 
-use crate::geometry::mesh::{DIELECTRIC, MAX_TRIANGLES, Material, Mesh, Missing, NO_COLOR, NO_NORMAL, NO_UV};
+use crate::geometry::mesh::{
+    DIELECTRIC, MAX_TRIANGLES, Material, Mesh, Missing, NO_COLOR, NO_NORMAL, NO_UV, check_memory,
+};
 use crate::geometry::place::{transformed_normal, world_normal_from_object};
 use crate::geometry::spec::AnimationSpec;
 use crate::geometry::texture::{Images, ImagesRead, Texels, Texture, Wrap, decode};
@@ -124,6 +126,8 @@ struct Builder<'a> {
     pose: Option<Pose>,
     mesh: Mesh,
     default_is_used: bool,
+    /// So many vertices need no other look at how much memory is free.
+    unchecked_vertices: usize,
 }
 
 impl<'a> Builder<'a> {
@@ -147,7 +151,8 @@ impl<'a> Builder<'a> {
             }
         };
         let materials = source.document.materials().map(read).collect();
-        Builder { source, pose, mesh: Mesh { materials, ..Mesh::default() }, default_is_used: false }
+        let mesh = Mesh { materials, ..Mesh::default() };
+        Builder { source, pose, mesh, default_is_used: false, unchecked_vertices: 1 << 20 }
     }
 
     /// Puts their images on the materials that triangles have, each decoded once.
@@ -158,8 +163,11 @@ impl<'a> Builder<'a> {
         let mut decoded = HashMap::new();
         let mut is_used = vec![false; self.mesh.materials.len() + 1];
         self.mesh.material_of.iter().for_each(|&m| is_used[m as usize] = true);
-        let materials = self.source.document.materials().zip(&mut self.mesh.materials).zip(is_used);
-        for ((from, material), _) in materials.filter(|(_, is_used)| *is_used) {
+        let mut bare = vec![0; is_used.len()];
+        let triangles = self.mesh.material_of.iter().zip(&self.mesh.corner_uvs);
+        triangles.filter(|(_, corners)| corners.contains(&NO_UV)).for_each(|(&m, _)| bare[m as usize] += 1);
+        let materials = self.source.document.materials().zip(&mut self.mesh.materials).zip(is_used).zip(bare);
+        for (((from, material), _), bare) in materials.filter(|((_, is_used), _)| *is_used) {
             let Some(info) = from.pbr_metallic_roughness().base_color_texture() else { continue };
             if let Some(wrong) = &self.source.material_error {
                 return Err(Error::input(format!("{wrong}; texture = false shows none")));
@@ -169,7 +177,14 @@ impl<'a> Builder<'a> {
             }
             let texture = read_texture(self.source, access, &from, &info, &mut decoded);
             match texture.map_err(|e| Error::input(format!("{e}; texture = false shows none")))? {
-                Found::Present(texture) => material.texture = Some(texture),
+                Found::Present(texture) => {
+                    material.texture = Some(texture);
+                    if bare > 0 {
+                        let why = format!("missing at {bare} of its triangles; its own colour is used there");
+                        let what = format!("texture coordinates of material {:?}", material.name);
+                        self.mesh.missing.push(Missing { what, why });
+                    }
+                }
                 Found::Missing(file) => {
                     let image = info.texture().source().index();
                     let why = format!("image {image}: the file does not exist; the material's own colour is used");
@@ -308,8 +323,14 @@ impl<'a> Builder<'a> {
             return Ok(known);
         }
         let base = self.mesh.positions.len();
-        if base.saturating_add(from.count()) >= u32::MAX as usize {
+        let vertices = base.saturating_add(from.count());
+        if vertices >= u32::MAX as usize {
             return Err(Error::input("more than 2^32 - 2 vertices; split the file"));
+        }
+        if vertices > self.unchecked_vertices {
+            let what = format_args!("a mesh of {vertices} vertices");
+            check_memory(self.mesh.triangles.len() as u64, vertices as u64, what, "split the file")?;
+            self.unchecked_vertices = 2 * vertices;
         }
         for (k, p) in self.morphed(from, Semantic::Positions, placing)?.into_iter().enumerate() {
             let p_world = placing.world_from_node(k).transform_point3(p);

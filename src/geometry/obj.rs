@@ -9,7 +9,7 @@ mod mtl;
 #[cfg(test)]
 mod tests;
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -78,8 +78,10 @@ fn parse_in_chunks(
     load_mtl: impl FnOnce(&[&str]) -> Result<Vec<Mapped>>,
 ) -> Result<(Mesh, Vec<Mapped>)> {
     let (chunks, total) = read_chunks(text, name, chunk_bytes, Texcoords::Kept)?;
-    let missing = missing(&chunks, name);
+    let mut missing = missing(&chunks, name);
+    let used: BTreeSet<String> = chunks.iter().flat_map(|c| &c.uses).map(|(_, material)| material.clone()).collect();
     let (mesh, mapped) = assemble(chunks, total, load_mtl)?;
+    missing.extend(unknown_materials(&used, &mapped, name));
     Ok((Mesh { missing, ..mesh }, mapped))
 }
 
@@ -94,6 +96,22 @@ fn missing(chunks: &[Chunk], name: &str) -> Vec<Missing> {
     };
     let all = [of("normals", |c| &c.dangling_normals), of("texture coordinates", |c| &c.dangling_texcoords)];
     all.into_iter().flatten().collect()
+}
+
+/// How exporters call no material.
+const NO_MATERIAL: [&str; 3] = ["", "None", "(null)"];
+
+/// The materials that faces use and no file of materials has.
+fn unknown_materials(used: &BTreeSet<String>, mapped: &[Mapped], name: &str) -> Option<Missing> {
+    let is_known = |used: &str| NO_MATERIAL.contains(&used) || mapped.iter().any(|m| m.material.name == used);
+    let mut unknown = used.iter().filter(|used| !is_known(used));
+    let first = unknown.next()?;
+    let more = match unknown.count() {
+        0 => String::new(),
+        n => format!(", nor {n} more"),
+    };
+    let why = format!("no .mtl file that it names has it{more}; a plain grey is used");
+    Some(Missing { what: format!("material {first:?} of {name}"), why })
 }
 
 /// The triangles of an OBJ file with their texture coordinates: a map from the (u, v) plane to space.

@@ -11,7 +11,7 @@ use crate::input::{Error, Result};
 use element::{Face, STRIP_END, Skipped, Vertex};
 use glam::Vec2;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
+use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess, PropertyType};
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -31,6 +31,10 @@ pub use points::load_points;
 pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
     let name = path.display().to_string();
     let (mut mesh, textures) = read_file(path, parse)?;
+    if let (Some(first), true) = (textures.first(), images.read != ImagesRead::None && mesh.corner_uvs.is_empty()) {
+        let why = format!("it names the image {first}; a plain colour is used");
+        mesh.missing.push(Missing { what: format!("texture coordinates of {name}"), why });
+    }
     if images.read != ImagesRead::None && !mesh.corner_uvs.is_empty() {
         let folder = path.parent().unwrap_or(Path::new(""));
         for (material, file) in mesh.materials.iter_mut().zip(&textures) {
@@ -110,6 +114,11 @@ fn parse(bytes: &[u8]) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
     for (name, element) in &header.elements {
         match name.as_str() {
             "vertex" => {
+                if let Some(axis) = ["x", "y", "z"].into_iter().find(|axis| !is_number(element, axis)) {
+                    return Err(Wrong::File(format!(
+                        "its vertices have no number {axis}; export them with x, y and z"
+                    )));
+                }
                 has = Attributes::of(element);
                 vertices = read::<Vertex>(&mut reader, element, &header)?;
             }
@@ -168,6 +177,10 @@ fn check_sizes(header: &Header, bytes: usize) -> std::result::Result<(), Wrong> 
     }
     let (vertices, faces) = (count("vertex") as u64, (count("face") + count("tristrips")) as u64);
     check_memory(faces, vertices, format_args!("{faces} faces"), "use fewer").map_err(Wrong::Memory)
+}
+
+fn is_number(element: &ElementDef, name: &str) -> bool {
+    element.properties.get(name).is_some_and(|property| matches!(property.data_type, PropertyType::Scalar(_)))
 }
 
 /// What vertices have beside their places.

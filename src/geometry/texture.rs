@@ -1,5 +1,6 @@
 //! Images on surfaces, decoded to linear light.
 
+use crate::input::limits::memory;
 use crate::input::{Error, Result};
 use glam::DVec2;
 use half::f16;
@@ -280,7 +281,10 @@ pub fn decoded(bytes: &[u8]) -> Result<DynamicImage> {
 
 /// Colours, or white, with the opacities of another image that lies `offset` from them, as many texels as the larger of both: its
 /// alpha, or how light it is where that is 1 everywhere.
-pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2) -> Arc<Texels> {
+///
+/// # Errors
+/// [`Error::Work`] if that does not fit the free memory.
+pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2) -> Result<Arc<Texels>> {
     let by_alpha = mask.texels.rgba.iter().any(|t| t[3] < f16::ONE);
     let mask = Texture { cutoff: by_alpha.then_some(0.0), ..mask };
     let size = |t: &Texture| [t.texels.width, t.texels.height];
@@ -288,6 +292,8 @@ pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2) -> A
         Some(colours) => [0, 1].map(|k| size(colours)[k].max(size(&mask)[k])),
         None => size(&mask),
     };
+    let what = format_args!("an image with its mask, {width} x {height} texels,");
+    memory::check(8 * u64::from(width) * u64::from(height), what, "make one of the two smaller")?;
     let texel = |k: usize| {
         let (x, y) = (k % width as usize, k / width as usize);
         let uv = DVec2::new((x as f64 + 0.5) / f64::from(width), 1.0 - (y as f64 + 0.5) / f64::from(height));
@@ -296,7 +302,7 @@ pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2) -> A
         [r, g, b, if by_alpha { alpha } else { srgb_of_linear(light) }].map(f16::from_f64)
     };
     let rgba = (0..width as usize * height as usize).into_par_iter().map(texel).collect();
-    Arc::new(Texels { width, height, rgba })
+    Ok(Arc::new(Texels { width, height, rgba }))
 }
 
 /// Of each byte its linear value as sRGB, and as a share.

@@ -1,6 +1,6 @@
 //! Vertices that move while an image is taken: their positions and normals at several times, and linear between two of them.
 
-use super::mesh::{Mesh, sphere_box};
+use super::mesh::{Mesh, joined, sphere_box};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -280,10 +280,6 @@ fn between(times: &[f64], time: f64) -> (usize, f64) {
     let next = times.partition_point(|t| *t <= time).clamp(1, times.len() - 1);
     let share = (time - times[next - 1]) / (times[next] - times[next - 1]);
     (next - 1, share.clamp(0.0, 1.0))
-}
-
-fn joined(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> (DVec3, DVec3) {
-    (a.0.min(b.0), a.1.max(b.1))
 }
 
 #[cfg(test)]

@@ -227,6 +227,10 @@ fn read_layer(file: File) -> std::result::Result<(u32, u32, Flat), String> {
     start.rewind().map_err(unreadable)?;
     let image = reader.first_valid_layer().all_attributes().from_buffered(BufReader::new(start)).map_err(damaged)?;
     let layer = image.layer_data;
+    let (shown, at) = (image.attributes.display_window, layer.attributes.layer_position);
+    if (shown.position, shown.size) != (at, layer.size) {
+        return Err("its data window is not its display window: it is cropped, or larger; save the whole image".into());
+    }
     // Both sides are far under 2^32 by the check above.
     Ok((layer.size.0 as u32, layer.size.1 as u32, layer.channel_data))
 }

@@ -67,7 +67,7 @@ struct Header {
 }
 
 /// Why an array of whole numbers is not read where there should be others.
-const WHOLE: &str = "they must be f4 or f8 (float32 or float64)";
+const WHOLE: &str = "they must be f4 or f8 (float32 or float64), or u1 or u2 of a volume";
 
 /// Reads an f32 or f64 array in C order, shape H x W x `each`, as (width, height, `each` W H numbers).
 ///

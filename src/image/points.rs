@@ -43,7 +43,7 @@ fn read_text(path: &Path) -> std::result::Result<Vec<DVec3>, String> {
         return Err(format!("{bytes} bytes are over the limit of {MAX_TEXT}; use .npy"));
     }
     let text = std::fs::read_to_string(path).map_err(|e| format!("cannot be read: {e}; write plain text"))?;
-    let lines = text.lines().enumerate().map(|(k, line)| (k + 1, line.trim()));
+    let lines = text.trim_start_matches('\u{feff}').lines().enumerate().map(|(k, line)| (k + 1, line.trim()));
     let mut points = Vec::new();
     let mut first = true;
     for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {

@@ -23,8 +23,8 @@ pub(crate) fn pick(node: &mut Node, key: &str, source: &Source, frame: f64) -> R
     match &mut node.value {
         Value::List(items) if is_keys(items) => {
             let rule = if key.rsplit('.').next() == Some("quaternion") { rotated } else { between };
-            // only files are on their way from one to the next
-            let takes_texts = key.rsplit('.').next() == Some("file");
+            // only a mesh's files are on their way from one to the next
+            let takes_texts = matches!(key.split('.').collect::<Vec<_>>()[..], ["mesh", _, "file"]);
             node.value = value_at(&Field::new(source, key, node), frame, (rule, takes_texts))?;
             Ok(())
         }
@@ -317,16 +317,25 @@ mod tests {
 
     #[test]
     fn between_two_texts_there_are_both_and_a_share() {
+        let at_file = |keys: &str, frame: f64| {
+            let path = Path::new("s.toml");
+            let mut root = parse(&format!("[[mesh]]\nfile = {keys}\n"), Format::Toml, path)?;
+            pick(&mut root, "", &Source::new(path, path), frame)?;
+            let Value::List(mut meshes) = entry(root.value) else { unreachable!() };
+            Ok::<_, crate::input::Error>(entry(meshes.remove(0).value))
+        };
         let keys = "[{ frame = 0, value = \"a\" }, { frame = 4, value = \"b\" }, { frame = 8, value = \"b\" }]";
-        assert_eq!(at_key("file", keys, -1.0).unwrap(), Value::Text("a".into()));
-        assert_eq!(at_key("file", keys, 4.0).unwrap(), Value::Text("b".into()));
-        assert_eq!(at_key("file", keys, 6.0).unwrap(), Value::Text("b".into()));
-        let Value::Table(entries) = at_key("file", keys, 1.0).unwrap() else { panic!() };
+        assert_eq!(at_file(keys, -1.0).unwrap(), Value::Text("a".into()));
+        assert_eq!(at_file(keys, 4.0).unwrap(), Value::Text("b".into()));
+        assert_eq!(at_file(keys, 6.0).unwrap(), Value::Text("b".into()));
+        let Value::Table(entries) = at_file(keys, 1.0).unwrap() else { panic!() };
         let values: Vec<Value> = entries.into_iter().map(|e| e.node.value).collect();
         assert_eq!(values, [Value::Text("a".into()), Value::Text("b".into()), Value::Float(0.25)]);
-        let mixed =
-            at_key("file", "[{ frame = 0, value = \"a\" }, { frame = 4, value = 1 }]", 1.0).unwrap_err().to_string();
+        let mixed = at_file("[{ frame = 0, value = \"a\" }, { frame = 4, value = 1 }]", 1.0).unwrap_err().to_string();
         assert!(mixed.contains("file.1.value: the whole number 1 after the text \"a\""), "{mixed}");
+        // at keys too, not only between them
+        let other = at_key("picture", keys, 0.0).unwrap_err().to_string();
+        assert!(other.contains("picture.0.value: expected a finite number"), "{other}");
     }
 
     #[test]

@@ -117,7 +117,8 @@ impl Files {
     }
 }
 
-fn named_as(path: Option<&Path>, extension: &str, remedy: &str) -> Result<()> {
+/// Refuses the name of another kind of image than is written.
+pub fn named_as(path: Option<&Path>, extension: &str, remedy: &str) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
     let found = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if found != extension && IMAGES.contains(&found.as_str()) {

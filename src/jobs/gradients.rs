@@ -49,7 +49,7 @@ pub fn gradients_of(
     let mut parameters = Vec::new();
     for (k, (key, value)) in numbers.iter().enumerate() {
         let name = format!("camera.{key}");
-        let of_value = |value| Camera::in_scene(&keys.with_number(key, value)?, Some(size), &scene.mesh);
+        let of_value = |value| Camera::in_scene(&keys.with_number(key, value)?, Some(size), scene.surroundings());
         let rate = rate(camera, (&name, *value), &of_value, seen.has_edges)?;
         collected.add_number((k, numbers.len()), changes(Some(&rate.rays))?);
         parameters.push(Parameter { name, value: *value, step: rate.step, error: rate.error });

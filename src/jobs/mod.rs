@@ -18,7 +18,7 @@ mod strips;
 mod work;
 
 pub use backend::Backend;
-pub use files::CAMERA;
+pub use files::{CAMERA, named_as};
 pub use job::{Change, EngineName, RenderJob, load, load_shape};
 pub use memory::{check as check_memory, need as memory_need};
 pub use work::{Seen, Work, Written, counted, refuse_missing};

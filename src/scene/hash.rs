@@ -6,10 +6,10 @@ use crate::geometry::texture::{Texels, Texture};
 use crate::scene::Scene;
 use crate::scene::caustics::Caustics;
 use crate::scene::light::{AmbientOcclusion, Source};
-use crate::scene::projector_light::{ProjectorLight, Throw};
 use crate::scene::style::Style;
 use crate::scene::volume::Volume;
 use glam::DVec3;
+use std::fmt::{self, Write};
 
 /// The EXR attribute with the [`scene_hash`], in hexadecimal.
 pub const SCENE_HASH: &str = "anamorph.scene_hash";
@@ -31,8 +31,16 @@ impl Fnv {
     }
 }
 
-/// A hash of triangles, spheres and how they move, normals, colours of vertices, materials, alpha masks, lights, the volume, background, image size and rays, however the scene file spells them. It is
-/// the same on all machines. Images that only colour triangles are left out, because they are not read if no colour is asked for.
+impl Write for Fnv {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        text.bytes().for_each(|byte| self.word(u64::from(byte)));
+        Ok(())
+    }
+}
+
+/// A hash of triangles, spheres and how they move, normals, colours of vertices, materials, alpha masks, lights, the volume, background,
+/// image size, rays, mirror or lens, however the scene file spells them. It is the same on all machines. Images that only colour triangles
+/// are left out, and so are lights that throw pictures, because neither are read if no colour is asked for.
 pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     let mut h = Fnv(0xcbf2_9ce4_8422_2325);
     let mesh = &scene.mesh;
@@ -83,7 +91,6 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
             h.word(u64::from(light.casts_shadows));
         }
     }
-    scene.projector_lights.iter().for_each(|light| projector_light(&mut h, light));
     if let Some(AmbientOcclusion { rays, reach }) = scene.ambient_occlusion {
         h.word(u64::from(rays));
         h.number(reach);
@@ -100,6 +107,9 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     h.word(u64::from(camera.width) << 32 | u64::from(camera.height));
     camera.t_range.iter().for_each(|t| h.number(*t));
     rays(&mut h, camera);
+    if let Some(optics) = &camera.optics {
+        written(&mut h, optics);
+    }
     if let Some(composition) = camera.layered() {
         composed(&mut h, scene, composition);
     }
@@ -116,16 +126,6 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
         scene.moments(camera).into_iter().flatten().for_each(|moment| h.word(u64::from(moment.word())));
     }
     h.0
-}
-
-fn projector_light(h: &mut Fnv, light: &ProjectorLight) {
-    let Throw { mode, strength, feather, angle_power, distance_power, distance, occlusion } = light.throw;
-    h.word(mode as u64);
-    [strength, feather, angle_power, distance_power, distance.unwrap_or(0.0)].into_iter().for_each(|v| h.number(v));
-    h.word(u64::from(occlusion));
-    image(h, &light.picture);
-    light.camera.t_range.iter().for_each(|t| h.number(*t));
-    rays(h, &light.camera);
 }
 
 fn medium(h: &mut Fnv, volume: &Volume) {
@@ -185,11 +185,17 @@ fn composed(h: &mut Fnv, scene: &Scene, composition: &Composition) {
     for (member, shows) in composition.members.iter().zip(shows) {
         h.word(member.priority as u64);
         h.number(member.feather);
-        format!("{:?}", member.region).bytes().for_each(|byte| h.word(u64::from(byte)));
+        written(h, &member.region);
         shows.into_iter().for_each(|is_shown| h.word(u64::from(is_shown)));
         member.camera.t_range.iter().for_each(|t| h.number(*t));
         rays(h, &member.camera);
     }
+}
+
+/// All that a value holds: numbers are written with as many digits as tell them apart.
+fn written(h: &mut Fnv, value: &impl fmt::Debug) {
+    // a hash takes all text
+    let _ = write!(h, "{value:?}");
 }
 
 fn rays(h: &mut Fnv, camera: &Camera) {
@@ -206,7 +212,7 @@ fn rays(h: &mut Fnv, camera: &Camera) {
         }
         // far too many to list one by one
         Rays::Field(field) if field.is_computed() => {
-            format!("{:?}", field.map()).bytes().for_each(|byte| h.word(u64::from(byte)));
+            written(h, &field.map());
         }
         Rays::Field(field) => {
             for (i, j) in (0..field.height).flat_map(|j| (0..field.width).map(move |i| (i, j))) {

@@ -6,7 +6,7 @@ use super::projector_light::{ProjectorLight, ProjectorSpec};
 use super::sky::Sky;
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
-use crate::camera::recipe::SceneUse;
+use crate::camera::recipe::{SceneUse, Surroundings};
 use crate::camera::spec::CameraSpec;
 use crate::geometry::load::{Object, load_unplaced, placed, with_unique_names};
 use crate::geometry::mesh::Mesh;
@@ -51,6 +51,9 @@ type CameraKey = (CameraSpec, Option<(u32, u32)>);
 struct Around {
     scene_use: SceneUse,
     mesh: Arc<Mesh>,
+    /// As in [`Surroundings`].
+    beside: Option<(DVec3, DVec3)>,
+    is_endless: bool,
 }
 
 /// Why a mesh cannot move during a frame.
@@ -205,7 +208,7 @@ impl Library {
         if !scene.camera_steps.is_empty() {
             return scene.camera_of_size(size.or(scene.size)).map(Arc::new);
         }
-        self.compiled((scene.camera.clone(), size.or(scene.size)), &scene.mesh)
+        self.compiled((scene.camera.clone(), size.or(scene.size)), &scene.mesh, scene.surroundings())
     }
 
     /// A picture and the camera that it is thrown by, in the scene of `mesh`.
@@ -219,21 +222,25 @@ impl Library {
         images: &mut Images,
     ) -> Result<ProjectorLight> {
         let texels = images.load(&spec.image)?;
-        let camera = self.compiled((spec.camera.clone(), Some((texels.width, texels.height))), mesh)?;
+        let camera = self.compiled((spec.camera.clone(), Some((texels.width, texels.height))), mesh, mesh.into())?;
         ProjectorLight::new(camera, Texture::new(texels), spec.throw)
     }
 
-    /// A camera in the scene of `mesh`.
-    fn compiled(&self, key: CameraKey, mesh: &Arc<Mesh>) -> Result<Arc<Camera>> {
-        let suits = |(_, around): &(Arc<Camera>, Around)| match around.scene_use {
-            SceneUse::Nothing => true,
-            SceneUse::Bounds => around.mesh.bounds() == mesh.bounds(),
-            SceneUse::Mesh => Arc::ptr_eq(&around.mesh, mesh),
+    /// A camera in the scene of `mesh`, which is that of `seen`.
+    fn compiled(&self, key: CameraKey, mesh: &Arc<Mesh>, seen: Surroundings) -> Result<Arc<Camera>> {
+        let Surroundings { beside, is_endless, .. } = seen;
+        let suits = |(_, around): &(Arc<Camera>, Around)| {
+            let is_same = (around.beside, around.is_endless) == (beside, is_endless);
+            match around.scene_use {
+                SceneUse::Nothing => true,
+                SceneUse::Bounds => is_same && around.mesh.bounds() == mesh.bounds(),
+                SceneUse::Mesh => is_same && Arc::ptr_eq(&around.mesh, mesh),
+            }
         };
         let make = || {
-            let camera = Camera::in_scene(&key.0, key.1, mesh)?;
+            let camera = Camera::in_scene(&key.0, key.1, seen)?;
             let scene_use = camera.scene_use;
-            Ok((Arc::new(camera), Around { scene_use, mesh: mesh.clone() }))
+            Ok((Arc::new(camera), Around { scene_use, mesh: mesh.clone(), beside, is_endless }))
         };
         Ok(self.cameras.get(&key, !self.is_for_once, suits, make)?.0.clone())
     }

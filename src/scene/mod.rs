@@ -22,9 +22,10 @@ use crate::camera::exposure::Exposure;
 use crate::camera::kinds::pinhole::Pinhole;
 use crate::camera::moving::Moving;
 use crate::camera::optics::Surface;
+use crate::camera::recipe::Surroundings;
 use crate::camera::spec::CameraSpec;
 use crate::geometry::load::Object;
-use crate::geometry::mesh::Mesh;
+use crate::geometry::mesh::{Mesh, joined};
 use crate::geometry::place;
 use crate::geometry::texture::ImagesRead;
 use crate::geometry::time_steps::{Moment, MovingMesh, TimeSteps};
@@ -135,7 +136,7 @@ impl Scene {
 
     /// The scene's camera for an image of `size`.
     pub fn camera_of_size(&self, size: Option<(u32, u32)>) -> Result<Camera> {
-        let compiled = |spec: &CameraSpec| Camera::in_scene(spec, size, &self.mesh);
+        let compiled = |spec: &CameraSpec| Camera::in_scene(spec, size, self.surroundings());
         if self.camera_steps.is_empty() {
             return compiled(&self.camera);
         }
@@ -223,6 +224,14 @@ impl Scene {
     /// Least and greatest corner of the bounding box of all vertices and spheres at all times of the frame, world units; `None` without vertices.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.moving_mesh().bounds()
+    }
+
+    /// What its cameras look at.
+    pub fn surroundings(&self) -> Surroundings<'_> {
+        let of_steps = self.steps.as_ref().and_then(|_| self.bounds());
+        let beside = of_steps.into_iter().chain(self.volume.as_ref().map(|v| v.grid.bounds())).reduce(joined);
+        let is_endless = self.sky.as_ref().is_some_and(|sky| sky.is_seen);
+        Surroundings { mesh: &self.mesh, beside, is_endless }
     }
 
     /// The mesh with its time steps.

@@ -126,8 +126,9 @@ impl Sky {
             }
             sums
         };
-        let add = |a: [DVec3; 9], b: [DVec3; 9]| std::array::from_fn(|k| a[k] + b[k]);
-        let sums = rows.map(of_row).reduce(|| [DVec3::ZERO; 9], add);
+        // added up in one order, whatever the threads
+        let sums_of_rows: Vec<[DVec3; 9]> = rows.map(of_row).collect();
+        let sums: [DVec3; 9] = std::array::from_fn(|k| sums_of_rows.iter().map(|row| row[k]).sum());
         // squares of the harmonics' factors, times the share of each order that a cosine leaves
         let order = [1.0, 2.0 / 3.0, 0.25];
         let factors = [0.25, 0.75, 0.75, 0.75, 3.75, 3.75, 0.3125, 3.75, 0.9375].map(|f| f / PI);

@@ -358,6 +358,10 @@ fn errors_say_which_camera_and_what_to_do() {
         (one("{ kind = 'pinhol' }"), "camera.cameras.1.camera.kind: unknown camera kind \"pinhol\""),
         (one(&PINHOLE.replace("40", "200")), "camera.cameras.1.camera.vfov = 200: must lie between"),
         (one(&PINHOLE.replace("[0, 0, 4]", "[0, 0, 0]")), "camera.cameras.1.camera: eye and target are the same point"),
+        (
+            one("{ kind = 'lidar', eye = [0, 0, 4], target = [0, 0, 0], beams = [0], columns = 8, period = 0.1 }"),
+            "camera.cameras.1.camera.period: a camera in another one has no times of its own",
+        ),
         (one(&mirror), "camera.cameras.1.camera.kind: reflection looks at a mirror or lens; use"),
         (one(&chain), "camera.cameras.1.camera.kind: chain has 2 layers of rays; use"),
         (

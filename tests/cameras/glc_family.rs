@@ -377,6 +377,10 @@ fn bad_values_are_named() {
     refuses(&format!("{hinge}angle = 9\nside = \"top\""), "camera.side");
     refuses("kind = \"surround\"\nradius = 3\nlevel = 8", "camera.level");
     refuses("kind = \"surround\"\nfile = \"nowhere.obj\"", "camera.file");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("collapsed.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nf 1 1 2\nf 2 1 2\n").unwrap();
+    refuses(&format!("kind = \"surround\"\nfile = {path:?}"), "the mesh has no triangle with three corners");
     refuses(
         "kind = \"surround\"\nradius = 3\nlevel = 1\ncolumns = 41",
         "camera.columns: expected a whole number from 1 to 40",

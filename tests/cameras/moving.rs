@@ -10,7 +10,7 @@ use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::geometry::place;
 use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
 use anamorph::internals::scene::Scene;
-use common::file::camera_of;
+use common::file::{camera_of, refusal};
 use common::gpu::{check, hits};
 use common::rng::Rng;
 use common::scene;
@@ -124,6 +124,32 @@ fn keyframes_move_a_camera_as_its_velocity_does() {
         let (a, b) = (a.ray(i, j).unwrap(), b.ray(i, j).unwrap());
         let apart = (a.origin - b.origin).length() + (a.direction - b.direction).length();
         assert!(apart < 1e-13, "{i},{j}: {apart:e}");
+    }
+}
+
+#[test]
+fn only_rays_change_while_a_frame_is_taken() {
+    let pinhole = "kind = 'pinhole'\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nvfov = 40";
+    let keyed = |from: &str, to: &str| format!("[{{ frame = -1, value = {from} }}, {{ frame = 1, value = {to} }}]");
+    let region = |to: &str, eye: &str| {
+        let rectangle = format!("{{ kind = 'rectangle', from = [0, 0], to = {to} }}");
+        format!(
+            "kind = 'composite'\nline_time = 0.02\ncameras = [{{ camera = {{ {} }}, region = {rectangle} }},\n\
+             {{ camera = {{ kind = 'pinhole', eye = {eye}, target = [0, 0, 0], vfov = 40 }} }}]",
+            pinhole.replace('\n', ", ")
+        )
+    };
+    let moves = keyed("[0, 0, 4]", "[1, 0, 4]");
+    let fixed = region("[0.5, 1]", &moves);
+    assert!(camera_of(BOX, SIZE, &fixed).unwrap().moving.is_some());
+    let grows = region(&keyed("[0.5, 1]", "[0.7, 1]"), "[0, 0, 4]");
+    let reaches = format!("{pinhole}\nline_time = 0.02\nt_range = {}", keyed("[0, 4]", "[0, 5]"));
+    for keys in [grows, reaches] {
+        let error = refusal(BOX, SIZE, &keys);
+        assert!(
+            error.contains("t_range and the regions of a composite cannot change while a frame is taken"),
+            "{error}"
+        );
     }
 }
 

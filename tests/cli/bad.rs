@@ -83,6 +83,8 @@ fn wrong_command_lines() {
         (vec!["splat", "scene.toml"], "--points"),
         (vec!["splat", "scene.toml", "--points", "p.csv"], "nothing to write; add -o OUT.png"),
         (vec!["splat", "scene.toml", "--points", "p.csv", "-o", "a.png"], "p.csv: cannot be read"),
+        (vec!["splat", "scene.toml", "--points", "p.csv", "-o", "a.jpg"], "a.jpg: colour is written as PNG"),
+        (vec!["splat", "scene.toml", "--points", "p.csv", "--exr", "a.png"], "a.png: this output is written as EXR"),
         (vec!["splat", "scene.toml", "--points", "scene.toml", "-o", "a.png"], ".ply, .npy, .csv, .txt or .xyz"),
         (
             vec!["splat", "scene.toml", "--points", "p.csv", "-o", "a.png", "--engine", "raytrace"],

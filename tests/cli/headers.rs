@@ -2,7 +2,7 @@
 
 use super::program::{Place, SCENE};
 use anamorph::internals::image::frame::{Channel, NO_ID};
-use anamorph::internals::image::{read_exr, read_exr_texts, write_npy_f64};
+use anamorph::internals::image::{read_exr, read_exr_texts, write_npy_f64, write_png};
 use exr::meta::MetaData;
 use serde_json::Value;
 
@@ -82,6 +82,24 @@ fn overrides_and_keyframes_are_in_the_header() {
         "--frame: a.exr holds the camera of one frame only",
     );
     place.refuses(&["camera", "a.exr", "--export-povray", "r.pov"], 2, "a.exr holds a camera but no scene");
+}
+
+#[test]
+fn a_camera_that_moved_while_its_picture_was_taken_is_not_read_back() {
+    let place = Place::new();
+    place.write("panned.toml", SCENE.replace("vfov = 40", "vfov = 40\nline_time = 0.01"));
+    let keyed = "line_time = 0.01\nvfov = [{ frame = 0, value = 30 }, { frame = 7, value = 50 }]";
+    place.write("zoomed.toml", SCENE.replace("vfov = 40", keyed));
+    for name in ["panned", "zoomed"] {
+        render(&place, &format!("{name}.toml"), &format!("{name}.exr"), &[]);
+    }
+    // lines are read one after another, and the camera stands still
+    assert!(rays(&place, "panned.exr", &[]) == rays(&place, "panned.toml", &[]));
+    place.refuses(
+        &["camera", "zoomed.exr", "--rays", "r.npy"],
+        2,
+        "zoomed.exr: its camera moved while the picture was taken",
+    );
 }
 
 #[test]
@@ -251,6 +269,26 @@ fn a_scene_with_another_hash_than_the_picture_is_noted() {
     // with the changes it was rendered with, the scene has the picture's hash
     let changed = with(&["b.exr", "b.exr", "--scene", "scene.toml", "--set", "mesh.0.scale=1.01"]);
     assert!(!changed.contains("note:"), "{changed}");
+}
+
+#[test]
+fn a_lens_counts_in_the_hash_of_a_scene_and_a_thrown_picture_does_not() {
+    let place = Place::new();
+    let notes = |scene: &str, more: &[&str]| {
+        let args =
+            ["render", scene, "--engine", "reference", "--size", "12x8", "--channels", "triangle.id", "--exr", "a.exr"];
+        place.works(&[&args[..], more].concat());
+        let judged = json(&place.works(&["compare", "a.exr", "a.exr", "--scene", scene, "--json"]));
+        judged["notes"].as_array().unwrap().len()
+    };
+    place.works(&["example", "glass-ball"]);
+    assert_eq!(notes("glass-ball.toml", &[]), 0);
+    assert_eq!(notes("glass-ball.toml", &["--set", "camera.ior=1.4"]), 1);
+    // it is not read where no colour is asked for
+    write_png(&place.path().join("red.png"), 1, 1, &[200, 10, 10]).unwrap();
+    let camera = "{ kind = \"pinhole\", eye = [0, 1, 4], target = [0, 0, 0], vfov = 40 }";
+    place.write("thrown.toml", format!("{SCENE}\n[[projector_light]]\nimage = \"red.png\"\ncamera = {camera}\n"));
+    assert_eq!(notes("thrown.toml", &[]), 0);
 }
 
 #[test]

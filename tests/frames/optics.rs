@@ -577,6 +577,14 @@ fn facets_are_as_many_as_an_error_or_a_count_asks_for() {
         let [coarse, fine] = [8.0, 1.0].map(|px| count(&format!("{facets}\nfacets_error = {px}")));
         assert!(coarse < fine && fine < 64 * coarse, "{shape}: {coarse} {fine}");
     }
+    // an image of one row, and a mirror between the pixels that are looked at first
+    for (size, vfov, radius) in [((141, 1), 0.3, 1.2), ((1900, 1267), 42.0, 0.02)] {
+        let eye = EYE.replace("vfov = 42", &format!("vfov = {vfov}"));
+        let mirror =
+            format!("mirror = {{ shape = \"sphere\", radius = {radius} }}\nfacets = \"normals\"\nfacets_error = 1");
+        let (_, camera) = scene(size, THINGS, &format!("kind = \"reflection\"\n{eye}\n{mirror}"));
+        assert!(camera.notes.last().unwrap().contains(", off by "), "{:?}", camera.notes);
+    }
     assert!(count("mirror = { builtin = \"teapot\", level = 10, count = 512 }") <= 512);
     assert_eq!(count("mirror = { builtin = \"box\", count = 200 }"), 192);
 }

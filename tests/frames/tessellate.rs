@@ -1,6 +1,6 @@
 //! Tessellated ray maps: the reported bound holds, is at most ten times too large, and falls at the derived rate.
 
-use anamorph::internals::camera::recipe::{Built, Setting};
+use anamorph::internals::camera::recipe::{Built, Setting, Surroundings};
 use anamorph::internals::camera::tessellate::Tessellation;
 use anamorph::internals::camera::{Pieces, Ray, RayMap, Rays};
 use anamorph::internals::geometry::mesh::Mesh;
@@ -252,6 +252,34 @@ fn without_a_scene_the_bound_is_that_of_the_whole_range() {
         );
         assert!(Tessellation::Auto { error_px: 0.5 }.build(Arc::new(Cylinder), &setting).is_ok());
     }
+}
+
+#[test]
+fn what_is_beside_or_beyond_the_mesh_counts_too() {
+    let mesh = Mesh { positions: vec![DVec3::new(0.0, 0.0, -11.0), DVec3::new(0.0, 0.0, -9.0)], ..Mesh::default() };
+    let behind = Some((DVec3::new(0.0, 0.0, 9.0), DVec3::new(0.0, 0.0, 11.0)));
+    let built = |beside, is_endless| {
+        let seen = Surroundings { mesh: &mesh, beside, is_endless };
+        Tessellation::Auto { error_px: 0.25 }.build(Arc::new(Sphere), &Setting::new(Some(SIZE), seen, T_RANGE)).unwrap()
+    };
+    let [alone, beside, endless] = [built(None, false), built(behind, false), built(None, true)];
+    // the largest way from a piece's ray to the exact one, in radians
+    let off = |built: &Built| {
+        let middles = (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j)));
+        let Rays::Pieces(pieces) = &built.layers[0] else { panic!() };
+        let off = |(i, j): (u32, u32)| {
+            let place = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
+            let own = pieces.bundle_at_place(pieces.owner_of_place(i, j, place)?, place).ray(0.0, 0.0).direction;
+            let exact = Sphere.ray(place.x / f64::from(SIZE.0), place.y / f64::from(SIZE.1))?.direction;
+            Some(own.angle_between(exact))
+        };
+        middles.filter_map(off).fold(0.0, f64::max)
+    };
+    let count = |built: &Built| pieces(built).pieces.len();
+    assert!(count(&alone) < count(&beside) && count(&beside) <= count(&endless));
+    // without more to look at all is left as it was
+    let pixel = 160f64.to_radians() / f64::from(SIZE.0);
+    assert!(off(&endless) < 0.5 * pixel && off(&alone) > 2.0 * pixel, "{} {} of {pixel}", off(&endless), off(&alone));
 }
 
 #[test]

@@ -27,7 +27,9 @@ fn entry(node: BvhNode, segment: Segment, inverse: vec3<f32>, nearest: f32) -> E
 
 fn traced(segment: Segment) -> Found {
     var found = nothing();
-    let inverse = 1.0 / segment.d;
+    // where a segment runs along a side of a box, 0 times infinity would be no number
+    let least = vec3<f32>(1.0e-20);
+    let inverse = 1.0 / select(segment.d, least, abs(segment.d) < least);
     var waiting: array<u32, STACK>;
     var count = 0u;
     var at = first_node();

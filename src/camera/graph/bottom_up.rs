@@ -145,7 +145,7 @@ impl BottomUp {
         let root = View::new(&pinhole, height, legs::centre((width, height)))?;
         let eyes = [views[0].eye(), views[1].eye(), root.eye()];
         let reach = self.views.iter().map(|v| v.pose.distance()).fold(1000.0 * self.near, f64::max);
-        let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &eyes, 1000.0 * reach).max(2.0 * self.near));
+        let far = self.far.unwrap_or_else(|| beyond(setting.bounds(), &eyes, 1000.0 * reach).max(2.0 * self.near));
         Ok(Layout { between_px, views, root, far })
     }
 

@@ -142,7 +142,7 @@ impl Recipe for TopDown {
         let root = |k: usize| roots[mesh.root_of[k]].view;
         let eyes: Vec<DVec3> = roots.iter().map(|r| r.view.eye()).chain(patches.iter().map(|p| p.view.eye())).collect();
         let reach = self.root.pose.distance().max(1000.0 * self.near);
-        let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &eyes, 1000.0 * reach).max(2.0 * self.near));
+        let far = self.far.unwrap_or_else(|| beyond(setting.bounds(), &eyes, 1000.0 * reach).max(2.0 * self.near));
         let depths = self.foreground.then(|| self.depths(&mesh, &patches, &roots, far));
         let far = depths.map_or(far, |d| d[2]);
         let plain = legs::plain(&mesh.net, root, far, depths);
@@ -162,11 +162,19 @@ impl Recipe for TopDown {
         let graph = legs::with_leaves(&plain, [leaf(leaf_depth, self.near), leaf(far, far)], depths);
         let folds = graph.folds(setting.bounds());
         let mut built = graph.morphed(&plain, self.join.morph).build(self.join.bend, size)?;
+        built.notes.extend(far_note(self.far, far));
         built.notes.extend(
             fold_note(folds).map(|note| note + "; make band wider, or move the regions' eyes nearer to the root's"),
         );
         Ok(built)
     }
+}
+
+/// What to say where rays end farther than was asked for.
+pub(super) fn far_note(asked: Option<f64>, far: f64) -> Option<String> {
+    asked
+        .filter(|asked| *asked < far)
+        .map(|asked| format!("far = {asked} is too near for rays to turn back; they end at {far}"))
 }
 
 /// What to say where rays cross.

@@ -4,7 +4,6 @@ use super::super::bundle::{Bundle, Ray};
 use super::super::kinds::pinhole;
 use super::super::pieces::{Piece, Pieces};
 use super::super::pose::Pose;
-use crate::geometry::mesh::Mesh;
 use crate::input::Result;
 use crate::input::reader::Table;
 use glam::{DVec2, DVec3};
@@ -82,9 +81,9 @@ impl View {
 }
 
 /// A depth beyond the whole scene from every one of the eyes: twice the distance to its farthest corner, so that rays
-/// that turn between two views pass it too; `otherwise` in a scene without triangles.
-pub fn beyond(mesh: &Mesh, eyes: &[DVec3], otherwise: f64) -> f64 {
-    let Some((lo, hi)) = mesh.bounds() else { return otherwise };
+/// that turn between two views pass it too; `otherwise` in an empty scene. `scene` are the corners of the box around it.
+pub fn beyond(scene: Option<(DVec3, DVec3)>, eyes: &[DVec3], otherwise: f64) -> f64 {
+    let Some((lo, hi)) = scene else { return otherwise };
     let farthest = eyes.iter().map(|eye| (*eye - lo).abs().max((hi - *eye).abs()).length()).fold(0.0, f64::max);
     if farthest > 0.0 { 2.0 * farthest } else { otherwise }
 }

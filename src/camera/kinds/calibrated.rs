@@ -31,7 +31,7 @@ struct FromFile {
     shutter: Shutter,
     tessellation: Tessellation,
     /// What the file leaves open.
-    model_note: Option<String>,
+    note: Option<String>,
 }
 
 /// Where the plane of a lens model lies in the image.
@@ -92,7 +92,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
             None => Pose::of_camera(placed.eye, placed.rotation, table.or("distance", 1.0, Field::above_zero)?)?,
         },
     };
-    from_file(table, &file, pose, calibration, None)
+    from_file(table, &file, pose, calibration)
 }
 
 /// Kind `opencv`: a file of OpenCV, of which the scene may name the model.
@@ -108,19 +108,12 @@ pub fn read_opencv(table: &Table) -> Result<Arc<dyn Recipe>> {
     if let (Some(field), Some(line)) = (table.get("model"), named.and_then(|fisheye| found.contradicts(fisheye))) {
         return Err(field.error(format_args!("the file says {line}; leave model out, or correct the file")));
     }
-    let model_note = found.model_note().filter(|_| named.is_none());
     let calibration = found.calibration(named).map_err(|why| file.error(why))?;
-    from_file(table, &file, Pose::read(table)?, calibration, model_note)
+    from_file(table, &file, Pose::read(table)?, calibration)
 }
 
-fn from_file(
-    table: &Table,
-    file: &Field,
-    pose: Pose,
-    calibration: Calibration,
-    model_note: Option<String>,
-) -> Result<Arc<dyn Recipe>> {
-    let Calibration { intrinsics, model, .. } = calibration;
+fn from_file(table: &Table, file: &Field, pose: Pose, calibration: Calibration) -> Result<Arc<dyn Recipe>> {
+    let Calibration { intrinsics, model, note, .. } = calibration;
     let lens = Lens::new(&model).map_err(|why| file.error(why))?;
     let shutter = Shutter {
         line_time: table.or("line_time", 0.0, Field::number)?,
@@ -132,15 +125,7 @@ fn from_file(
             return Err(field.error("the camera moves from row to row only with a line_time; add line_time = 3e-5"));
         }
     }
-    Ok(Arc::new(FromFile {
-        pose,
-        intrinsics,
-        model,
-        lens,
-        shutter,
-        tessellation: Tessellation::read(table)?,
-        model_note,
-    }))
+    Ok(Arc::new(FromFile { pose, intrinsics, model, lens, shutter, tessellation: Tessellation::read(table)?, note }))
 }
 
 impl Recipe for FromFile {
@@ -155,7 +140,7 @@ impl Recipe for FromFile {
         };
         let sensor = Sensor { calibrated, lens: self.lens.clone() };
         let built = self.tessellation.build(Arc::new(sensor), &setting.of_size(size))?;
-        Ok(Built { unfulfilled: self.model_note.iter().cloned().collect(), ..built })
+        Ok(Built { unfulfilled: self.note.iter().cloned().collect(), ..built })
     }
 
     fn lines(&self) -> Option<Lines> {

@@ -8,7 +8,7 @@ mod region;
 use crate::camera::curve::Curves;
 use crate::camera::field::Field;
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::spec::{CameraSpec, read_camera};
+use crate::camera::spec::{CameraSpec, read_part};
 use crate::camera::{Camera, Rays};
 use crate::image::size::check_size;
 use crate::input::reader::{self, Table};
@@ -67,7 +67,7 @@ impl Member {
         table.allow(&["camera", "region", "frame", "priority", "feather", "objects"])?;
         let region = table.or("region", Region::Whole, Region::read)?;
         Ok(Member {
-            camera: read_camera(&table.need("camera", "{ kind = \"pinhole\", ... }")?)?,
+            camera: read_part(&table.need("camera", "{ kind = \"pinhole\", ... }")?)?,
             feather: table.or("feather", 0.0, |field| read_feather(field, &region))?,
             region,
             framed_by_region: table.or("frame", false, |field| match field.text()? {

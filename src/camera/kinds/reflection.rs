@@ -8,8 +8,9 @@ use crate::camera::Camera;
 use crate::camera::optics::facet_error::error_px;
 use crate::camera::optics::shape::{COUNT_MAX, Shape};
 use crate::camera::optics::{Atlas, Bounce, Facets, Law, Optics, Surface};
-use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::spec::{CameraSpec, read_camera};
+use crate::camera::recipe::{Built, Recipe, SceneUse, Setting};
+use crate::camera::spec::{CameraSpec, read_part};
+use crate::geometry::bvh::Aabb;
 use crate::geometry::load::load_mesh;
 use crate::geometry::spec::{MeshSpec, read_mesh};
 use crate::geometry::texture::Images;
@@ -114,7 +115,7 @@ fn read_optical(table: &Table, surface: &Field, bounce: Bounce) -> Result<Arc<dy
     if let Some(range) = eye.table()?.get("t_range") {
         return Err(range.error("belongs beside the kind, not in the eye; move it there"));
     }
-    let eye = read_camera(&eye)?;
+    let eye = read_part(&eye)?;
     let own = surface.table()?;
     let source = match own.get("shape") {
         Some(shape) => {
@@ -195,6 +196,15 @@ fn read_mode(key: &Field, source: &Source) -> Result<Mode> {
 }
 
 impl Source {
+    /// The corners of a box around the surface.
+    fn bounds(&self) -> Result<(DVec3, DVec3)> {
+        let Aabb { lo, hi } = match self {
+            Source::Shape(shape, _) => shape.smooth().bounds(),
+            Source::Mesh(..) => Aabb::around(&self.facets(None)?.positions),
+        };
+        Ok((lo, hi))
+    }
+
     /// The surface tessellated into facets, about `count` where that is given.
     fn facets(&self, count: Option<usize>) -> Result<Facets> {
         match self {
@@ -209,7 +219,12 @@ impl Source {
 
 impl Recipe for Optical {
     fn build(&self, setting: &Setting) -> Result<Built> {
-        let eye = Camera::in_setting(&self.eye, setting).map_err(|e| e.at("camera.eye"))?;
+        let eye_in = |setting: &Setting| Camera::in_setting(&self.eye, setting).map_err(|e| e.at("camera.eye"));
+        let mut eye = eye_in(setting)?;
+        if eye.scene_use != SceneUse::Nothing {
+            // the surface is in view, too
+            eye = eye_in(&setting.and(self.source.bounds()?))?;
+        }
         self.check_eye(&eye, setting)?;
         let central = || centre(&eye);
         let Common { rays, depth, .. } = self.optics;
@@ -229,7 +244,11 @@ impl Recipe for Optical {
                 let law = if mode == Mode::Flat { Law::Flat { eye: central()? } } else { Law::Normals };
                 let (facets, off) = self.tessellate(&eye, law, setting)?;
                 let n = facets.triangles.len();
-                let off = off.map(|px| format!(", off by {px:.3} px (95th percentile)")).unwrap_or_default();
+                let off = match (self.facets_error, off) {
+                    (None, _) => String::new(),
+                    (Some(_), Some(px)) => format!(", off by {px:.3} px (95th percentile)"),
+                    (Some(_), None) => ", as few as there may be: no pixel sees them".into(),
+                };
                 let (facets, as_of) = self.matched(facets)?;
                 let note = format!("the surface is tessellated into {n} facet{}{off}{as_of}", plural(n));
                 (Surface::Facets { facets, law }, note)

@@ -56,6 +56,9 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let columns = table.optional("columns", |f| f.integer(1, mesh.triangles.len().div_ceil(2).max(1) as u64))?;
     let columns = columns.map(|n| n as usize);
     let (vertices, triangles) = welded(&mesh.positions, &mesh.triangles);
+    if triangles.is_empty() {
+        return Err(field.error("the mesh has no triangle with three corners; give one around the middle"));
+    }
     let vertices: Vec<DVec3> = vertices.into_iter().map(|v| scale * v + center).collect();
     let mut notes = Vec::new();
     let open = border_edges(&triangles);

@@ -9,7 +9,7 @@ use crate::geometry::cast::Caster;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Approximate number of pixels sampled per row.
+/// Approximate number of pixels sampled per row; more where none of these sees the surfaces.
 const SAMPLES_PER_SIDE: u32 = 64;
 
 /// Percentile of the error over the pixels that see both surfaces: at a silhouette no number of facets
@@ -17,7 +17,8 @@ const SAMPLES_PER_SIDE: u32 = 64;
 pub const SHARE: f64 = 0.95;
 
 /// Image error, px, of points seen after one bounce, at the distance of `centre` from the surface: the 95th percentile over a grid of
-/// pixels that see both surfaces. The unit is the true change from a pixel to its neighbours. `None` if no pixel sees both.
+/// pixels that see both surfaces. The unit is the true change from a pixel to its neighbours. `None` if no pixel and its neighbours see
+/// both.
 pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, centre: DVec3) -> Option<f64> {
     let meshes = [truth, facets].map(|o| o.facets().map(|f| f.mesh(o.base)).unwrap_or_default());
     let [truth, facets] = [(truth, &meshes[0]), (facets, &meshes[1])].map(|(optics, mesh)| Alone {
@@ -25,21 +26,35 @@ pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, centre: DVec3) ->
         caster: Caster::new(mesh),
         scene_size: scene_size(mesh.bounds()),
     });
-    let step = eye.width.div_ceil(SAMPLES_PER_SIDE).max(1);
-    let places: Vec<(u32, u32)> = (0..eye.height - 1)
-        .step_by(step as usize)
-        .flat_map(|j| (0..eye.width - 1).step_by(step as usize).map(move |i| (i, j)))
-        .collect();
+    let (width, height) = (eye.width, eye.height);
+    // the next column or row, or at the end the one before; none of an image of one
+    let next = |k: u32, count: u32| if k + 1 < count { Some(k + 1) } else { k.checked_sub(1) };
     let off = |&(i, j): &(u32, u32)| {
         let known = truth.bounced(eye, i, j)?;
         let far = (centre - known.origin).length();
         let at = |ray: Ray| ray.origin + far * ray.direction.normalize();
         let here = at(known);
-        let (right, below) = (at(truth.bounced(eye, i + 1, j)?) - here, at(truth.bounced(eye, i, j + 1)?) - here);
-        let pixel = (right.length() * below.length()).sqrt();
+        let away = |(i, j): (u32, u32)| Some((at(truth.bounced(eye, i, j)?) - here).length());
+        let beside = next(i, width).map(|i| away((i, j)));
+        let below = next(j, height).map(|j| away((i, j)));
+        let pixel = match (beside, below) {
+            (Some(a), Some(b)) => (a? * b?).sqrt(),
+            (Some(one), None) | (None, Some(one)) => one?,
+            (None, None) => return None,
+        };
         Some((at(facets.bounced(eye, i, j)?) - here).length() / pixel)
     };
-    let mut list: Vec<f64> = places.par_iter().filter_map(off).filter(|e| e.is_finite()).collect();
+    let every = |step: u32| -> Vec<f64> {
+        let rows = (0..height).step_by(step as usize);
+        let places: Vec<_> = rows.flat_map(|j| (0..width).step_by(step as usize).map(move |i| (i, j))).collect();
+        places.par_iter().filter_map(off).filter(|e| e.is_finite()).collect()
+    };
+    let mut step = width.div_ceil(SAMPLES_PER_SIDE).max(1);
+    let mut list = every(step);
+    while list.is_empty() && step > 1 {
+        step /= 2;
+        list = every(step);
+    }
     list.sort_unstable_by(f64::total_cmp);
     list.get((SHARE * list.len() as f64) as usize).copied()
 }

@@ -16,6 +16,10 @@ pub fn first_meeting((smooth, part): (&Smooth, usize), ray: &Ray, starts: bool, 
     }
 }
 
+/// Rounding of a place's height along the axis, in units of what is summed up to get the place: some 20 of its root t, as many of the place
+/// and the height. A flat cap is all of one height and would have holes without.
+const HEIGHT_UNITS: f64 = 128.0;
+
 fn on_quadric(quadric: &Quadric, ray: &Ray, starts: bool, range: [f64; 2]) -> Option<f64> {
     let (q, d) = (ray.origin - quadric.centre, ray.direction);
     let (a, b) = (d.dot(quadric.a * d), d.dot(quadric.a * q + quadric.b));
@@ -27,7 +31,11 @@ fn on_quadric(quadric: &Quadric, ray: &Ray, starts: bool, range: [f64; 2]) -> Op
         let far = if b < 0.0 { root - b } else { -root - b };
         [far / a, c / far]
     };
-    let there = |t: &f64| t.is_finite() && quadric.contains(ray.origin + *t * d) && range[0] <= *t && *t <= range[1];
+    let size = |v: DVec3| v.abs().element_sum();
+    let there = |t: &f64| {
+        let error = HEIGHT_UNITS * f64::EPSILON * (size(q) + t.abs() * size(d));
+        t.is_finite() && quadric.contains(q + *t * d, error) && range[0] <= *t && *t <= range[1]
+    };
     roots.into_iter().filter(there).reduce(f64::min)
 }
 
@@ -204,6 +212,25 @@ mod tests {
                 let q = place - w.centre;
                 let within = q.x.abs() <= w.size / 2.0 && q.z.abs() <= w.size / 2.0;
                 within.then(|| q.y - w.height(q))
+            }
+        }
+    }
+
+    /// However far from the world's origin it is, and from however far it is seen.
+    #[test]
+    fn a_flat_disc_has_no_holes() {
+        let mut dice = Dice(3);
+        for (away, distance) in [(0.0, 5.0), (0.0, 1e4), (1e4, 1e4), (1e5, 5.0), (1e6, 5.0)] {
+            let axis = dice.vector().normalize();
+            let vertex = away * dice.vector().normalize();
+            let disc = Quadric::cap(vertex, axis, 0.0, 0.0, 1.0, false).unwrap();
+            let (e1, e2) = axis.any_orthonormal_pair();
+            for _ in 0..1000 {
+                let origin = vertex + distance * (dice.vector() - 1.5 * axis);
+                let aim = vertex + 0.7 * (dice.roll() * e1 + dice.roll() * e2);
+                let ray = Ray { origin, direction: (aim - origin).normalize() };
+                let met = on_quadric(&disc, &ray, false, [0.0, f64::INFINITY]);
+                assert!(met.is_some(), "{ray:?} misses {disc:?}");
             }
         }
     }

@@ -60,12 +60,12 @@ impl Quadric {
         self.a * (place - self.centre) + self.b
     }
 
-    /// A point of the surface's plane or space counts: within the rim and the heights.
-    pub fn contains(&self, place: DVec3) -> bool {
-        let q = place - self.centre;
+    /// Whether a place of the surface, `q` from the centre and its height known up to `error`, is on the part that is there: within the rim
+    /// and the heights.
+    pub fn contains(&self, q: DVec3, error: f64) -> bool {
         let z = q.dot(self.axis);
         let r2 = (q - z * self.axis).length_squared();
-        z >= self.heights[0] && z <= self.heights[1] && r2 <= self.rim * self.rim
+        z >= self.heights[0] - error && z <= self.heights[1] + error && r2 <= self.rim * self.rim
     }
 
     /// A box around it.
@@ -108,7 +108,7 @@ mod tests {
                     let q = at - vertex;
                     let value = q.dot(cap.a * q) + 2.0 * cap.b.dot(q) + cap.c;
                     assert!(value.abs() < 1e-15, "{curvature} {conic}: {value}");
-                    assert!(r == 1.2 || cap.contains(at));
+                    assert!(r == 1.2 || cap.contains(q, 0.0));
                     let out = cap.normal(at).dot(axis) * if flipped { 1.0 } else { -1.0 };
                     assert!(out > 0.0, "{curvature} {conic} {flipped}: {out}");
                 }
@@ -144,6 +144,6 @@ mod tests {
         let ball = Quadric::sphere(DVec3::ONE, 2.0);
         assert!((ball.normal(DVec3::new(3.0, 1.0, 1.0)) - DVec3::X).length() < 1e-15);
         let wall = Quadric::wall(DVec3::ZERO, DVec3::Y, 0.5, [0.0, 3.0]);
-        assert!(wall.contains(DVec3::new(0.5, 2.0, 0.0)) && !wall.contains(DVec3::new(0.5, 3.5, 0.0)));
+        assert!(wall.contains(DVec3::new(0.5, 2.0, 0.0), 0.0) && !wall.contains(DVec3::new(0.5, 3.5, 0.0), 0.0));
     }
 }

@@ -223,7 +223,7 @@ fn wall_ends(caps: &[Cap; 2]) -> [f64; 2] {
 /// Cells along both sides of a grid of about `count` triangles: `triangles` of them, and the first side about `ratio` times
 /// the second.
 fn cells(count: usize, triangles: impl Fn(usize, usize) -> usize, ratio: f64) -> (usize, usize) {
-    let most = (2.0 * ((count as f64) * ratio).sqrt()).ceil() as usize + 3;
+    let most = (2.0 * ((count as f64) * ratio).sqrt()).ceil().min(count as f64) as usize + 3;
     let second = |n: usize| {
         let fit = (2..=count + 2).take_while(|s| *s == 2 || triangles(n, *s) <= count).last().unwrap_or(2);
         [fit, fit + 1]

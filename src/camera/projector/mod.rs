@@ -114,6 +114,11 @@ impl Volume {
             None if self.degree() == 1 && self.piece_count == 0 => {
                 tessellation.build(Arc::new(self.clone()), setting)?
             }
+            None if self.degree() == 1 && tessellation != Tessellation::Exact => {
+                return Err(Error::input(
+                    "camera.pieces: straight projectors of a surface of pieces are not tessellated; leave pieces out",
+                ));
+            }
             None => Built::new(size, Rays::Curves(self.curves(size)?)),
         };
         Ok(Built { t_range: Some([0.0, 1.0]), ..built })

@@ -20,7 +20,7 @@ use crate::camera::field::RayMap;
 use crate::camera::recipe::Setting;
 use glam::{DVec2, DVec3};
 
-/// The exact camera, and a bounding ball of the scene.
+/// The exact camera, and what it looks at.
 pub struct Judge<'a> {
     pub map: &'a dyn RayMap,
     /// Of the image, px.
@@ -28,6 +28,8 @@ pub struct Judge<'a> {
     t_range: [f64; 2],
     /// A ball around the scene.
     scene: Option<(DVec3, f64)>,
+    /// Beyond it there is an environment.
+    is_endless: bool,
 }
 
 /// The verdict on a piece.
@@ -88,7 +90,8 @@ impl Slope {
 impl<'a> Judge<'a> {
     pub fn new(map: &'a dyn RayMap, setting: &Setting, (w, h): (u32, u32)) -> Judge<'a> {
         let scene = setting.bounds().map(|(lo, hi)| ((lo + hi) / 2.0, (hi - lo).length() / 2.0));
-        Judge { map, size: DVec2::new(w.into(), h.into()), t_range: setting.t_range, scene }
+        let size = DVec2::new(w.into(), h.into());
+        Judge { map, size, t_range: setting.t_range, scene, is_endless: setting.is_endless() }
     }
 
     /// The exact ray of an image place in px.
@@ -162,8 +165,8 @@ impl<'a> Judge<'a> {
         Some(std::array::from_fn(|k| slope(k / STEPS * (STEPS + 1) + k % STEPS)))
     }
 
-    /// Weights of P and D at the ends of intervals of t in the range and the scene; `None` where that is empty. Rays from one
-    /// point have the same image error at every t.
+    /// Weights of P and D at the ends of intervals of t in the range and the scene, and of the environment, which is seen by direction
+    /// alone; `None` where rays see nothing. Rays from one point have the same image error at every t.
     fn weights(&self, rays: &[Ray]) -> Option<Vec<(f64, f64)>> {
         let [mut first, mut last] = self.t_range;
         if let Some((centre, radius)) = self.scene {
@@ -176,11 +179,12 @@ impl<'a> Judge<'a> {
                 rays.iter().map(span).fold((f64::INFINITY, f64::NEG_INFINITY), |m, s| (m.0.min(s.0), m.1.max(s.1)));
             (first, last) = (first.max(ends.0), last.min(ends.1));
         }
+        let far = (0.0, 1.0);
         if first > last {
-            return None;
+            return self.is_endless.then(|| vec![far]);
         }
         if rays.iter().all(|r| r.origin == rays[0].origin) {
-            return Some(vec![(0.0, 1.0)]);
+            return Some(vec![far]);
         }
         // an end at infinity is the direction alone
         let end = |t: f64| if t.is_finite() { (1.0, t) } else { (0.0, t.signum()) };
@@ -194,6 +198,9 @@ impl<'a> Judge<'a> {
         };
         let mut weights: Vec<_> = joined.windows(2).flat_map(|w| between(w[0], w[1])).collect();
         weights.push(to);
+        if self.is_endless && to != far {
+            weights.push(far);
+        }
         Some(weights)
     }
 }

@@ -52,17 +52,19 @@ pub struct SplatStarted {
 }
 
 impl<'g> Splat<'g> {
-    /// An image without points; `None` for a camera that is not one layer of pieces, or of curves that solve has bounds of.
+    /// An image without points; `None` for a camera that is not one layer of pieces, or of curves that solve has bounds of, and for
+    /// an image that no binding holds.
     pub fn new(gpu: &'g Gpu, projector: &Projector) -> Result<Option<Splat<'g>>> {
         let camera = projector.camera();
         if camera.layers.len() != 1 {
             return Ok(None);
         }
+        let count = camera.width as usize * camera.height as usize;
         let solve = Solve::with_curves(gpu, projector)?;
-        if !solve.solves(0) {
+        if !solve.solves(0) || 4 * count as u64 > gpu.binding_limit() {
             return Ok(None);
         }
-        let pixels = vec![u32::MAX; camera.width as usize * camera.height as usize];
+        let pixels = vec![u32::MAX; count];
         let mut nearest = Buffers::default();
         nearest.upload(gpu, "nearest", &pixels)?;
         Ok(Some(Splat {

@@ -8,6 +8,7 @@ use gltf::buffer::View;
 
 use super::MAX_TRIANGLES;
 use super::source::Source;
+use crate::input::limits::memory;
 use crate::input::{Error, Result};
 
 impl Source {
@@ -122,7 +123,11 @@ impl Source {
                 return Err("has no buffer view; if its mesh is compressed, export it without".into());
             }
             None if count > 3 * MAX_TRIANGLES => return Err(format!("{count} elements are too many; split the file")),
-            None => vec![0.0; count * components],
+            None => {
+                let bytes = 8 * count as u64 * components as u64;
+                memory::check(bytes, format_args!("{count} elements"), "split the file").map_err(|e| e.to_string())?;
+                vec![0.0; count * components]
+            }
         };
         if let Some(sparse) = accessor.sparse() {
             self.substitute(&sparse, accessor, &mut values)?;

@@ -7,6 +7,7 @@ use crate::input::{Error, Result};
 use glam::{DMat4, DQuat, DVec3, DVec4};
 use gltf::animation::{Channel, Interpolation, Property};
 use gltf::json::Root;
+use gltf::json::validation::Checked;
 use gltf::scene::Transform;
 use gltf::{Node, Primitive, Semantic, Skin};
 
@@ -72,8 +73,19 @@ impl Pose {
             let known = if count == 0 { "it has none".into() } else { format!("it has {}", known.join(", ")) };
             return Err(Error::input(format!("has no animation {:?}; {known}", animation.name)));
         };
+        let json = &document.as_json().animations[found.index()];
         for (k, channel) in found.channels().enumerate() {
             let at = |e: Error| e.at(format!("animation {}, channel {k}", found.index()));
+            let of_channel = &json.channels[k];
+            if of_channel.target.path == Checked::Invalid {
+                // what it moves is no part of a node
+                continue;
+            }
+            if json.samplers[of_channel.sampler.value()].interpolation == Checked::Invalid {
+                return Err(at(Error::input(
+                    "its interpolation is none of LINEAR, STEP and CUBICSPLINE; export it again",
+                )));
+            }
             apply(source, &channel, animation.time, &mut locals[channel.target().node().index()]).map_err(at)?;
         }
         let parent_from_node: Vec<DMat4> = locals.iter().map(Local::parent_from_node).collect();
@@ -116,31 +128,44 @@ impl Pose {
         count: usize,
     ) -> Result<Option<Vec<DMat4>>> {
         let Some(skin) = node.skin() else { return Ok(None) };
-        let (Some(joints), Some(weights)) = (primitive.get(&Semantic::Joints(0)), primitive.get(&Semantic::Weights(0)))
-        else {
-            return Ok(None);
-        };
-        let world_from_bind = self.joints(source, &skin)?;
-        let (joints, weights) = (source.read_fours(&joints)?, source.read_fours(&weights)?);
-        if joints.len() != count || weights.len() != count {
-            return Err(Error::input(format!(
-                "{} joints and {} weights for {count} vertices; give one each",
-                joints.len(),
-                weights.len()
-            )));
+        // four joints a set
+        let mut sets: Vec<(Vec<DVec4>, Vec<DVec4>)> = Vec::new();
+        let set = |k: u32| Some((primitive.get(&Semantic::Joints(k))?, primitive.get(&Semantic::Weights(k))?));
+        while let Some((joints, weights)) = set(sets.len() as u32) {
+            let (joints, weights) = (source.read_fours(&joints)?, source.read_fours(&weights)?);
+            if joints.len() != count || weights.len() != count {
+                return Err(Error::input(format!(
+                    "{} joints and {} weights for {count} vertices; give one each",
+                    joints.len(),
+                    weights.len()
+                )));
+            }
+            sets.push((joints, weights));
         }
-        let of_vertex = |(joints, weights): (&DVec4, &DVec4)| {
-            let sum: f64 = weights.element_sum();
+        if sets.is_empty() {
+            return Ok(None);
+        }
+        let world_from_bind = self.joints(source, &skin)?;
+        let of_joint = |joint: f64| {
+            let wrong = || Error::input(format!("joint {joint} of {}; export it again", world_from_bind.len()));
+            world_from_bind.get(joint as usize).copied().ok_or_else(wrong)
+        };
+        let of_vertex = |k: usize| {
+            let sum: f64 = sets.iter().map(|(_, weights)| weights[k].element_sum()).sum();
+            if sum == 0.0 {
+                // exporters mean the first joint
+                return of_joint(sets[0].0[k].x);
+            }
             let mut matrix = DMat4::ZERO;
-            for (joint, weight) in joints.to_array().into_iter().zip(weights.to_array()).filter(|(_, w)| *w != 0.0) {
-                let of_joint = world_from_bind.get(joint as usize).ok_or_else(|| {
-                    Error::input(format!("joint {joint} of {}; export it again", world_from_bind.len()))
-                })?;
-                matrix += *of_joint * (weight / sum);
+            for (joints, weights) in &sets {
+                let shares = joints[k].to_array().into_iter().zip(weights[k].to_array());
+                for (joint, weight) in shares.filter(|(_, weight)| *weight != 0.0) {
+                    matrix += of_joint(joint)? * (weight / sum);
+                }
             }
             Ok(matrix)
         };
-        joints.iter().zip(&weights).map(of_vertex).collect::<Result<_>>().map(Some)
+        (0..count).map(of_vertex).collect::<Result<_>>().map(Some)
     }
 
     /// For each joint of a skin the transform from where it was bound to the world.

@@ -12,6 +12,7 @@ use gltf::{Document, buffer};
 use super::Files;
 use crate::geometry::texture::is_missing;
 use crate::input::{Error, Result};
+use serde_json::Value as Json;
 
 /// How to find the files that a glTF file names.
 #[derive(Debug, Clone, Copy)]
@@ -44,7 +45,7 @@ impl Source {
         if json.is_empty() {
             return Err(Error::input("is empty; a glTF 2.0 file is needed"));
         }
-        let root = Root::from_slice(json).map_err(|e| Error::input(format!("is not glTF 2.0: {e}")))?;
+        let root = read_root(json).map_err(|e| Error::input(format!("is not glTF 2.0: {e}")))?;
         let material_error = check_root(&root)?;
         let document = Document::from_json_without_validation(root);
         let (mut buffers, mut known) = (Vec::new(), HashMap::new());
@@ -79,6 +80,23 @@ impl Source {
             }
         }
     }
+}
+
+/// The extension by which animations move other things than nodes.
+const POINTERS: &str = "KHR_animation_pointer";
+
+/// The document, without channels of animations that move no node: the crate wants one in each.
+fn read_root(json: &[u8]) -> std::result::Result<Root, gltf::json::Error> {
+    if !json.windows(POINTERS.len()).any(|part| part == POINTERS.as_bytes()) {
+        return Root::from_slice(json);
+    }
+    let mut root: Json = gltf::json::deserialize::from_slice(json)?;
+    for animation in root["animations"].as_array_mut().into_iter().flatten() {
+        if let Some(channels) = animation["channels"].as_array_mut() {
+            channels.retain(|channel| channel["target"].get("node").is_some());
+        }
+    }
+    gltf::json::deserialize::from_value(root)
 }
 
 /// The JSON and BIN chunks of a GLB file; chunks of other types are skipped.
@@ -175,7 +193,7 @@ fn keeps_triangles(extension: &str) -> bool {
     const PREFIXES: [&str; 6] =
         ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"];
     const NAMES: [&str; 4] =
-        ["KHR_mesh_quantization", "KHR_animation_pointer", "MSFT_texture_dds", "MSFT_packing_normalRoughnessMetallic"];
+        ["KHR_mesh_quantization", POINTERS, "MSFT_texture_dds", "MSFT_packing_normalRoughnessMetallic"];
     NAMES.contains(&extension) || PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
 }
 

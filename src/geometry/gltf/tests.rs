@@ -609,6 +609,63 @@ fn skins_move_vertices_with_their_joints() {
 }
 
 #[test]
+fn a_vertex_has_all_its_joints_and_one_without_weights_its_first() {
+    let times: (&str, &[f32]) = ("SCALAR", &[0.0, 1.0]);
+    let slide: (&str, &[f32]) = ("VEC3", &[0.0, 0.0, 0.0, 8.0, 0.0, 0.0]);
+    let (mut joints, mut weights, mut more) = ([0.0; 16], [0.0; 16], [0.0; 16]);
+    // vertex 0 follows joint 0 by 3/4 and, in the second set, joint 1 by 1/4; vertex 1 no joint, its first being joint 1
+    (weights[0], more[0], joints[4]) = (0.75, 0.25, 1.0);
+    (weights[8], weights[12]) = (1.0, 1.0);
+    let second: Vec<f32> = (0..16).map(|k| if k % 4 == 0 { 1.0 } else { 0.0 }).collect();
+    let lists = [times, slide, ("VEC4", &joints), ("VEC4", &weights), ("VEC4", &second), ("VEC4", &more)];
+    let moved = load_animated(1.0, &lists, |json| {
+        json["animations"] = animation(2, "translation");
+        json["scenes"] = serde_json::json!([{ "nodes": [0, 1, 2] }]);
+        json["nodes"] = serde_json::json!([{ "mesh": 0, "skin": 0 }, {}, {}]);
+        json["skins"] = serde_json::json!([{ "joints": [1, 2] }]);
+        let attributes = json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap();
+        for (k, name) in ["JOINTS_0", "WEIGHTS_0", "JOINTS_1", "WEIGHTS_1"].into_iter().enumerate() {
+            attributes.insert(name.into(), (5 + k).into());
+        }
+    });
+    let still = load_quad(|_| {}).unwrap().positions;
+    let by: Vec<f64> = moved.unwrap().positions.iter().zip(&still).map(|(p, q)| (*p - *q).x).collect();
+    assert_eq!(by, [2.0, 8.0, 0.0, 0.0]);
+}
+
+#[test]
+fn what_is_no_part_of_a_mesh_is_passed_over() {
+    // an attribute of an application's own
+    let mesh = load_quad(|json| json["meshes"][0]["primitives"][0]["attributes"]["_FEATURE_ID_0"] = 2.into());
+    assert_eq!(mesh, load_quad(|_| {}));
+    // a channel that moves a material's colour, and one that moves no node
+    let times: (&str, &[f32]) = ("SCALAR", &[0.0, 1.0]);
+    let slide: (&str, &[f32]) = ("VEC3", &[0.0, 0.0, 0.0, 2.0, -4.0, 0.0]);
+    for target in [serde_json::json!({ "node": 0, "path": "pointer" }), serde_json::json!({ "path": "pointer" })] {
+        let moved = load_animated(1.0, &[times, slide], |json| {
+            json["animations"] = animation(0, "translation");
+            json["animations"][0]["channels"]
+                .as_array_mut()
+                .unwrap()
+                .push(serde_json::json!({ "sampler": 0, "target": target }));
+            json["extensionsUsed"] = serde_json::json!(["KHR_animation_pointer"]);
+        });
+        assert_eq!(moved.unwrap().positions[0], load_quad(|_| {}).unwrap().positions[0] + DVec3::new(2.0, -4.0, 0.0));
+    }
+}
+
+#[test]
+fn more_vertices_than_memory_has_are_refused_before_they_are_made() {
+    let huge = load_quad(|json| {
+        // 2^29 vertices of which one is said
+        json["accessors"][0] = serde_json::json!({ "componentType": 5126, "count": 1u32 << 29, "type": "VEC3",
+            "sparse": { "count": 1, "indices": { "bufferView": 2, "componentType": 5121 }, "values": { "bufferView": 0 } } });
+    });
+    let text = huge.unwrap_err().to_string();
+    assert!(text.contains("a mesh of 536870912 vertices takes about"), "{text}");
+}
+
+#[test]
 fn wrong_animations_are_refused_in_one_line() {
     let times: (&str, &[f32]) = ("SCALAR", &[0.0, 1.0]);
     let refused = |more: &[(&str, &[f32])], edit: &dyn Fn(&mut serde_json::Value)| {
@@ -625,6 +682,13 @@ fn wrong_animations_are_refused_in_one_line() {
         (
             refused(&[times, one], &|json| json["animations"] = animation(7, "translation")),
             "animation 0: an index is out of range",
+        ),
+        (
+            refused(&[times, one], &|json| {
+                translation(json);
+                json["animations"][0]["samplers"][0]["interpolation"] = "FOO".into();
+            }),
+            "animation 0, channel 0: its interpolation is none of LINEAR",
         ),
     ] {
         assert!(text.contains(says), "{text}");

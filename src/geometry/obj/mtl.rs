@@ -117,6 +117,7 @@ impl Mapped {
                     opacity,
                     offset.as_dvec2(),
                 )
+                .map_err(|e| e.at(&mask.line))?
             }
             (Some(colours), None) => colours,
             (None, None) => return Ok(material),

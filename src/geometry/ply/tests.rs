@@ -138,6 +138,7 @@ fn what_is_wrong_is_said_in_a_line() {
     fails(&with("element face 2", "element face 2000000000"), "its header says 2000000000 faces, in a file of");
     fails(&with("1 1 0.1", "1 one 0.1"), "line 13: this is no line of the numbers that its header says");
     fails(&with("1 1 0.1", "1 1e999 0.1"), "vertex 2 lies at (1, inf, 0.1)");
+    fails(&with("property double x", "property double X"), "its vertices have no number x");
     fails(&with("3 1 4 2", "3 1 5 2"), "face 1 names vertex 5; there are 5, from 0");
     fails(&with("3 1 4 2", "3 1 -1 2"), "face 1 names vertex -1");
     fails(&with("3 1 4 2", "2 1 4"), "face 1 has 2 of at least 3 vertices");

@@ -105,6 +105,16 @@ fn other_programs_files_are_read_as_far_as_they_go() {
             let error = read_exr(path).unwrap_err();
             assert!(error.exit_code() == 2 && error.to_string().contains(why), "{error}");
         }
+        // cropped to the second column
+        let samples = AnyChannel::new("Z", FlatSamples::F32(vec![1.0, 2.0]));
+        let mut image = Image::from_channels((2, 1), AnyChannels::sort([samples].into_iter().collect()));
+        image.layer_data.attributes.layer_position = ::exr::prelude::Vec2(1, 0);
+        image.write().to_file(path).unwrap();
+        let error = read_exr(path).unwrap_err();
+        assert!(
+            error.exit_code() == 2 && error.to_string().contains("its data window is not its display window"),
+            "{error}"
+        );
     });
 }
 

@@ -207,6 +207,12 @@ pub fn load_header(text: &str, path: &Path, overrides: &[String]) -> Result<Scen
         return Err(no_camera(path));
     };
     let mut take = |key: &str| take(&mut entries, key);
+    if take("moves").is_some() {
+        let path = path.display();
+        return Err(Error::input(format!(
+            "{path}: its camera moved while the picture was taken, and the header does not say how; give the scene file"
+        )));
+    }
     let (Some(camera), Some(width), Some(height)) = (take("keys"), take("width"), take("height")) else {
         return Err(no_camera(path));
     };

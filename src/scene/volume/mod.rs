@@ -76,6 +76,17 @@ impl Grid {
         (k as usize * ny + j as usize) * nx + i as usize
     }
 
+    /// The corners of the box around it, world units.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let last = DVec3::from(self.sides.map(|n| f64::from(n - 1)));
+        let corner = |k: u32| {
+            let end = DVec3::from([0, 1, 2].map(|axis| f64::from(k >> axis & 1)));
+            self.to_world.transform_point3(last * end)
+        };
+        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        (0..8).map(corner).fold(none, |(lo, hi), p| (lo.min(p), hi.max(p)))
+    }
+
     /// The sum of the lengths of its three edges, world units. A straight line in it is no longer.
     pub fn edges(&self) -> f64 {
         let axes = self.to_world.matrix3;

@@ -156,7 +156,7 @@ fn image_based(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Result<Ve
     for (forward, up) in FACES {
         let kind = CameraKind::from(Pinhole { eye, target: eye + forward, up, vfov: 90.0 });
         let spec = CameraSpec { kind, t_range: camera.t_range };
-        let face = Camera::in_scene(&spec, Some((SIDE, SIDE)), &scene.mesh)?;
+        let face = Camera::in_scene(&spec, Some((SIDE, SIDE)), scene.surroundings())?;
         faces.push(frame(engine, scene, &face, FACE_SAMPLES, 1)?);
     }
     let seen = |k: u32| {

@@ -9,7 +9,7 @@ use crate::image::{read_points, write_exr, write_npy, write_npy_f64, write_png};
 use crate::input::files::noted;
 use crate::input::{Error, Result};
 use crate::jobs::splat::splat;
-use crate::jobs::{EngineName, load_shape, outputs};
+use crate::jobs::{EngineName, load_shape, named_as, outputs};
 use glam::DVec3;
 use std::path::Path;
 
@@ -23,6 +23,8 @@ pub fn run(args: &SplatArgs) -> Result<()> {
         (&args.depth, outputs::RAYS),
         (&args.index, outputs::RAYS),
     ];
+    named_as(args.output.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
+    named_as(args.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")?;
     if files.iter().all(|(path, _)| path.is_none()) {
         return Err(Error::input(
             "nothing to write; add -o OUT.png, --exr OUT.exr, --depth OUT.npy or --index OUT.npy",

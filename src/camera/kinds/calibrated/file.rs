@@ -19,6 +19,8 @@ pub struct Calibration {
     pub model: Model,
     /// Of an image, if one was asked for.
     pub placed: Option<Placed>,
+    /// What the file does not say, and is taken for granted.
+    pub note: Option<String>,
 }
 
 /// Where an image was taken from.

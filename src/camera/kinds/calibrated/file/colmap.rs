@@ -322,5 +322,5 @@ fn calibration(camera: &Camera) -> std::result::Result<Calibration, String> {
         _ => return Err(format!("camera {id}: model {name} is not known")),
     };
     let intrinsics = intrinsics(*size, focal, centre - 0.5).map_err(|why| format!("camera {id}: {why}"))?;
-    Ok(Calibration { intrinsics, model, placed: None })
+    Ok(Calibration { intrinsics, model, placed: None, note: None })
 }

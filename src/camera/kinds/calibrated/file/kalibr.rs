@@ -72,5 +72,5 @@ pub fn parse(text: &str, which: Which) -> Result<Calibration> {
         }
     };
     let intrinsics = intrinsics(camera.resolution, DVec2::new(rest[0], rest[1]), DVec2::new(rest[2], rest[3]))?;
-    Ok(Calibration { intrinsics, model, placed: None })
+    Ok(Calibration { intrinsics, model, placed: None, note: None })
 }

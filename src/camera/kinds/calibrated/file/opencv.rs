@@ -21,6 +21,7 @@ pub struct OpenCvFile {
 impl OpenCvFile {
     /// With the model that is named (whether it is the fisheye), or else the file's, or else Brown's.
     pub fn calibration(self, named: Option<bool>) -> std::result::Result<Calibration, String> {
+        let note = self.model_note().filter(|_| named.is_none());
         let k = &self.coefficients;
         let refuse = |known: &str| Err(format!("{} distortion coefficients; {known}", k.len()));
         let model = match (named.or(self.fisheye.map(|f| f.0)).unwrap_or(false), k.len()) {
@@ -29,13 +30,13 @@ impl OpenCvFile {
             (false, 0 | 4 | 5 | 8 | 12 | 14) => Model::brown(k),
             (false, _) => return refuse("the Brown model has 0, 4, 5, 8, 12 or 14"),
         };
-        Ok(Calibration { intrinsics: self.intrinsics, model, placed: None })
+        Ok(Calibration { intrinsics: self.intrinsics, model, placed: None, note })
     }
 
     /// What the file does not say: which model its four coefficients belong to.
-    pub fn model_note(&self) -> Option<String> {
+    fn model_note(&self) -> Option<String> {
         let is_open = self.fisheye.is_none() && self.coefficients.len() == 4;
-        let told = "the file names no model: its 4 coefficients are taken as k1, k2, p1, p2 of brown; for cv::fisheye set model = \"fisheye\"";
+        let told = "the file names no model: its 4 coefficients are taken as k1, k2, p1, p2 of brown; for cv::fisheye use kind = \"opencv\" with model = \"fisheye\"";
         is_open.then(|| told.into())
     }
 

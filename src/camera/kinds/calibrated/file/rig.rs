@@ -37,7 +37,7 @@ pub fn parse(text: &str, which: Which) -> Result<Calibration> {
         return Err(format!("properties: linear-c, linear-d, linear-e: c - d e = {determinant}; it must be over 0"));
     }
     let intrinsics = Intrinsics { scale, ..intrinsics(size.map(|s| s as u64), DVec2::ONE, centre)? };
-    Ok(Calibration { intrinsics, model: Model { projection, distortions: Vec::new() }, placed: None })
+    Ok(Calibration { intrinsics, model: Model { projection, distortions: Vec::new() }, placed: None, note: None })
 }
 
 /// A number, or one as text; both occur.
