@@ -91,8 +91,8 @@ fn read_root(json: &[u8]) -> std::result::Result<Root, gltf::json::Error> {
         return Root::from_slice(json);
     }
     let mut root: Json = gltf::json::deserialize::from_slice(json)?;
-    for animation in root["animations"].as_array_mut().into_iter().flatten() {
-        if let Some(channels) = animation["channels"].as_array_mut() {
+    for animation in root.get_mut("animations").and_then(Json::as_array_mut).into_iter().flatten() {
+        if let Some(channels) = animation.get_mut("channels").and_then(Json::as_array_mut) {
             channels.retain(|channel| channel["target"].get("node").is_some());
         }
     }
