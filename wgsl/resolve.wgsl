@@ -113,11 +113,10 @@ fn seen_by(pixel: u32, record: u32, some: u32) -> vec3<f32> {
         middle.p += along_plane(triangle, ray, differential, part.middle - sample_offset(sample));
         filtered = RayDifferential(part.sides.x * differential.right, part.sides.y * differential.down);
     }
-    let share = f32(countOneBits(some)) / f32(SAMPLES);
     let n = surface_normal(slot, triangle, ray);
     let p = point_at(ray, key_t(key));
     let albedo = surface_albedo(slot, triangle, middle, filtered);
-    let place = Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d), share);
+    let place = Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d));
     if !STYLED {
         return lit_by_all(place, differential, albedo);
     }

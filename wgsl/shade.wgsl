@@ -184,7 +184,7 @@ fn hit_of_triangle(at: Place, id: u32, layer: u32, t: f32) -> Seen {
     let hit = ShadedHit(slot, point_at(ray, t), seen.z, ray.d, differential, shading.filter_width);
     var diffuse = surface_albedo(slot, triangle, ray, differential) * pattern_at(hit);
     seen.n = surface_normal(slot, triangle, ray);
-    let place = Lit(slot, point_at(ray, t), reach_of(ray, t), seen.n, normalize(ray.d), 1.0);
+    let place = Lit(slot, point_at(ray, t), reach_of(ray, t), seen.n, normalize(ray.d));
     var as_it_is = vec3<f32>(0.0);
     if PICTURES {
         let picture = painted(place, differential, diffuse);

@@ -76,7 +76,7 @@ const BESIDE: [Beside; 31] = [
     view("opposite", "right", "the right view",
         "camera={kind='pinhole',eye=[0.8,2.6,0.5],target=[20,4.6,-3.5],vfov=60}"),
     view("aeroplane", "root", "morph = 0: the root's plain view", "camera.morph=0"),
-    close("aeroplane", "smooth", "from close by: it stays smooth across 40 strips", "", AT_THE_JOINT),
+    close("aeroplane", "smooth", "from close by: 40 strips bend it little by little", "", AT_THE_JOINT),
     close("aeroplane", "bent", "few and straight segments: it is bent at the joint", "camera.join='straight' camera.lateral=2", AT_THE_JOINT),
     view("city-cylinder", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[0,31,0],target=[-10,23,-3],vfov=90}"),
     view("deformation", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[34,40,62],target=[0,3,0],vfov=42}"),

@@ -30,7 +30,7 @@ pub fn dressed(mut scene: Scene) -> Scene {
     }
     scene.sky = Some(Arc::new(sky()));
     let size = scene.bounds().map_or(1.0, |(lo, hi)| (hi - lo).length());
-    scene.ambient_occlusion = Some(AmbientOcclusion { rays: 8, reach: 0.025 * size });
+    scene.ambient_occlusion = Some(AmbientOcclusion { rays: 32, reach: 0.025 * size });
     scene.tone = Tone { exposure: 0.0, curve: Curve::Clip };
     scene
 }

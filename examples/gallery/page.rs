@@ -34,8 +34,9 @@ pub fn page(shown: &[Shown], adapter: &str) -> String {
     let mut text = format!(
         "# Gallery\n\n\
          A scene for each figure of five papers that shows a rendering. `anamorph example NAME` writes the scene and its files,\n\
-         `anamorph render NAME.toml` renders it. Here all but the rivals' pictures beside them are lit by a sun and a sky, with 16 samples a pixel, or as the mean of 4 frames;\n\
-         `make gallery` makes this page. The time is not of that: it is of one frame as the scene's file has it, without the sky, on {adapter}.\n\n\
+         `anamorph render NAME.toml` renders it. Here all but the rivals' pictures beside them are lit by a sun and a sky, with 16 samples a pixel, or as the mean of 4 frames\n\
+         where a camera takes no samples in one; mirrors and lenses cast no shadows. `make gallery` makes this page. The time beside a picture is not that picture's: it is of\n\
+         one frame as the scene's file has it, without the sky and of the size named, on {adapter}.\n\n\
          ![A cow that turns its head by a second camera; the model does not move](gallery/hinge-moving.png)\n\n\
          Nothing moves here but the angle between two cameras (`anamorph example hinge`, `camera.angle`).\n"
     );
@@ -55,7 +56,7 @@ fn section(shown: &Shown) -> String {
     let figures = if figure.contains(',') { "figures" } else { "figure" };
     let mut text = format!(
         "\n### {name}\n\n![{shows}](gallery/{name}.jpg)\n\n\
-         After {figures} {figure}: {shows}. Camera `{kind}`; {counted}; {ms:.0} ms for {width} x {height} pixels.\n"
+         After {figures} {figure}: {shows}. Camera `{kind}`; {counted}; a frame as in the file, {width} x {height} pixels: {ms:.0} ms.\n"
     );
     let beside: Vec<&Beside> = beside(name).collect();
     if !beside.is_empty() {

@@ -6,7 +6,7 @@ use super::layout::TEXELS_A_ROW;
 use crate::input::{Error, Result};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// Buffers and textures of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
@@ -277,15 +277,15 @@ struct Compiled {
     pipeline: wgpu::ComputePipeline,
 }
 
-/// Pipelines that are in use somewhere, by what they were compiled from: variants that differ in one kernel share all others.
+/// The pipelines of a device, by what they were compiled from: variants that differ in one kernel share all others.
 #[derive(Default)]
-pub struct Pipelines(Mutex<HashMap<Key, Weak<Compiled>>>);
+pub struct Pipelines(Mutex<HashMap<Key, Pipeline>>);
 
 /// The source of a kernel, its bindings and the bits of its constants.
 type Key = (String, Vec<Binding>, Vec<(&'static str, u64)>);
 
 impl Pipeline {
-    /// The pipeline of a kernel, without f64 of the adapter's own where it has none: compiled, if none of the same is in use.
+    /// The pipeline of a kernel, without f64 of the adapter's own where it has none: compiled, if none of the same was.
     ///
     /// # Errors
     /// [`Error::Work`] for a kernel that binds more storage buffers than the adapter has; later kernels are not affected.
@@ -300,14 +300,12 @@ impl Pipeline {
         let constants = kernel.constants.iter().map(|(name, value)| (*name, value.to_bits())).collect();
         let key = (gpu.with_replaced(&kernel).source(), kernel.bindings.clone(), constants);
         let known = || gpu.pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(compiled) = known().get(&key).and_then(Weak::upgrade) {
-            return Ok(Pipeline(compiled));
+        if let Some(pipeline) = known().get(&key) {
+            return Ok(pipeline.clone());
         }
         // others may compile meanwhile
         let pipeline = Pipeline(Arc::new(Compiled::new(gpu, kernel)));
-        let mut known = known();
-        known.retain(|_, other| other.strong_count() > 0);
-        known.insert(key, Arc::downgrade(&pipeline.0));
+        known().insert(key, pipeline.clone());
         Ok(pipeline)
     }
 

@@ -39,7 +39,7 @@ pub struct Gpu {
     checks: wgpu::ShaderRuntimeChecks,
     /// Writes the kernels' sources.
     pub(super) dump: Option<Dump>,
-    pub(super) pipelines: Pipelines,
+    pub(super) pipelines: Arc<Pipelines>,
     /// The first error that the device reported outside a call.
     failed: Arc<Mutex<Option<String>>>,
 }
@@ -233,7 +233,7 @@ impl Gpu {
             replaced: Vec::new(),
             checks: default_checks(has),
             dump,
-            pipelines: Pipelines::default(),
+            pipelines: Arc::default(),
             failed,
         };
         // that backend runs nothing
@@ -243,13 +243,30 @@ impl Gpu {
         Ok(gpu)
     }
 
+    /// The same open device once more: what the one compiles the other need not, and what fails has failed for both. The sources of its
+    /// kernels are not written.
+    pub fn shared(&self) -> Gpu {
+        Gpu {
+            device: self.device.clone(),
+            queue: self.queue.clone(),
+            info: self.info.clone(),
+            limits: self.limits.clone(),
+            has: self.has,
+            replaced: self.replaced.clone(),
+            checks: self.checks,
+            dump: None,
+            pipelines: self.pipelines.clone(),
+            failed: self.failed.clone(),
+        }
+    }
+
     /// Compiles kernels from here on with these checks. No kernel should need any; the tests render the same frames with all and none.
     ///
     /// # Safety
     ///
     /// Without checks, a kernel that reads or writes beyond a buffer, divides by 0 or does not end does so.
     pub unsafe fn with_checks(&mut self, checks: wgpu::ShaderRuntimeChecks) {
-        self.checks = checks;
+        (self.checks, self.pipelines) = (checks, Arc::default());
     }
 
     /// A module, with those checks.

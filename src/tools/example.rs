@@ -162,7 +162,7 @@ pub const EXAMPLES: [Example; 58] = [
     example!("glass-ball", Some("Hou 8"), "a ball of glass: two refractions and Fresnel's reflections"),
     example!("caustic", Some("Hou 11"), "the light that a ring reflects onto the floor", make::band),
     example!("caustic-ball", Some("Hou 11"), "the light that a ball of glass gathers on the floor"),
-    example!("surround", Some("Hou 12"), "a walker from all around by 400 cameras, unfolded; the last row looks up and down", make::barrel),
+    example!("surround", Some("Hou 12"), "a walker from all around by 400 cameras, unfolded; the small triangles of the last row look up and down", make::barrel),
 ];
 
 /// All of them by what they are for.

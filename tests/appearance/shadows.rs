@@ -223,6 +223,30 @@ fn samples_are_lit_where_they_are() {
     assert!(kinds >= 4);
 }
 
+/// Under a ceiling every place of a floor is as dark as every other, also where its two triangles share a pixel.
+#[test]
+fn no_line_shows_where_triangles_meet() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let meshes =
+        "[[mesh]]\nbuiltin = \"plane\"\nsize = 4\n[[mesh]]\nbuiltin = \"plane\"\nsize = 20\ntranslate = [0, 1, 0]";
+    let eye = "[camera]\nkind = \"pinhole\"\neye = [0.2, 0.5, 0.1]\ntarget = [0, 0, 0]\nvfov = 60";
+    let empty = load(&format!("image = {{ width = 40, height = 30 }}\n{meshes}\n{eye}")).unwrap();
+    let camera = camera_of("", (40, 30), eye.split_once('\n').unwrap().1).unwrap();
+    let lights = vec![Light::distant(DVec3::NEG_Y)];
+    let [open, hidden] = [None, Some(AmbientOcclusion { rays: 5, reach: 3.0 })].map(|ambient_occlusion| Scene {
+        lights: lights.clone(),
+        ambient_occlusion,
+        ..empty.clone()
+    });
+    let mut seen = |scene: &Scene, samples: u32| {
+        let wanted = Wanted { samples, ..Wanted::of(COLOUR.to_vec()) };
+        colours(&engine.render(scene, &camera, &wanted, &RunOptions::default()).unwrap().frame)
+    };
+    let (bright, dark, of_16) = (seen(&open, 1)[0], seen(&hidden, 1)[0], seen(&hidden, 16));
+    let off = of_16.iter().flat_map(|c| (0..3).map(|k| (c[k] - dark[k]).abs())).fold(0.0, f64::max);
+    assert!(dark[0] < 0.97 * bright[0] && off < ROUNDING, "{bright:?} {dark:?} {off}");
+}
+
 /// Chunks of a scene lie in one hierarchy; and what moves takes its shadow along.
 #[test]
 fn all_chunks_hide_light_and_what_moves_too() {

@@ -8,13 +8,24 @@ use anamorph::internals::gpu::device::NO_ADAPTER;
 use anamorph::internals::gpu::{Gpu, GpuOptions};
 use std::collections::BTreeSet;
 use std::io::Write;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// If one of these is set, an adapter is required.
 const REQUIRE: [&str; 2] = ["CI", "ANAMORPH_REQUIRE_ADAPTER"];
 
-/// The adapter; `None`, as [`no_adapter`] says, on a machine without any.
+/// The adapter; `None`, as [`no_adapter`] says, on a machine without any. All tests of a program share its device, so that no kernel is
+/// compiled twice.
 pub fn adapter() -> Option<Gpu> {
+    static SHARED: OnceLock<Option<Gpu>> = OnceLock::new();
+    let shared = SHARED.get_or_init(|| Gpu::open(&GpuOptions::default()).unwrap());
+    if shared.is_none() {
+        no_adapter();
+    }
+    shared.as_ref().map(Gpu::shared)
+}
+
+/// The same with a device of its own, for tests in which it fails.
+pub fn own_adapter() -> Option<Gpu> {
     let gpu = Gpu::open(&GpuOptions::default()).unwrap();
     if gpu.is_none() {
         no_adapter();

@@ -23,7 +23,7 @@ fn reaches(lit: Lit, l: vec3<f32>, far: f32) -> bool {
 }
 
 // Ambient visibility: the cosine-weighted share of directions about the normal without an obstacle within reach; far obstacles count
-// less. The directions are a Fibonacci spiral on the unit disc; their number is scaled by the hit's share of its pixel.
+// less. The directions are a Fibonacci spiral on the unit disc, the same at every hit: where triangles meet in a pixel, no line shows.
 fn openness(lit: Lit) -> f32 {
     let rays = by_thread(shading.occlusion_rays, lit.slot);
     if rays == 0u {
@@ -39,9 +39,8 @@ fn openness(lit: Lit) -> f32 {
     let right = vec3<f32>(1.0 + side * n.x * n.x * a, side * b, -side * n.x);
     let up = vec3<f32>(b, side + n.y * n.y * a, -n.y);
     var hidden = 0.0;
-    let count = max(u32(lit.share * f32(rays)), 1u);
-    for (var k = 0u; k < count; k++) {
-        let square = (f32(k) + 0.5) / f32(count);
+    for (var k = 0u; k < rays; k++) {
+        let square = (f32(k) + 0.5) / f32(rays);
         // angles by the golden section, 2^32 per revolution
         let angle = 6.2831853 / 4294967296.0 * f32(k * 1640531527u);
         let d = sqrt(square) * (cos(angle) * right + sin(angle) * up) + sqrt(1.0 - square) * n;
@@ -52,5 +51,5 @@ fn openness(lit: Lit) -> f32 {
             }
         }
     }
-    return 1.0 - hidden / f32(count);
+    return 1.0 - hidden / f32(rays);
 }

@@ -46,7 +46,6 @@ struct Lit {
     reach: f32,             // the largest number that its place comes from
     n: vec3<f32>,           // unit, on the viewer's side
     view: vec3<f32>,        // unit, away from the viewer
-    share: f32,             // of the pixel, that sees the same
 }
 
 // The hit at t of a ray.

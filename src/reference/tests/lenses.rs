@@ -46,7 +46,7 @@ fn both_methods_find_the_same_rays() {
     let mut rng = Rng(11);
     let (mut with, mut without) = (0, 0);
     for (kind, sizes) in KINDS.iter().enumerate() {
-        for number in 0..40 {
+        for number in 0..15 {
             let k = lens(&mut rng, *sizes);
             let (model, name) = (Model::brown(&k), format!("{kind}, lens {number}: {k:?}"));
             let camera = Lens::new(&model).unwrap();
@@ -77,7 +77,7 @@ fn both_methods_find_the_same_rays() {
             }
         }
     }
-    assert!(with > 100_000 && without > 30_000, "{with} {without}");
+    assert!(with > 38_000 && without > 11_000, "{with} {without}");
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn both_methods_find_the_same_rays_of_every_projection() {
 #[test]
 fn both_methods_find_the_same_rays_through_two_distortions() {
     let (mut rng, mut with) = (Rng(31), 0);
-    for _ in 0..8 {
+    for _ in 0..3 {
         let radial = Coefficients::radial(&[0.05, 0.02, 0.01, 0.004, 0.002, 0.001].map(|size| size * rng.signed()));
         let then = Coefficients::of_opencv(&lens(&mut rng, [0.0, 0.0, 0.005, 0.005, 0.0]));
         let thin_prism = Coefficients { radial: radial.radial, ..then };
@@ -198,7 +198,7 @@ fn both_methods_find_the_same_rays_through_two_distortions() {
             }
         }
     }
-    assert!(with > 10_000, "{with}");
+    assert!(with > 3_700, "{with}");
 }
 
 /// At a fold of alpha = 1 the height on the sphere is 0 / 0, and close to xi = 1 the end of the branch rounds beyond 180 degrees.
@@ -245,13 +245,13 @@ fn rays_are_continuous_along_lines_from_the_middle() {
     let mut counts = [0, 0];
     for q in places() {
         let along = |s: f64| camera.direction(s * q).map(|d| d.truncate());
-        let steps: Vec<Option<DVec2>> = (0..=400).map(|s| along(f64::from(s) / 400.0)).collect();
+        let steps: Vec<Option<DVec2>> = (0..=100).map(|s| along(f64::from(s) / 100.0)).collect();
         // once beyond a fold, for good
         let end = steps.iter().position(Option::is_none).unwrap_or(steps.len());
         assert!(steps[end..].iter().all(Option::is_none), "{q}");
         // and up to it without a jump, however fast the ray moves near a fold
         for (n, pair) in steps[..end].windows(2).enumerate() {
-            let mut parts = vec![[(n as f64 / 400.0, pair[0].unwrap()), ((n + 1) as f64 / 400.0, pair[1].unwrap())]];
+            let mut parts = vec![[(n as f64 / 100.0, pair[0].unwrap()), ((n + 1) as f64 / 100.0, pair[1].unwrap())]];
             while let Some([a, b]) = parts.pop() {
                 if a.1.distance(b.1) > 0.01 {
                     assert!(b.0 - a.0 > 1e-9, "{q}: {} and {} at {}", a.1, b.1, a.0);

@@ -42,7 +42,7 @@ fn brute_force(mesh: &Mesh, b: &Bundle, t_range: [f64; 2]) -> Option<Hit> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn the_hierarchy_finds_what_brute_force_finds(seed in any::<u64>()) {

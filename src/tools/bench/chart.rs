@@ -175,7 +175,7 @@ impl Chart<'_> {
 /// Whole numbers as they are, others to three digits.
 fn short(v: f64) -> String {
     let rounded: f64 = if v.fract() == 0.0 { v } else { format!("{v:.2e}").parse().unwrap_or(v) };
-    if (0.01..100_000.0).contains(&rounded) { format!("{rounded}") } else { format!("{rounded:e}") }
+    if rounded == 0.0 || (0.01..100_000.0).contains(&rounded) { format!("{rounded}") } else { format!("{rounded:e}") }
 }
 
 #[cfg(test)]
@@ -184,8 +184,8 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let shown = [0.099_999_999_999_999_98, 1e-12, 0.3, 1024.0, 1e6, 12.345].map(short);
-        assert_eq!(shown, ["0.1", "1e-12", "0.3", "1024", "1e6", "12.3"]);
+        let shown = [0.099_999_999_999_999_98, 1e-12, 0.3, 1024.0, 1e6, 12.345, 0.0].map(short);
+        assert_eq!(shown, ["0.1", "1e-12", "0.3", "1024", "1e6", "12.3", "0"]);
     }
 
     #[test]

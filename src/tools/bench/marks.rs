@@ -111,7 +111,7 @@ pub fn legend<'a>(techniques: impl Iterator<Item = &'a str>) -> String {
         // writing to a String cannot fail
         let _ = write!(text, "<span>{key} {} <small>{}</small></span> ", t.name, t.what);
     }
-    text + "<span><small>A hollow mark is a variation: point at it for its name. A number beside a mark is the value of the swept parameter.</small></span></p>\n"
+    text + "<span><small>A hollow mark is a variation, or a camera in parts: point at it for its name. In the large charts a number beside a mark is the value of the swept parameter.</small></span></p>\n"
 }
 
 #[cfg(test)]

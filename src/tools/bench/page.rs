@@ -69,7 +69,7 @@ pub fn plot_of(run: &Run) -> Plot {
 
 const ABOUT_VERDICT: [&str; 3] = [
     "Each row of a rival is compared with the fastest frame of this engine of the same case whose error is not larger. Above 1 this engine is faster; \
-     times within 5 % are even.",
+     times within 5 % are even. A ratio is the median over rounds, in each of which all techniques render one frame.",
     "This engine takes part in its plain form: in one frame, by raster or trace as it chooses itself. Where a rival takes a frame for each sample, so may \
      this engine; beside a program that finds t and ids alone, our frame is asked for no more.",
     "Rivals are built anew here, over the same buffers, and share shading and reading back with this engine. They are not tuned as the papers' authors \

@@ -5,6 +5,7 @@ use super::chart::{Chart, Point, Series};
 use super::row::Row;
 use super::suites::Plot;
 use super::table::families;
+use super::verdict::is_in_parts;
 
 /// File name, title, and the SVG for a page.
 pub type Drawn = (String, String, String);
@@ -164,7 +165,7 @@ fn by_technique(rows: &[Row], point: impl Fn(&Row) -> Option<Point>) -> Vec<Seri
             Some(series) => series.points.push(point),
             None => all.push(Series {
                 technique: row.technique.clone(),
-                is_variation: row.label.is_some(),
+                is_variation: row.label.is_some() || row.is_ours() && is_in_parts(row),
                 name,
                 points: vec![point],
             }),

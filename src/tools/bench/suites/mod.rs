@@ -129,6 +129,7 @@ fn cylinder_scene() -> Source {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeSet;
 
     /// Scenes of many triangles or pieces are left to the runs.
     #[test]
@@ -142,9 +143,9 @@ mod tests {
                 let folder = tempfile::tempdir().unwrap();
                 let path = case.write(folder.path()).unwrap();
                 let small = ["image.width=32", "image.height=24"].map(str::to_owned);
-                let own = case.arms.iter().map(|arm| arm.set.clone());
-                for set in own.chain([case.truth.clone()]).filter(|s| !s.iter().chain(&case.set).any(is_large)) {
-                    let set = [&case.set[..], &set, &small].concat();
+                let own = case.arms.iter().map(|arm| &arm.set).chain([&case.truth]).collect::<BTreeSet<_>>();
+                for set in own.into_iter().filter(|s| !s.iter().chain(&case.set).any(is_large)) {
+                    let set = [&case.set[..], set, &small].concat();
                     let scene = crate::scene::Scene::load(&path, &set, 0.0);
                     let camera = scene.and_then(|s| s.camera());
                     assert!(camera.is_ok(), "{}: {}: {set:?}: {:?}", suite.name, case.name, camera.err());
