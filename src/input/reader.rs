@@ -68,7 +68,14 @@ impl<'a> Field<'a> {
     }
 
     fn wrong(&self, expected: &str) -> Error {
-        self.error(format_args!("expected {expected}, found {}", self.node.value.describe()))
+        let is_key =
+            |value: &Value| matches!(value, Value::Table(e) if e.iter().any(|e| ["frame", "value"].contains(&&*e.key)));
+        let is_keyed = match &self.node.value {
+            Value::List(items) => items.iter().any(|item| is_key(&item.value)),
+            value => is_key(value),
+        };
+        let hint = if is_keyed { "; each keyframe has the keys frame and value, and no other" } else { "" };
+        self.error(format_args!("expected {expected}, found {}{hint}", self.node.value.describe()))
     }
 
     pub fn is_table(&self) -> bool {
@@ -230,7 +237,8 @@ impl<'a> Table<'a> {
         let Some(entry) = self.entries.iter().find(|e| !is_known(&e.key)) else { return Ok(()) };
         let key = quote(&entry.key);
         let place = if self.field.key.is_empty() { "here".into() } else { format!("in {}", self.field.key) };
-        let near = nearest(&entry.key, known).map_or(String::new(), |near| format!("; nearest known key: {near:?}"));
+        let known = [known, self.read_elsewhere].concat();
+        let near = nearest(&entry.key, &known).map_or(String::new(), |near| format!("; nearest known key: {near:?}"));
         let message = format!("unknown key {key} {place}{near} (known: {})", known.join(", "));
         Err(error_at(self.field.source, entry.place, message))
     }

@@ -16,6 +16,7 @@ use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::hash::{SCENE_HASH, scene_hash};
 use crate::scene::matrices::{world_to_camera, world_to_ndc};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// The path of each output.
@@ -28,9 +29,6 @@ pub struct Files {
     pub gradients: Vec<(PathBuf, Kind)>,
     pub report: Option<PathBuf>,
 }
-
-/// Extensions of other kinds of images, which a PNG or an EXR must not be called.
-const IMAGES: [&str; 10] = ["png", "exr", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "webp", "hdr"];
 
 impl Files {
     /// The files named on the command line, or else in the scene, after all checks. `inputs` are the files that the scene was read from.
@@ -120,8 +118,8 @@ impl Files {
 /// Refuses the name of another kind of image than is written.
 pub fn named_as(path: Option<&Path>, extension: &str, remedy: &str) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
-    let found = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if found != extension && IMAGES.contains(&found.as_str()) {
+    let is_other = |found: &OsStr| !found.eq_ignore_ascii_case(extension);
+    if path.extension().is_some_and(is_other) {
         return Err(Error::input(format!("{}: {remedy}", path.display())));
     }
     Ok(())

@@ -161,6 +161,11 @@ impl Work {
         &self.job
     }
 
+    /// Whether channels are asked for that nothing is written with.
+    pub fn loses_channels(&self) -> bool {
+        self.job.channels.is_some() && self.files.exr.is_none()
+    }
+
     /// Missing files and attributes that mesh files refer to.
     pub fn missing(&self) -> &[Missing] {
         &self.scene.mesh.missing

@@ -151,7 +151,13 @@ fn unknown_keys_name_line_and_nearest() {
     assert_eq!(
         got,
         "dir/scene.toml:5: unknown key \"vfv\" in camera; nearest known key: \"vfov\" \
-         (known: kind, t_range, eye, target, up, matrix, quaternion, convention, distance, vfov)"
+         (known: kind, t_range, eye, target, up, matrix, quaternion, convention, distance, vfov, \
+         line_time, line_order, times)"
+    );
+    let line = camera_error("kind = 'pinhole'\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nvfov = 40\nlinetime = 1e-3\n");
+    assert!(
+        line.starts_with("dir/scene.toml:6: unknown key \"linetime\" in camera; nearest known key: \"line_time\""),
+        "{line}"
     );
     let top = error("[camer]\nkind = 'glc'\n", &[]);
     assert!(top.starts_with("dir/scene.toml:1: unknown key \"camer\" here; nearest known key: \"camera\""), "{top}");
@@ -194,6 +200,11 @@ fn wrong_values_name_line_key_and_what_is_expected() {
             "translate = [1, 2, 3]",
             "translate = [1, 2]",
             "9: mesh.0.translate: expected three numbers, as [x, y, z], found a list of 2",
+        ),
+        (
+            "translate = [1, 2, 3]",
+            "translate = [{ frame = 0, value = [1, 2, 3] }, { time = 1, value = [2, 2, 3] }]",
+            "9: mesh.0.translate: expected three numbers, as [x, y, z], found a list of 2; each keyframe has the keys frame and value",
         ),
         ("two_sided = false", "two_sided = 0", "12: mesh.0.two_sided: expected true or false"),
         ("direction = [-1, -2, -1]", "direction = [0, 0, 0]", "22: light.0.direction: the direction is zero"),

@@ -16,8 +16,9 @@ const WRONG: f64 = 1e-4;
 const SHARE_OF_WRONG: f64 = 0.1;
 /// Errors of colours, dB.
 const PSNR_DB: f64 = 0.5;
-/// Intervals of ratios agree that come as near as this: the clocks of a machine change from one run to another.
-const NEAR: f64 = 1.1;
+/// Intervals of ratios agree that come as near as this. A technique's ratio changes so much from one machine of two cores to another: of the ten
+/// cases of `make reproduce-quick`, run twice, the median of one changed by 1.25.
+const NEAR: f64 = 1.25;
 
 /// Runs the case again and tells a line a row; returns how many rows do not agree.
 ///
@@ -154,10 +155,10 @@ mod tests {
     fn rows_agree_whose_errors_and_ratios_are_near() {
         let then = row(0.02, [1.0, 1.2]);
         for (again, agrees) in [
-            (row(0.0215, [1.3, 1.5]), true),
-            (row(0.0215, [1.4, 1.5]), false),
+            (row(0.0215, [1.45, 1.6]), true),
+            (row(0.0215, [1.55, 1.6]), false),
             (row(0.023, [1.0, 1.2]), false),
-            (row(0.02, [0.5, 0.8]), false),
+            (row(0.02, [0.5, 0.75]), false),
         ] {
             assert_eq!(compared(&then, &again, true).1, agrees, "{again:?}");
         }

@@ -54,6 +54,9 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     if let Some(line) = Missing::line(work.missing()) {
         note(line);
     }
+    if work.loses_channels() {
+        note("no EXR is written, which --channels is for; add --exr OUT.exr");
+    }
     print(&format!("{}\n", work.summary(&written)))
 }
 
