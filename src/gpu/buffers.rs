@@ -281,8 +281,8 @@ struct Compiled {
 #[derive(Default)]
 pub struct Pipelines(Mutex<HashMap<Key, Pipeline>>);
 
-/// The source of a kernel, its bindings and the bits of its constants.
-type Key = (String, Vec<Binding>, Vec<(&'static str, u64)>);
+/// The source of a kernel, whether its f64 is in 32-bit words, its bindings and the bits of its constants.
+type Key = (String, bool, Vec<Binding>, Vec<(&'static str, u64)>);
 
 impl Pipeline {
     /// The pipeline of a kernel, without f64 of the adapter's own where it has none: compiled, if none of the same was.
@@ -298,7 +298,7 @@ impl Pipeline {
         }
 
         let constants = kernel.constants.iter().map(|(name, value)| (*name, value.to_bits())).collect();
-        let key = (gpu.with_replaced(&kernel).source(), kernel.bindings.clone(), constants);
+        let key = (gpu.with_replaced(&kernel).source(), gpu.lowers(&kernel), kernel.bindings.clone(), constants);
         let known = || gpu.pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = known().get(&key) {
             return Ok(pipeline.clone());

@@ -60,11 +60,16 @@ impl Gpu {
         Kernel { parts: kernel.parts.iter().map(other).collect(), ..kernel.clone() }
     }
 
+    /// Whether a kernel is compiled with f64 in 32-bit words.
+    pub(super) fn lowers(&self, kernel: &Kernel) -> bool {
+        kernel.f64 && !self.has.f64
+    }
+
     /// Compiles a kernel, with f64 in 32-bit words on an adapter without f64. An error becomes the device's failure.
     pub(crate) fn compile(&self, kernel: &Kernel) -> wgpu::ShaderModule {
         let kernel = &self.with_replaced(kernel);
         let text = kernel.source();
-        let is_lowered = kernel.f64 && !self.has.f64;
+        let is_lowered = self.lowers(kernel);
         if let Some(Err(e)) = self.dump.as_ref().map(|dump| dump.write(kernel, is_lowered)) {
             self.failed(format!("kernel {} cannot be written to a file: {e}", kernel.name));
         }
