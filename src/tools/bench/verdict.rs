@@ -272,8 +272,8 @@ fn wrong_pixels<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
     let hard_shares = shares(&hard);
     if let Some(most) = hard_shares.last() {
         text += &format!(
-            " Nor {} frames of scenes that are made to be hard (the suite stiff): {} of their safe pixels are wrong; other pixels are in {} of these frames, {} % \
-             of them at most.",
+            " Nor {} frames of scenes that are made to be hard (the suite stiff): {} of their safe pixels are wrong; in {} of these frames \
+             others are, {} % of a frame at most.",
             hard.len(),
             safe(&hard),
             hard_shares.iter().filter(|share| **share > 0.0).count(),
@@ -501,7 +501,7 @@ mod tests {
         assert!(text.starts_with("<p>1 frames of this engine's plain form, 0.0 million pixels, "), "{text}");
         assert!(text.contains(" 2 pixels have another triangle, 0 of them safe."), "{text}");
         assert!(text.contains("Not among them: 1 frames") && text.contains("25 % of their pixels"), "{text}");
-        assert!(text.contains("Nor 1 frames") && text.contains("50 % of them at most"), "{text}");
+        assert!(text.contains("Nor 1 frames") && text.contains("50 % of a frame at most"), "{text}");
     }
 
     #[test]
