@@ -57,12 +57,12 @@ impl Files {
                 "nothing to write; add -o OUT.png, --exr OUT.exr, --points OUT.ply or an [output] table to the scene",
             ));
         }
-        named_as(files.color.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
-        named_as(files.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")?;
         if let Some(gradients) = &job.gradients {
             gradients.make_folder()?;
         }
         outputs::check(inputs, files.all())?;
+        named_as(files.color.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
+        named_as(files.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")?;
         Ok(files)
     }
 
