@@ -57,13 +57,22 @@ impl Files {
                 "nothing to write; add -o OUT.png, --exr OUT.exr, --points OUT.ply or an [output] table to the scene",
             ));
         }
+        // of a file that is there, such as an input, graver things are said below
+        if ![&files.color, &files.exr].into_iter().flatten().any(|path| path.is_file()) {
+            files.check_names()?;
+        }
         if let Some(gradients) = &job.gradients {
             gradients.make_folder()?;
         }
         outputs::check(inputs, files.all())?;
-        named_as(files.color.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
-        named_as(files.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")?;
+        files.check_names()?;
         Ok(files)
+    }
+
+    /// Pictures are called what they are.
+    fn check_names(&self) -> Result<()> {
+        named_as(self.color.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
+        named_as(self.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")
     }
 
     fn all(&self) -> impl Iterator<Item = (&Path, Kind)> + Clone {
