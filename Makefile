@@ -16,7 +16,7 @@ PEERS := pycolmap trimesh rtree
 VENV := $(BUILD)/venv
 TESTED := $(BUILD)/tested-wheel
 CARGO_TEST := cargo test --locked --features internals
-LONG_TESTS := appearance frames
+LONG_TESTS := frames kernels
 ALL_TESTS := $(basename $(notdir $(wildcard tests/*.rs))) $(patsubst tests/%/main.rs,%,$(wildcard tests/*/main.rs))
 OTHER_TESTS := $(filter-out $(LONG_TESTS),$(ALL_TESTS))
 # Installs packages, by sudo where that asks for no password.
