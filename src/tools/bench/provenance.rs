@@ -57,7 +57,7 @@ impl Provenance {
             "A software adapter: rasterization and compute kernels both run on the CPU's cores, on a machine that others may use. \
              Ratios of one run mean something, times little; no figure of a GPU compares."
         } else if ["H100", "H200", "A100", "B200", "GH200"].iter().any(|chip| self.adapter.contains(chip)) {
-            "Of 66 clusters of cores of this chip two can draw (NVIDIA H100 whitepaper, 2022): compute kernels are far faster on it than fragment work. Ratios to rivals \
+            "This chip is made for computing and has few raster units: compute kernels are far faster on it than fragment work. Ratios to rivals \
              that draw are larger here than on a chip for graphics."
         } else {
             "Rasterization is the adapter's own hardware; compute kernels are this program's."

@@ -16,8 +16,8 @@ const WRONG: f64 = 1e-4;
 const SHARE_OF_WRONG: f64 = 0.1;
 /// Errors of colours, dB.
 const PSNR_DB: f64 = 0.5;
-/// Intervals of ratios agree that come as near as this. A technique's ratio changes so much from one machine of two cores to another: of the ten
-/// cases of `make reproduce-quick`, run twice, the median of one changed by 1.25.
+/// Intervals of ratios agree that come as near as this: of the ten cases of `make reproduce-quick`, run on two days on shared machines, the median of
+/// one ratio changed by a factor of 1.25.
 const NEAR: f64 = 1.25;
 
 /// Runs the case again and tells a line a row; returns how many rows do not agree.
