@@ -174,13 +174,16 @@ fn f64_div(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
     // never 0, as this is what is divided by
     let n = vec4<i32>(limbs(select(mantissa_of(b), vec2<u32>(0u, 0x100000u), eb == 0)));
     let r = mantissa_of(a);
-    let q1 = divided(vec4<i32>(limbs(select(difference(r, mantissa_of(b)), r, below))), n);
-    let q2 = divided(q1.left, n);
-    let q3 = divided(q2.left, n);
-    let q4 = divided(q3.left, n);
-    let rest = select(0u, 1u, any(q4.left != vec4<i32>(0)));
+    var left = vec4<i32>(limbs(select(difference(r, mantissa_of(b)), r, below)));
+    var digits = NOUGHT;
+    for (var k = 0u; k < 4u; k++) {
+        let next = divided(left, n);
+        left = next.left;
+        digits = shifted_left(digits, 14u) | vec2<u32>(next.digit, 0u);
+    }
+    let rest = select(0u, 1u, any(left != vec4<i32>(0)));
     // 56 bits behind the whole part, which has bit 63, or where there is none the first of them
-    let m = vec2<u32>((q3.digit << 22u) | (q4.digit << 8u) | rest, (q1.digit << 18u) | (q2.digit << 4u) | (q3.digit >> 10u));
+    let m = shifted_left(digits, 8u) | vec2<u32>(rest, 0u);
     let whole = vec2<u32>((m.x >> 1u) | (m.y << 31u) | (m.x & 1u), SIGN | (m.y >> 1u));
     var result = rounded(sign, ea - eb + select(1023, 1022, below), select(whole, m, below));
     result = select(result, vec2<u32>(0u, sign | INFINITE), (eb == 0) | (ea == 0x7ff));
@@ -294,7 +297,8 @@ fn u32_from_f64(a: vec2<u32>) -> u32 {
     return select(select(whole, 0xffffffffu, exponent > 31), 0u, (exponent < 0) | ((a.y & SIGN) != 0u));
 }
 
-// Vectors, in loops: a kernel is to be small, and drivers put what a function does wherever it is called.
+// Vectors, in loops: a kernel is to be small, and drivers put what a function does wherever it is called. In each round all
+// components move up by one, so that no index varies: arrays with such indices lie in memory, and compilers take long over them.
 
 alias Triple = array<vec2<u32>, 3>;
 
@@ -302,7 +306,8 @@ fn f64_add3(a: Triple, b: Triple) -> Triple {
     var p = a;
     var q = b;
     for (var k = 0u; k < 3u; k++) {
-        p[k] = f64_add(p[k], q[k]);
+        p = Triple(p[1], p[2], f64_add(p[0], q[0]));
+        q = Triple(q[1], q[2], q[0]);
     }
     return p;
 }
@@ -311,7 +316,8 @@ fn f64_sub3(a: Triple, b: Triple) -> Triple {
     var p = a;
     var q = b;
     for (var k = 0u; k < 3u; k++) {
-        p[k] = f64_sub(p[k], q[k]);
+        p = Triple(p[1], p[2], f64_sub(p[0], q[0]));
+        q = Triple(q[1], q[2], q[0]);
     }
     return p;
 }
@@ -320,7 +326,8 @@ fn f64_mul3(a: Triple, b: Triple) -> Triple {
     var p = a;
     var q = b;
     for (var k = 0u; k < 3u; k++) {
-        p[k] = f64_mul(p[k], q[k]);
+        p = Triple(p[1], p[2], f64_mul(p[0], q[0]));
+        q = Triple(q[1], q[2], q[0]);
     }
     return p;
 }
@@ -329,7 +336,8 @@ fn f64_div3(a: Triple, b: Triple) -> Triple {
     var p = a;
     var q = b;
     for (var k = 0u; k < 3u; k++) {
-        p[k] = f64_div(p[k], q[k]);
+        p = Triple(p[1], p[2], f64_div(p[0], q[0]));
+        q = Triple(q[1], q[2], q[0]);
     }
     return p;
 }
@@ -338,10 +346,11 @@ fn f64_div3(a: Triple, b: Triple) -> Triple {
 fn f64_dot(a: Triple, b: Triple) -> vec2<u32> {
     var p = a;
     var q = b;
-    var total = NOUGHT;
-    for (var k = 0u; k < 3u; k++) {
-        let product = f64_mul(p[k], q[k]);
-        total = select(f64_add(total, product), product, k == 0u);
+    var total = f64_mul(p[0], q[0]);
+    for (var k = 0u; k < 2u; k++) {
+        p = Triple(p[1], p[2], p[0]);
+        q = Triple(q[1], q[2], q[0]);
+        total = f64_add(total, f64_mul(p[0], q[0]));
     }
     return total;
 }
@@ -349,22 +358,15 @@ fn f64_dot(a: Triple, b: Triple) -> vec2<u32> {
 fn f64_cross(a: Triple, b: Triple) -> Triple {
     var p = a;
     var q = b;
-    var r: Triple;
-    var i = 1u;
-    var j = 2u;
+    var r = a;
     for (var k = 0u; k < 3u; k++) {
-        r[k] = f64_sub(f64_mul(p[i], q[j]), f64_mul(p[j], q[i]));
-        i = j;
-        j = k;
+        r = Triple(r[1], r[2], f64_sub(f64_mul(p[1], q[2]), f64_mul(p[2], q[1])));
+        p = Triple(p[1], p[2], p[0]);
+        q = Triple(q[1], q[2], q[0]);
     }
     return r;
 }
 
 fn f64_from_f32_3(value: vec3<f32>) -> Triple {
-    var v = value;
-    var r: Triple;
-    for (var k = 0u; k < 3u; k++) {
-        r[k] = f64_from_f32(v[k]);
-    }
-    return r;
+    return Triple(f64_from_f32(value.x), f64_from_f32(value.y), f64_from_f32(value.z));
 }
