@@ -6,7 +6,8 @@
 //
 // No branches: these functions stand in a kernel hundreds of times, and `&&` and `||` are branches.
 //
-// No digit-by-digit loops: lavapipe ends all loops of an invocation after 65,535 rounds together, without a word.
+// Loops of few rounds alone, as many as stand in the text: drivers may write them out. lavapipe ends all other loops of an
+// invocation after 65,535 rounds together, without a word.
 
 const SIGN: u32 = 0x80000000u;
 const INFINITE: u32 = 0x7ff00000u;
