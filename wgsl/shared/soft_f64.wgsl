@@ -6,8 +6,8 @@
 //
 // No branches: these functions stand in a kernel hundreds of times, and `&&` and `||` are branches.
 //
-// Loops of few rounds alone, as many as stand in the text: drivers may write them out. lavapipe ends all other loops of an
-// invocation after 65,535 rounds together, without a word.
+// Only loops of two to four rounds, whose number is a constant: drivers unroll such. All others of an invocation lavapipe ends
+// after 65,535 rounds together, without a word.
 
 const SIGN: u32 = 0x80000000u;
 const INFINITE: u32 = 0x7ff00000u;
