@@ -12,6 +12,7 @@ use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::geometry::mesh::{Material, NO_UV};
 use anamorph::internals::geometry::texture::{Texels, Texture, Wrap};
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::image::png_bytes;
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
@@ -201,6 +202,58 @@ fn images_of_one_colour_are_that_colour_everywhere() {
             assert!(off <= 64.0 * f64::from(f32::EPSILON), "{name}, {samples} samples: {off} off");
         }
     }
+}
+
+/// Images are numbered by frames: black and white in red, green and blue are the digits of the number.
+#[test]
+fn a_video_shows_each_frame_its_own_image() {
+    const NUMBERS: [u32; 6] = [0, 1, 2, 3, 5, 6];
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("video")).unwrap();
+    let bits = |number: u32| [0, 1, 2].map(|bit| number >> bit & 1);
+    for number in NUMBERS {
+        let [r, g, b] = bits(number).map(|bit| 255 * bit as u8);
+        let bytes = png_bytes(4, 4, &[r, g, b, 255].repeat(16)).unwrap();
+        for name in [format!("video/{number:04}.png"), format!("video/{number}.png")] {
+            std::fs::write(folder.path().join(name), &bytes).unwrap();
+        }
+    }
+    let path = folder.path().join("scene.toml");
+    let load = |texture: &str, camera: &str, frame: f64| {
+        let text = format!(
+            "image = {{ width = 32, height = 24 }}\n[[mesh]]\nbuiltin = \"plane\"\nsize = 9\ntexture = \"{texture}\"\n\
+             translate = [{{ frame = 0, value = [-1, 0, 0] }}, {{ frame = 9, value = [1, 0, 0] }}]\n\
+             [camera]\nkind = \"orthographic\"\neye = [0, 5, 0]\ntarget = [0, 0, 0]\nup = [0, 0, -1]\nheight = 4\n{camera}\n"
+        );
+        std::fs::write(&path, text).unwrap();
+        Scene::load(&path, &[], frame)
+    };
+    let channels = [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB];
+    let mut engine = engine_on(|_| {});
+    // between two frames the lower number counts, and rows that are read one after the other during five frames show one image
+    let rows = "line_time = 0.2";
+    let mut cases: Vec<(f64, u32, &str)> = NUMBERS.iter().map(|number| (f64::from(*number), *number, "")).collect();
+    cases.extend([(2.75, 2, ""), (5.999, 5, ""), (1.0, 1, rows), (2.5, 2, rows)]);
+    for (frame, number, camera) in cases {
+        for texture in ["video/{frame:04}.png", "video/{frame}.png"] {
+            let scene = load(texture, camera, frame).unwrap();
+            assert_eq!(scene.steps.is_some(), !camera.is_empty());
+            let camera = scene.camera().unwrap();
+            let rendered = engine.as_mut().map(|engine| {
+                engine.render(&scene, &camera, &Wanted::of(channels.to_vec()), &RunOptions::default()).unwrap().frame
+            });
+            for frame in [image(&scene, &camera, &channels)].into_iter().chain(rendered) {
+                for (channel, bit) in channels.into_iter().zip(bits(number)) {
+                    let values = frame.f32(channel).unwrap();
+                    let off = values.iter().map(|v| (v - bit as f32).abs()).fold(0.0, f32::max);
+                    // as above: of up to 16 taps, each of 7 mixtures
+                    assert!(off <= 64.0 * f32::EPSILON, "frame {number}, {channel:?}: {off} off");
+                }
+            }
+        }
+    }
+    let error = load("video/{frame:04}.png", "", 4.5).unwrap_err().to_string();
+    assert!(error.contains("video/0004.png") && !error.contains('\n'), "{error}");
 }
 
 /// A ball of radius 1 with its own normals, and an image around it of 32 x 16 patches of random grey, uniform in [0, 1].

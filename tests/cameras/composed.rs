@@ -1,6 +1,8 @@
 //! Composites whose cameras show objects of their own (`master`, `objects`), let others show where they hit nothing, or are blended across
 //! borders (`feather`): closed forms, one camera's own frames, and frames against the reference.
 
+use super::composite::{OWN_SIZE, composite_of, straight_and_ended};
+use super::project_named::BOX;
 use crate::common;
 
 use anamorph::internals::camera::Camera;
@@ -16,6 +18,7 @@ use anamorph::internals::image::frame::{Channel, NO_ID, Plane};
 use anamorph::internals::reference::image::{explain, image};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::{AmbientOcclusion, Light};
+use common::file::camera_of;
 use common::gpu::{check, engine_on, hits};
 use common::rng::Rng;
 use common::soup;
@@ -193,22 +196,70 @@ fn frames_are_right_by_margin() {
         ("feathered", "", &feathered),
     ] {
         let camera = camera(&composite(rest, members), SIZE);
-        assert!(camera.layered().is_some());
-        let Some((frame, judged, seen)) = check(name, &scene, &camera) else { return };
-        let safe = judged.safe.iter().filter(|is_safe| **is_safe).count();
-        let pieces = frame.u32(Channel::PieceId).unwrap();
-        let counts = [0, 1, 2].map(|k| pieces.iter().filter(|piece| **piece == k).count());
-        println!("{name}: {} hits, {safe} safe, {counts:?}, {seen}", hits(&frame));
-        assert!(hits(&frame) > 700 && safe > 1500 && counts.iter().all(|c| *c > 20), "{name}: {counts:?} {safe}");
-        // colours, to what the host's rounding of a sum of two shares may be off
-        let off = [Channel::R, Channel::G, Channel::B].map(|channel| {
-            let (a, b) = (frame.f32(channel).unwrap(), judged.truth.f32(channel).unwrap());
-            let both = a.iter().zip(b).zip(&judged.safe).filter(|(_, is_safe)| **is_safe);
-            both.map(|((a, b), _)| (a - b).abs()).fold(0f32, f32::max)
-        });
-        println!("{name}: colours off by {off:?}");
-        assert!(off.iter().all(|off| *off < COLOUR_ERROR), "{name}: {off:?}");
+        let Some((counts, hits)) = composed(name, &scene, &camera) else { return };
+        assert!(hits > 700 && counts.iter().all(|count| *count > 20), "{name}: {counts:?} {hits}");
     }
+}
+
+/// Asserts that the frame of a camera of three is right; how many pixels show each of the three, and how many hit something.
+fn composed(name: &str, scene: &Scene, camera: &Camera) -> Option<([usize; 3], usize)> {
+    assert!(camera.layered().is_some());
+    let (frame, judged, seen) = check(name, scene, camera)?;
+    let safe = judged.safe.iter().filter(|is_safe| **is_safe).count();
+    let pieces = frame.u32(Channel::PieceId).unwrap();
+    let counts = [0, 1, 2].map(|k| pieces.iter().filter(|piece| **piece == k).count());
+    println!("{name}: {} hits, {safe} safe, {counts:?}, {seen}", hits(&frame));
+    // colours, to what the host's rounding of a sum of two shares may be off
+    let off = [Channel::R, Channel::G, Channel::B].map(|channel| {
+        let (a, b) = (frame.f32(channel).unwrap(), judged.truth.f32(channel).unwrap());
+        let both = a.iter().zip(b).zip(&judged.safe).filter(|(_, is_safe)| **is_safe);
+        both.map(|((a, b), _)| (a - b).abs()).fold(0f32, f32::max)
+    });
+    println!("{name}: colours off by {off:?}");
+    assert!(safe > 1500 && off.iter().all(|off| *off < COLOUR_ERROR), "{name}: {safe} {off:?}");
+    Some((counts, hits(&frame)))
+}
+
+/// Three to each composite, from all over a list of cameras of every kind, all of which are seen.
+#[test]
+fn cameras_of_every_kind_show_objects_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let [straight, ended] = straight_and_ended(folder.path());
+    let star =
+        "region = { kind = 'polygon', points = [[0.5, 0], [0.6, 0.4], [1, 0.5], [0.6, 0.6], [0.5, 1], [0, 0.5]] }";
+    let box_ = "region = { kind = 'rectangle', from = [0.2, 0.3], to = [0.8, 0.85] }";
+    let objects = ["", "objects = ['ball']", "objects = ['cl*d']"].map(String::from);
+    let behind = ["objects = ['*']\npriority = -1", "objects = ['ball']", "objects = ['cl*d']"].map(String::from);
+    let ranked = [
+        behind[0].clone(),
+        format!("objects = ['ball#1']\npriority = 2\n{star}\nfeather = 6"),
+        "objects = ['ball#0', 'floor']\npriority = 1".into(),
+    ];
+    let feathered =
+        [String::new(), format!("priority = 2\n{star}\nfeather = 5"), format!("priority = 1\n{box_}\nfeather = 9.5")];
+    let scene = still_life();
+    let mut number = 0;
+    for (list, ways) in [
+        (&straight, [("master = 0", &objects), ("master = 2", &ranked), ("", &feathered)]),
+        (&ended, [("", &feathered), ("master = 0", &behind), ("", &feathered)]),
+    ] {
+        let count = list.len().div_ceil(3);
+        for k in 0..count {
+            let (rest, keys) = ways[k % 3];
+            let mut three = [0, 1, 2].map(|n| &list[(k + n * count) % list.len()]);
+            if rest == "master = 0" {
+                // a master's rays are straight; its t needs no end
+                three[0] = &straight[k];
+            }
+            let own = three.iter().zip(keys).map(|((camera, _), keys)| (camera.as_str(), keys.clone()));
+            let camera = camera_of(BOX, OWN_SIZE, &composite_of(rest, own)).unwrap();
+            let name = format!("{rest} {:?}", three.map(|(_, camera)| camera.kind));
+            let Some((counts, hits)) = composed(&name, &scene, &camera) else { return };
+            assert!(hits > 700 && counts.iter().all(|count| *count > 20), "{name}: {counts:?} {hits}");
+            number += 1;
+        }
+    }
+    assert!(number >= 12, "{number} composites");
 }
 
 /// A headlight's colour at safe pixels: cosines of normals and views in f32.

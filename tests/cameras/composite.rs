@@ -1,18 +1,23 @@
 //! `composite`: each pixel has its own camera's ray, whatever the shape of the regions; frames against the reference.
 
+use super::project_named::{BOX, all_keys, plain_keys};
 use crate::common;
 
+use anamorph::internals::camera::kinds::KINDS;
 use anamorph::internals::camera::{Camera, Curve, Rays};
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Method, RunOptions};
 use anamorph::internals::geometry::generate;
 use anamorph::internals::geometry::place::merge;
+use anamorph::internals::image::frame::Channel;
 use anamorph::internals::image::{png_bytes, write_npy_f64};
-use common::file::load;
+use common::file::{camera_of, load};
 use common::gpu::{Without, check, engine, hits, ids, wanted};
 use common::rng::Rng;
 use common::written::{assert_refused, camera, camera_in, try_camera};
 use glam::{DVec2, DVec3};
+use std::collections::BTreeSet;
+use std::path::Path;
 
 const SIZE: (u32, u32) = (64, 48);
 
@@ -286,6 +291,90 @@ fn frames_are_right_by_margin() {
         println!("{name}: {} hits, {unsafe_pixels} unsafe", hits(&frame));
         assert!(hits(&frame) > 2000, "{name}: {} hits", hits(&frame));
     }
+}
+
+/// Of the files of [`every_member`].
+pub(crate) const OWN_SIZE: (u32, u32) = (60, 44);
+
+/// Cameras with a mirror or lens, and those of several layers of rays: composites refuse them.
+const REFUSED: [&str; 4] = ["reflection", "refraction", "chain", "track"];
+
+/// Cameras that have a size of their own: [`OWN_SIZE`].
+const OF_OWN_SIZE: [&str; 4] = ["raymap", "lidar", "opencv", "calibrated"];
+
+/// The keys of cameras of every kind that can be one of several, and each camera by itself.
+fn every_member(folder: &Path) -> Vec<(String, Camera)> {
+    let all = [plain_keys(folder), all_keys(folder)].concat().into_iter();
+    // a camera in another one has no times of its own
+    let all = all.filter(|keys| !keys.contains("line_time"));
+    let all = all.map(|keys| (camera_of(BOX, OWN_SIZE, &keys).unwrap_or_else(|e| panic!("{keys}: {e}")), keys));
+    let members: Vec<(String, Camera)> =
+        all.filter(|(camera, _)| camera.layers.len() == 1).map(|(camera, keys)| (keys, camera)).collect();
+    let missing = |name: &&str| !members.iter().any(|(_, camera)| camera.kind == *name);
+    let missing: BTreeSet<&str> = KINDS.iter().map(|kind| kind.name).filter(missing).collect();
+    assert_eq!(missing, BTreeSet::from(REFUSED));
+    members
+}
+
+/// The members whose rays are straight from t = 0 on; and the others, with some of the former between them whose t ends.
+pub(crate) fn straight_and_ended(folder: &Path) -> [Vec<(String, Camera)>; 2] {
+    let all = every_member(folder).into_iter();
+    let (straight, others): (Vec<_>, Vec<_>) = all.partition(|(_, c)| !c.is_curved() && c.t_range == common::FORWARD);
+    let ended = straight.iter().step_by(7).map(|(keys, c)| (format!("{keys}\nt_range = [0, 9]"), c.clone()));
+    let ended = others.into_iter().chain(ended).collect();
+    [straight, ended]
+}
+
+/// The `[camera]` of members by the keys of each camera and those beside it.
+pub(crate) fn composite_of<'a>(rest: &str, members: impl IntoIterator<Item = (&'a str, String)>) -> String {
+    let table =
+        |(camera, keys): (&str, String)| format!("[[camera.cameras]]\n{keys}\n[camera.cameras.camera]\n{camera}\n");
+    format!("kind = 'composite'\n{rest}\n{}", members.into_iter().map(table).collect::<String>())
+}
+
+/// Asserts that composites of four members each are right, and that each member is seen; their number.
+fn assert_right_by_fours(folder: &Path, name: &str, members: &[(String, Camera)]) -> usize {
+    write_mask(folder, (7, 5), |x, y| (3 * x + 5 * y).is_multiple_of(4));
+    let regions = [
+        format!("priority = 1\nregion = {{ kind = 'polygon', points = {STAR:?} }}"),
+        format!("region = {{ kind = 'mask', file = '{}/mask.png' }}", folder.display()),
+        "region = { kind = 'rectangle', from = [0, 0], to = [0.47, 1] }".into(),
+        "priority = -1".to_owned(),
+    ];
+    let (scene, count) = (ball_in_cloud(), members.len().div_ceil(4));
+    for k in 0..count {
+        // from all over the list; and each composite gives its cameras the regions in another order
+        let four: Vec<&(String, Camera)> = members.iter().skip(k).step_by(count).collect();
+        let own = (0..).zip(&four).map(|(n, (keys, camera))| {
+            let region = &regions[(n + k) % 4];
+            let is_framed = region.contains("rectangle") && !OF_OWN_SIZE.contains(&camera.kind);
+            (keys.as_str(), format!("{region}\nframe = '{}'", if is_framed { "region" } else { "image" }))
+        });
+        let camera = camera_of(BOX, OWN_SIZE, &composite_of("", own)).unwrap_or_else(|e| panic!("{name} {k}: {e}"));
+        let kinds: Vec<&str> = four.iter().map(|(_, camera)| camera.kind).collect();
+        let Some((frame, judged, _)) = check(&format!("{name} {kinds:?}"), &scene, &camera) else { break };
+        let pieces = frame.u32(Channel::PieceId).unwrap();
+        let counts: Vec<usize> =
+            (0..).take(four.len()).map(|k| pieces.iter().filter(|piece| **piece == k).count()).collect();
+        let safe = judged.safe.iter().filter(|is_safe| **is_safe).count();
+        println!("{name} {kinds:?}: {counts:?}, {safe} safe");
+        assert!(counts.iter().all(|count| *count > 20) && safe > 1500, "{name} {kinds:?}: {counts:?}, {safe} safe");
+    }
+    count
+}
+
+#[test]
+fn cameras_of_every_kind_with_straight_rays_share_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let [straight, _] = straight_and_ended(folder.path());
+    assert!(assert_right_by_fours(folder.path(), "straight", &straight) >= 10);
+}
+
+#[test]
+fn curved_and_straight_cameras_share_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let [_, ended] = straight_and_ended(folder.path());
+    assert!(assert_right_by_fours(folder.path(), "with ends of t", &ended) >= 5);
 }
 
 /// Where two cameras of curves meet within tiles, each tile's curves are bounded on either side of the border.

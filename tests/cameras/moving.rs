@@ -1,17 +1,21 @@
 //! Things that move while a frame is taken, through cameras of all kinds, against the f64 reference.
 
-use super::project_named::{BOX, all_keys, keys_with_pose};
+use super::project_named::{BOX, all_keys, keys_with_pose, plain_keys};
 use crate::common;
 
+use anamorph::internals::camera::Camera;
 use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout, Sample};
+use anamorph::internals::camera::kinds::KINDS;
 use anamorph::internals::camera::moving::Moving;
 use anamorph::internals::geometry::generate;
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::geometry::place;
 use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::image::write_npy_f64;
 use anamorph::internals::scene::Scene;
-use common::file::{camera_of, refusal};
-use common::gpu::{check, hits};
+use common::file::{camera_of, refusal, scene_of};
+use common::gpu::{check, hits, ids, render};
 use common::rng::Rng;
 use common::scene;
 use glam::{DMat3, DVec3};
@@ -54,10 +58,30 @@ fn swirling_scene(exposure: Exposure) -> Scene {
     Scene { exposure, steps: Some(steps.into()), ..scene(mesh) }
 }
 
+/// Mirrors and lenses before, below and around what moves, of every law and kind of surface.
+const OPTICS: [&str; 6] = [
+    "kind = 'reflection'\nEYE\nmirror = { shape = 'sphere', center = [0, -5, 0], radius = 4 }\ndepth = 2",
+    "kind = 'reflection'\nEYE\nmirror = { shape = 'torus', center = [0, -0.6, 0.2], axis = [0, 1, 0], radius = 1.3, tube = 0.3 }\n\
+     facets = 'normals'\ndepth = 2",
+    "kind = 'reflection'\nWIDE\nmirror = { shape = 'sphere', center = [0, -5, 0], radius = 4 }\nfacets = 'flat'",
+    "kind = 'refraction'\nEYE\nlens = { shape = 'lens', center = [0, 0, 2], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, \
+     curvatures = [0.5, -0.6] }\nior = 1.45\ndepth = 2",
+    "kind = 'refraction'\nWIDE\nlens = { shape = 'sphere', center = [0, 0, 2], radius = 0.7 }\nior = 1.2\nfacets = 'normals'\n\
+     depth = 3",
+    "kind = 'refraction'\nEYE\nlens = { shape = 'sphere', center = [0, 0, 2], radius = 0.7 }\nior = 1.2\nfacets = 'flat'",
+];
+
+fn optics() -> [String; 6] {
+    let pinhole = "eye = { kind = 'pinhole', eye = [0.2, 1.2, 4], target = [0, -0.5, 0], vfov = 45 }";
+    let fisheye = "eye = { kind = 'fisheye', eye = [0.2, 1.2, 3.4], target = [0, -0.4, 0], fov = 110, frame = 'full' }";
+    OPTICS.map(|keys| keys.replace("EYE", pinhole).replace("WIDE", fisheye))
+}
+
 /// Half of the cameras, so that the halves are tested side by side.
 fn share(first: usize) {
     let folder = tempfile::tempdir().unwrap();
-    for (k, keys) in all_keys(folder.path()).iter().enumerate().skip(first).step_by(2) {
+    let all = [all_keys(folder.path()), plain_keys(folder.path())].concat();
+    for (k, keys) in all.iter().enumerate().skip(first).step_by(2) {
         let (exposure, sample) = exposures().into_iter().nth(k % 5).unwrap();
         let mut camera = camera_of(BOX, SIZE, keys).unwrap_or_else(|e| panic!("{keys}: {e}"));
         camera.sample = sample;
@@ -161,4 +185,80 @@ fn every_other_camera_sees_what_moves_at_the_time_of_each_pixel() {
 #[test]
 fn the_cameras_between_them_do_too() {
     share(1);
+}
+
+/// Whether each pixel shows another triangle than where the scene stands still.
+fn sees_it_move(frame: &Frame, scene: Scene, camera: &Camera) -> Vec<bool> {
+    let still = render(&Scene { steps: None, ..scene }, camera).unwrap();
+    ids(frame).iter().zip(ids(&still)).map(|(a, b)| a != b).collect()
+}
+
+#[test]
+fn mirrors_and_lenses_that_stand_still_show_what_moves() {
+    for (k, keys) in optics().iter().enumerate() {
+        for number in [k, k + 2] {
+            let (exposure, sample) = exposures().into_iter().nth(number % 5).unwrap();
+            let mut camera = camera_of(BOX, SIZE, keys).unwrap_or_else(|e| panic!("{keys}: {e}"));
+            camera.sample = sample;
+            let scene = swirling_scene(exposure);
+            let Some((frame, ..)) = check(keys, &scene, &camera) else { return };
+            let (mirrors, own) = (frame.u32(Channel::MirrorId).unwrap(), scene.mesh.triangles.len() as u32);
+            let moves = sees_it_move(&frame, scene, &camera);
+            let bounced = ids(&frame).iter().zip(mirrors).zip(moves);
+            let bounced = bounced.filter(|((id, mirror), _)| **id < own && **mirror != NO_ID);
+            let (moving, still): (Vec<_>, Vec<_>) = bounced.partition(|(_, moves)| *moves);
+            println!("{keys}: {} pixels see it move after a bounce, {} do not", moving.len(), still.len());
+            assert!(moving.len() > 20, "{keys}: {} pixels see it move after a bounce", moving.len());
+        }
+    }
+}
+
+/// A scanner has a time for each column, and a list of rays for each ray.
+#[test]
+fn scanners_see_what_moves_at_the_time_of_each_shot() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = plain_keys(folder.path());
+    let count = (SIZE.0 * SIZE.1) as usize;
+    let mut rng = Rng(3);
+    let times: Vec<f64> = (0..count).map(|_| 1.4 * rng.unit() - 0.4).collect();
+    write_npy_f64(&folder.path().join("times.npy"), &[SIZE.1.into(), SIZE.0.into()], &times).unwrap();
+    write_npy_f64(&folder.path().join("list.npy"), &[count as u64], &times).unwrap();
+    let beams: Vec<f64> = (0..SIZE.1).map(|j| 16.0 - 0.75 * f64::from(j)).collect();
+    let spinning = format!(
+        "kind = 'lidar'\neye = [0.2, 0.3, 4]\ntarget = [0, 0, 0]\nbeams = {beams:?}\ncolumns = {}\nstart = -20\nsweep = 40\n\
+         period = 0.9\nvelocity = [0.3, -0.1, -0.5]",
+        SIZE.0
+    );
+    let of_times = |name: &str, file: &str| {
+        let keys = plain.iter().find(|keys| keys.starts_with(&format!("kind = '{name}'"))).unwrap();
+        format!("{keys}\ntimes = '{}/{file}.npy'", folder.path().display())
+    };
+    let of_list = |i: u32, j: u32| times[(j * SIZE.0 + i) as usize];
+    let by_column = |i: u32, _: u32| 0.9 * (f64::from(i) + 0.5) / f64::from(SIZE.0);
+    for (keys, time) in [
+        (spinning, &by_column as &dyn Fn(u32, u32) -> f64),
+        (of_times("lidar", "list"), &of_list),
+        (of_times("raymap", "times"), &of_list),
+    ] {
+        let Scene { exposure, .. } = scene_of(BOX, SIZE, &keys).unwrap_or_else(|e| panic!("{keys}: {e}"));
+        for (i, j) in (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j))) {
+            let off = (exposure.time((i, j), SIZE, None) - time(i, j)).abs();
+            // a product and a sum of numbers up to 1
+            assert!(off <= 2.0 * f64::EPSILON, "{keys}: {i},{j}");
+        }
+        let camera = camera_of(BOX, SIZE, &keys).unwrap();
+        let scene = swirling_scene(exposure);
+        let Some((frame, ..)) = check(&keys, &scene, &camera) else { return };
+        let moving = sees_it_move(&frame, scene, &camera).into_iter().filter(|moves| *moves).count();
+        assert!(moving > 100, "{keys}: {moving} pixels see it move");
+    }
+}
+
+#[test]
+fn no_kind_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let all = [all_keys(folder.path()), plain_keys(folder.path()), optics().to_vec()].concat();
+    let is_tested = |kind: &str| all.iter().any(|keys| keys.starts_with(&format!("kind = '{kind}'\n")));
+    let missing: Vec<&str> = KINDS.iter().map(|kind| kind.name).filter(|kind| !is_tested(kind)).collect();
+    assert!(missing.is_empty(), "{missing:?} see nothing that moves");
 }

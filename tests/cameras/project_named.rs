@@ -3,7 +3,11 @@
 use crate::common;
 
 use anamorph::internals::camera::kinds::KINDS;
+use anamorph::internals::camera::mesh::spec::CameraVertex;
 use anamorph::internals::camera::project::{Degenerate, Projector};
+use anamorph::internals::image::write_npy_f64;
+use common::FORWARD;
+use common::cameras::{MeshShape, corners_of_each_class, mesh_spec, raymap};
 use common::file::camera_of;
 use common::projection::check;
 use common::written::camera_in;
@@ -145,6 +149,38 @@ pub(crate) fn keys_with_pose(folder: &Path, pose: &str) -> Vec<String> {
         .iter()
         .map(|(kind, asked)| format!("kind = '{kind}'\n{}", keys(&asked.replace("POSE", pose), folder)))
         .collect()
+}
+
+/// The keys of cameras of the kinds whose projection is tested elsewhere: eyes, GLCs of every class, pieces, and tables of rays.
+pub(crate) fn plain_keys(folder: &Path) -> Vec<String> {
+    let three = |corners: [DVec3; 3]| corners.map(|p| p.to_array());
+    let glcs = corners_of_each_class().into_iter();
+    let glcs = glcs.map(|(_, near, far)| format!("kind = 'glc'\nnear = {:?}\nfar = {:?}", three(near), three(far)));
+    let mesh = mesh_spec(3, 5, 4, MeshShape { weights: true, ..MeshShape::default() });
+    let vertex = |v: &CameraVertex| {
+        let (near, far) = (v.near.to_array(), v.far.to_array());
+        format!("{{ image = {:?}, near = {near:?}, far = {far:?}, w = {:?} }}", v.image, v.w)
+    };
+    let vertices: Vec<String> = mesh.vertices.iter().map(vertex).collect();
+    let rays = raymap(SIZE.0, SIZE.1, FORWARD);
+    let pixels = (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j)));
+    let rays = pixels.map(|(i, j)| rays.ray(i, j).map_or([DVec3::NAN; 2], |ray| [ray.origin, ray.direction]));
+    let rays: Vec<[DVec3; 2]> = rays.collect();
+    for (k, name) in ["origins", "directions"].iter().enumerate() {
+        let numbers: Vec<f64> = rays.iter().flat_map(|ray| ray[k].to_array()).collect();
+        let shape = [SIZE.1.into(), SIZE.0.into(), 3];
+        write_npy_f64(&folder.join(format!("{name}.npy")), &shape, &numbers).unwrap();
+    }
+    let numbers: Vec<f64> = rays.iter().flatten().flat_map(|p| p.to_array()).collect();
+    write_npy_f64(&folder.join("rays.npy"), &[rays.len() as u64, 6], &numbers).unwrap();
+    let own = [
+        format!("kind = 'pinhole'\n{POSE}\nvfov = 30"),
+        format!("kind = 'orthographic'\n{POSE}\nheight = 2"),
+        format!("kind = 'mesh'\nvertices = [{}]\ntriangles = {:?}", vertices.join(", "), mesh.triangles),
+        keys("kind = 'raymap'\norigins = 'FOLDER/origins.npy'\ndirections = 'FOLDER/directions.npy'", folder),
+        keys("kind = 'lidar'\nfile = 'FOLDER/rays.npy'", folder),
+    ];
+    glcs.chain(own).collect()
 }
 
 /// The cameras of one share of the list, so that the shares are tested side by side.

@@ -18,9 +18,14 @@ pub fn two_plane(a: DMat2, b: DMat2) -> ([DVec3; 3], [DVec3; 3]) {
 
 /// A GLC of every class, by name.
 pub fn glc_of_each_class() -> Vec<(&'static str, CameraKind)> {
+    corners_of_each_class().into_iter().map(|(name, near, far)| (name, CameraKind::from(Glc { near, far }))).collect()
+}
+
+/// The same by its corners.
+pub fn corners_of_each_class() -> Vec<(&'static str, [DVec3; 3], [DVec3; 3])> {
     let m = |a: f64, b: f64, c: f64, d: f64| DMat2::from_cols(DVec2::new(a, b), DVec2::new(c, d));
     let turned = DMat2::from_angle(0.7) * 2.5;
-    let mut list: Vec<(&str, CameraKind)> = [
+    let mut list: Vec<(&str, [DVec3; 3], [DVec3; 3])> = [
         ("pinhole", m(1.5, 0.0, 0.0, 1.5), m(4.5, 0.0, 0.0, 4.5)),
         ("orthographic", m(2.5, 0.0, 0.0, 2.5), m(2.5, 0.0, 0.0, 2.5)),
         ("pushbroom", m(2.5, 0.0, 0.0, 2.0), m(2.5, 0.0, 0.0, 3.5)),
@@ -32,13 +37,13 @@ pub fn glc_of_each_class() -> Vec<(&'static str, CameraKind)> {
     .into_iter()
     .map(|(name, a, b)| {
         let (near, far) = two_plane(a, b);
-        (name, CameraKind::from(Glc { near, far }))
+        (name, near, far)
     })
     .collect();
     let (near, mut far) = two_plane(m(2.0, 0.1, -0.2, 2.2), m(3.5, 0.3, 0.0, 3.2));
     far[1].z -= 0.7;
     far[2].z += 0.4;
-    list.push(("cglc", CameraKind::from(Glc { near, far })));
+    list.push(("cglc", near, far));
     list
 }
 

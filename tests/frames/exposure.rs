@@ -6,6 +6,7 @@ use anamorph::internals::camera::exposure::Sample;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::plan::samples::sample_offsets;
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::input::Result;
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use common::any::any_moving;
@@ -15,27 +16,31 @@ use common::rng::Rng;
 use glam::DVec2;
 
 /// Four units high; a pixel is 1/15 wide.
-const SIZE: (u32, u32) = (80, 60);
+pub(crate) const SIZE: (u32, u32) = (80, 60);
 
 fn pixel_width() -> f64 {
     4.0 / f64::from(SIZE.1)
 }
 
 /// The place of a pixel's centre, or of a place beside it, in px, on the plane of the picture.
-fn place(i: u32, j: u32, beside: DVec2) -> DVec2 {
+pub(crate) fn place(i: u32, j: u32, beside: DVec2) -> DVec2 {
     let x = f64::from(i) + 0.5 + beside.x - f64::from(SIZE.0) / 2.0;
     let y = f64::from(SIZE.1) / 2.0 - (f64::from(j) + 0.5 + beside.y);
     DVec2::new(x, y) * pixel_width()
 }
 
 /// A scene with a flat box, seen from in front by parallel rays.
-fn scene_of(image: &str, mesh: &str, camera: &str) -> Scene {
+pub(crate) fn scene_of(image: &str, mesh: &str, camera: &str) -> Scene {
+    scene_with(image, &format!("builtin = \"box\"\n{mesh}"), camera).unwrap()
+}
+
+/// The same with any mesh.
+pub(crate) fn scene_with(image: &str, mesh: &str, camera: &str) -> Result<Scene> {
     load(&format!(
-        "image = {{ width = {}, height = {}, {image} }}\n[[mesh]]\nbuiltin = \"box\"\n{mesh}\n\
+        "image = {{ width = {}, height = {}, {image} }}\n[[mesh]]\n{mesh}\n\
          [camera]\nkind = \"orthographic\"\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nheight = 4\n{camera}\n",
         SIZE.0, SIZE.1
     ))
-    .unwrap()
 }
 
 /// From the left to the right in a frame, three units.
@@ -49,8 +54,8 @@ fn frames(scene: &Scene) -> Vec<Frame> {
     [image(scene, &camera, &[Channel::TriangleId])].into_iter().chain(rendered).collect()
 }
 
-/// Asserts that a pixel shows the box where the distance inside is above 0, except within a tolerance of it.
-fn assert_shown(scene: &Scene, tolerance: f64, inside: impl Fn(u32, u32) -> f64) {
+/// Asserts that a pixel shows something where the distance inside is above 0, except within a tolerance of it.
+pub(crate) fn assert_shown(scene: &Scene, tolerance: f64, inside: impl Fn(u32, u32) -> f64) {
     for frame in frames(scene) {
         let mut tested = [0, 0];
         for (i, j) in (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j))) {
@@ -66,7 +71,7 @@ fn assert_shown(scene: &Scene, tolerance: f64, inside: impl Fn(u32, u32) -> f64)
 }
 
 /// A time is rounded to 2^-24 of a step: as far as the bar moves in one frame in such a part of it.
-const ROUNDED: f64 = 3.0 / 16_777_216.0;
+pub(crate) const ROUNDED: f64 = 3.0 / 16_777_216.0;
 
 /// Read downwards, a bar that slides to the right leans to the right below: by 3/60 units a row, 3/4 px.
 #[test]

@@ -16,6 +16,7 @@ mod combinations;
 mod comparators_can_fail;
 mod conic;
 mod determinism;
+mod exposed_files;
 mod exposure;
 mod frame_reference;
 mod gradients;
