@@ -2,10 +2,10 @@
 
 use crate::common;
 
-use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::{Camera, Curve, CurveMap, Curves, Rays};
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Engine, RunOptions};
-use anamorph::internals::image::frame::{Channel, Frame};
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
@@ -17,7 +17,8 @@ use common::layered::{chain, straight_then_curved, wavy};
 use common::rng::Rng;
 use common::volumes::{SHELLS, bumps, grid, volume};
 use common::{ALL_T, FORWARD, camera, soup};
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec2, DVec3};
+use std::sync::Arc;
 
 const SIZE: (u32, u32) = (30, 22);
 
@@ -120,6 +121,123 @@ fn the_maximum_of_a_ramp_is_at_an_end() {
     }
 }
 
+/// The direction in which a light travels, and its colour. Of both together no matte surface sends back more than 1.
+const LIGHTS: [(DVec3, [f32; 3]); 2] =
+    [(DVec3::new(-1.0, -2.0, -1.5), [0.5, 0.4, 0.3]), (DVec3::new(0.5, 0.3, -1.0), [0.3, 0.4, 0.5])];
+
+fn light((travel, colour): (DVec3, [f32; 3])) -> Light {
+    Light { colour, ..Light::distant(travel) }
+}
+
+/// The factor of `lit` by these lights on what rises along `gradient`.
+fn factor(lights: &[(DVec3, [f32; 3])], gradient: DVec3) -> DVec3 {
+    let n = -gradient.normalize();
+    let facing = |travel: DVec3| n.dot(-travel.normalize()).max(0.0);
+    0.1 + 0.9
+        * lights.iter().map(|(travel, colour)| facing(*travel) * DVec3::from(colour.map(f64::from))).sum::<DVec3>()
+}
+
+/// Values that rise along (1, -2, -2) of the grid are one matte surface everywhere: one factor, whatever the cells' sides are. With the
+/// ends of the extinction at the least and the greatest value, the optical depth is its mean times the length.
+#[test]
+fn a_lit_ramp_shines_by_the_angle_of_its_gradient() {
+    let (turn, rise) =
+        (DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 0.5).normalize(), 0.4), DVec3::new(1.0, -2.0, -2.0));
+    let colour = DVec3::new(0.9, 0.5, 0.25);
+    let points = [[-5.0, 0.9, 0.5, 0.25, 0.2], [5.0, 0.9, 0.5, 0.25, 1.6]];
+    // the nodes' values are whole halves, so f32 has them exactly
+    let ramp = grid([3, 5, 9], turn, |p| rise.dot(p));
+    let mut scene = scene_of(volume(ramp, &points, Mode::Composite, true));
+    let camera = parallel();
+    let view = camera.ray(0, 0).unwrap().direction.normalize();
+    // a light behind it adds nothing
+    let behind = (turn * -rise, [1.0, 0.8, 0.6]);
+    let shone: [&[_]; 3] = [&[], &[LIGHTS[0], behind], &LIGHTS];
+    let mut factors = Vec::new();
+    for lights in shone {
+        scene.lights = lights.iter().copied().map(light).collect();
+        let factor = match lights {
+            [] => DVec3::splat(0.1 + 0.9 * (turn * rise).normalize().dot(view).abs()),
+            _ => factor(lights, turn * rise),
+        };
+        factors.push(factor);
+        for (frame, error) in frames(&scene, &camera) {
+            let mut inside = 0;
+            for (i, j) in (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j))) {
+                let ray = camera.ray(i, j).unwrap();
+                let (p, d) = (turn.inverse() * ray.origin, turn.inverse() * ray.direction);
+                let Some((a, b)) = chord(p, d) else { continue };
+                inside += 1;
+                let v = rise.dot(p + 0.5 * (a + b) * d);
+                let left = (-(0.9 + 0.14 * v) * (b - a) * d.length()).exp();
+                let expected = factor * colour * (1.0 - left) + left * DVec3::from(scene.background.map(f64::from));
+                let k = (j * SIZE.0 + i) as usize;
+                let seen = DVec3::from([Channel::R, Channel::G, Channel::B].map(|of| channel(&frame, of)[k].into()));
+                assert!((seen - expected).abs().max_element() <= error, "{i},{j} by {lights:?}: {seen}, {expected}");
+            }
+            assert!(inside > 150, "{inside}");
+        }
+    }
+    // the lights tell these apart by much more than the bound
+    println!("factors {factors:?}");
+    assert!(factors.windows(2).all(|f| (f[0] - f[1]).abs().max_element() > 0.1), "{factors:?}");
+}
+
+/// Parabolas in planes across y, from z = 2 to z = -2, that bulge sideways: between z = 1 and -1 by an eighth of `bend`, half of it to each
+/// side.
+#[derive(Debug)]
+struct Parabolas;
+
+impl Parabolas {
+    /// From -3 to 3 down the image.
+    fn bend(b: f64) -> f64 {
+        6.0 * b - 3.0
+    }
+}
+
+impl CurveMap for Parabolas {
+    fn degree(&self) -> usize {
+        2
+    }
+
+    fn curve(&self, a: f64, b: f64) -> Option<(u32, Curve)> {
+        let (q, part) = (DVec2::new(a - 0.5, 0.5 - b), Parabolas::bend(b) / 16.0);
+        let beside = |parts: f64, z: f64| DVec3::new(q.x + parts * part, q.y, z);
+        Some((0, Curve::new(&[beside(-7.0, 2.0), beside(9.0, 0.0), beside(-7.0, -2.0)])))
+    }
+}
+
+/// Within the box, x = q + bend (1/16 - u^2 / 2) and z = 2 u for u from -1/2 to 1/2: the arc's length is the integral of
+/// sqrt(4 + bend^2 u^2) over it. Lit from in front, values that rise away from the viewer have one factor everywhere.
+#[test]
+fn a_box_absorbs_by_the_length_of_the_curve_in_it() {
+    let uniform = grid([3, 4, 5], DQuat::IDENTITY, |p| -p.z);
+    let mut scene = scene_of(volume(uniform, &[[0.0, 0.9, 0.5, 0.25, 0.7]], Mode::Composite, true));
+    scene.lights = LIGHTS.map(light).to_vec();
+    let factor = factor(&LIGHTS, DVec3::NEG_Z);
+    let camera =
+        Camera::of("projector", SIZE, [0.0, 1.0], Rays::Curves(Curves::new(SIZE.0, SIZE.1, Arc::new(Parabolas))));
+    let mut most = 0.0f64;
+    for (frame, error) in frames(&scene, &camera) {
+        for (i, j) in (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j))) {
+            let bend = Parabolas::bend((f64::from(j) + 0.5) / f64::from(SIZE.1));
+            let root = (1.0 + bend * bend / 16.0).sqrt();
+            let length = root + 4.0 / bend * (bend / 4.0).asinh();
+            let left = (-0.7 * length).exp();
+            most = most.max((-1.4f64).exp() - left);
+            let behind = DVec3::from(scene.background.map(f64::from));
+            let expected = factor * DVec3::new(0.9, 0.5, 0.25) * (1.0 - left) + left * behind;
+            let k = (j * SIZE.0 + i) as usize;
+            let seen = DVec3::from([Channel::R, Channel::G, Channel::B].map(|of| channel(&frame, of)[k].into()));
+            assert!((seen - expected).abs().max_element() <= error, "{i},{j}: {seen}, {expected}");
+            let seen = f64::from(channel(&frame, Channel::A)[k]);
+            assert!((seen - (1.0 - left)).abs() <= error, "{i},{j}: coverage {seen}, {}", 1.0 - left);
+        }
+    }
+    // the straight way from end to end is shorter by much more than the bound
+    assert!(most > 10.0 * ERROR, "{most}");
+}
+
 /// A wall in the middle is seen through half of the box, and hides the other half.
 #[test]
 fn a_surface_hides_what_is_behind() {
@@ -138,21 +256,26 @@ fn a_surface_hides_what_is_behind() {
 
 /// Cameras of every kind of ray, by name.
 fn cameras() -> Vec<(String, Camera)> {
-    let of = |kind| camera(kind, SIZE, FORWARD);
+    cameras_of(SIZE)
+}
+
+/// The same for images of another size.
+fn cameras_of(size: (u32, u32)) -> Vec<(String, Camera)> {
+    let of = |kind| camera(kind, size, FORWARD);
     let mut list: Vec<(String, Camera)> = vec![
         ("pinhole".into(), of(pinhole(DVec3::new(1.0, 0.8, 2.5), DVec3::ZERO, 45.0))),
         ("inside".into(), of(pinhole(DVec3::new(0.2, 0.1, 0.6), DVec3::ZERO, 70.0))),
-        ("both ways".into(), camera(pinhole(DVec3::new(0.2, 0.1, 0.6), DVec3::ZERO, 70.0), SIZE, ALL_T)),
+        ("both ways".into(), camera(pinhole(DVec3::new(0.2, 0.1, 0.6), DVec3::ZERO, 70.0), size, ALL_T)),
         ("mesh".into(), of(mesh_camera(3, 3, 2, MeshShape::default()))),
         ("torn mesh".into(), of(mesh_camera(5, 3, 2, MeshShape { discontinuous: true, ..MeshShape::default() }))),
-        ("raymap".into(), raymap(SIZE.0, SIZE.1, FORWARD)),
-        ("chain".into(), chain(11, 3, (3, 2), MeshShape::default(), SIZE)),
-        ("chain of 5".into(), chain(12, 5, (2, 2), MeshShape::default(), SIZE)),
-        ("straight, then curved".into(), straight_then_curved(SIZE)),
+        ("raymap".into(), raymap(size.0, size.1, FORWARD)),
+        ("chain".into(), chain(11, 3, (3, 2), MeshShape::default(), size)),
+        ("chain of 5".into(), chain(12, 5, (2, 2), MeshShape::default(), size)),
+        ("straight, then curved".into(), straight_then_curved(size)),
     ];
     list.extend(glc_of_each_class().into_iter().map(|(name, kind)| (format!("glc {name}"), of(kind))));
     for (degree, bend) in [(2, 0.5), (3, 0.8), (3, 2.0)] {
-        list.push((format!("curves of degree {degree}, bent by {bend}"), wavy(degree, bend, degree == 3, SIZE)));
+        list.push((format!("curves of degree {degree}, bent by {bend}"), wavy(degree, bend, degree == 3, size)));
     }
     let named = [
         ("fisheye", "kind = \"fisheye\"\neye = [0.5, 0.4, 2]\ntarget = [0, 0, 0]\nfov = 150"),
@@ -179,7 +302,7 @@ fn cameras() -> Vec<(String, Camera)> {
              { camera = { kind = \"twist\", eye = [0, 0, 4], target = [0, 0, 0], vfov = 40, near = 1, far = 7, angle = 60, degree = 2 } }]",
         ),
     ];
-    list.extend(named.map(|(name, text)| (name.to_owned(), camera_of("", SIZE, text).unwrap())));
+    list.extend(named.map(|(name, text)| (name.to_owned(), camera_of("", size, text).unwrap())));
     list
 }
 
@@ -197,10 +320,10 @@ fn wanted() -> Wanted {
     Wanted::of([&COLOUR[..], &[Channel::TriangleId]].concat())
 }
 
-/// How far the engine is off the reference.
-fn error_of(engine: &mut Engine, scene: &Scene, camera: &Camera) -> f64 {
+/// How far the engine is off the reference, and how many pixels show the volume alone.
+fn error_of(engine: &mut Engine, scene: &Scene, camera: &Camera) -> (f64, usize) {
     let seen = engine.render(scene, camera, &wanted(), &RunOptions::default()).unwrap().frame;
-    largest_difference(&seen, &image(scene, camera, &wanted().channels))
+    (largest_difference(&seen, &image(scene, camera, &wanted().channels)), through(&seen))
 }
 
 /// Bumps with shells among triangles: through every camera, at every pixel.
@@ -213,7 +336,7 @@ fn frames_agree_with_the_reference_through_every_camera() {
     let all = cameras();
     assert!(all.len() >= 12);
     for (name, camera) in &all {
-        let error = error_of(&mut engine, &scene, camera);
+        let (error, _) = error_of(&mut engine, &scene, camera);
         println!("{name}: {error:.2e}");
         assert!(error <= ERROR, "{name}: {error}");
         worst = worst.max(error);
@@ -221,25 +344,30 @@ fn frames_agree_with_the_reference_through_every_camera() {
     println!("largest: {worst:.2e}");
 }
 
-/// The largest value, and light on the volume: by a headlight, and by lights of the scene.
+/// How many pixels show a hundredth of the volume or more, and nothing else.
+fn through(frame: &Frame) -> usize {
+    ids(frame).iter().zip(channel(frame, Channel::A)).filter(|(id, a)| **id == NO_ID && **a > 0.01).count()
+}
+
+/// The largest value, and light on the volume, through every camera too: by a headlight in one, and by lights of the scene in the next.
 #[test]
 fn maxima_and_lit_volumes_agree_with_the_reference() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let turn = DQuat::from_rotation_z(0.5);
     let own = |mode, is_lit| volume(grid([14, 12, 16], turn, bumps), &SHELLS, mode, is_lit);
     let mut scene = common::scene(soup(&mut Rng(9), 20, 0.3));
-    let of = |name: &str| cameras().into_iter().find(|c| c.0 == name).unwrap().1;
-    let some = ["pinhole", "raymap", "chain", "curves of degree 3, bent by 0.8", "twist"].map(|name| (name, of(name)));
-    for (mode, is_lit, lights) in [
-        (Mode::Maximum, false, Vec::new()),
-        (Mode::Composite, true, Vec::new()),
-        (Mode::Composite, true, vec![Light::distant(DVec3::new(-1.0, -2.0, -1.5))]),
-    ] {
-        (scene.volume, scene.lights) = (Some(own(mode, is_lit)), lights);
-        for (name, camera) in &some {
-            let error = error_of(&mut engine, &scene, camera);
-            println!("{mode:?}, lit {is_lit} by {} lights, {name}: {error:.2e}", scene.lights.len());
-            assert!(error <= ERROR, "{mode:?}, lit {is_lit}, {name}: {error}");
+    let all = cameras_of((14, 10));
+    assert!(all.len() >= 24);
+    for (mode, is_lit) in [(Mode::Maximum, false), (Mode::Composite, true)] {
+        scene.volume = Some(own(mode, is_lit));
+        for (k, (name, camera)) in all.iter().enumerate() {
+            let lights = if is_lit && k % 2 == 1 { LIGHTS.map(light).to_vec() } else { Vec::new() };
+            let name = format!("{mode:?}, lit {is_lit} by {} lights, {name}", lights.len());
+            scene.lights = lights;
+            let (error, seen) = error_of(&mut engine, &scene, camera);
+            println!("{name}: {error:.2e}, {seen} pixels");
+            assert!(error <= ERROR, "{name}: {error}");
+            assert!(seen > 5, "{name}: {seen} pixels show the volume");
         }
     }
 }
@@ -260,7 +388,7 @@ fn noise_agrees_with_the_reference() {
         let mut scene = common::scene(soup(&mut Rng(seed), 10, 0.3));
         scene.volume = Some(volume(noise, &steps, Mode::Composite, false));
         for (name, camera) in cameras().iter().filter(|c| ["pinhole", "raymap", "chain"].contains(&c.0.as_str())) {
-            let error = error_of(&mut engine, &scene, camera);
+            let (error, _) = error_of(&mut engine, &scene, camera);
             println!("noise {seed}, {name}: {error:.2e}");
             assert!(error <= ERROR, "noise {seed}, {name}: {error}");
         }
@@ -278,7 +406,7 @@ fn a_volume_far_away_looks_the_same() {
         placed.to_world.translation += offset;
         let vfov = (45f64.to_radians() / eye * 2.5).to_degrees();
         let camera = camera(pinhole(offset + eye * DVec3::new(0.3, 0.2, 0.93), offset, vfov), SIZE, FORWARD);
-        let error = error_of(&mut engine, &scene_of(own), &camera);
+        let (error, _) = error_of(&mut engine, &scene_of(own), &camera);
         assert!(error <= ERROR, "{offset}, {eye}: {error}");
     }
 }
