@@ -6,6 +6,7 @@ mod common;
 mod pictures;
 
 mod caustics;
+mod decided;
 mod gloss;
 mod motion;
 mod projector_lights;

@@ -16,6 +16,7 @@ use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{engine_on, ids};
 use common::layered::chain;
+use common::polygon::{self, area, pixel_about};
 use common::rng::Rng;
 use common::{FORWARD, camera, mesh, moved, scene, soup};
 use glam::{DVec2, DVec3};
@@ -210,31 +211,6 @@ fn areas_of_large_triangles_come_nearer_than_as_many_samples_counted() {
     }
 }
 
-/// The part of a convex polygon in another, both the same way around (Sutherland and Hodgman 1974).
-fn common(mut corners: Vec<DVec2>, other: &[DVec2]) -> Vec<DVec2> {
-    for (k, &from) in other.iter().enumerate() {
-        let side = other[(k + 1) % other.len()] - from;
-        let inside = |p: DVec2| side.perp_dot(p - from);
-        let mut kept = Vec::new();
-        for (k, &p) in corners.iter().enumerate() {
-            let q = corners[(k + 1) % corners.len()];
-            if inside(p) >= 0.0 {
-                kept.push(p);
-            }
-            if (inside(p) >= 0.0) != (inside(q) >= 0.0) {
-                kept.push(p.lerp(q, inside(p) / (inside(p) - inside(q))));
-            }
-        }
-        corners = kept;
-    }
-    corners
-}
-
-fn area(corners: &[DVec2]) -> f64 {
-    let next = corners.iter().cycle().skip(1);
-    0.5 * corners.iter().zip(next).map(|(p, q)| p.perp_dot(*q)).sum::<f64>()
-}
-
 /// Places are found in f32 from numbers of at most 4, in some ten roundings, and pixels are 1/24 wide.
 const AREA_ERROR: f64 = 10.0 * 4.0 * 24.0 / 16_777_216.0;
 
@@ -264,9 +240,9 @@ fn coverage_is_the_area_of_what_is_seen() {
             // of which samples see both the triangle and nothing
             if some[k] > 0.0 && some[k] < 1.0 {
                 let pixel = DVec2::new((k % 48) as f64, (k / 48) as f64);
-                let square = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|c| pixel + DVec2::from(c));
-                let of = |outline: &[DVec2]| area(&common(outline.to_vec(), &square));
-                let beside = of(&behind) - of(&common(behind.clone(), &triangle));
+                let square = pixel_about(pixel);
+                let of = |outline: &[DVec2]| area(&polygon::common(outline.to_vec(), &square));
+                let beside = of(&behind) - of(&polygon::common(behind.clone(), &triangle));
                 let area = of(&triangle) + if name == "alone" { 0.0 } else { beside };
                 borders += 1;
                 assert!((f64::from(*alpha) - area).abs() <= AREA_ERROR, "{name}, pixel {pixel}: {alpha} for {area}");

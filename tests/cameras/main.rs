@@ -13,6 +13,7 @@ mod chain;
 mod composed;
 mod composite;
 mod curve_roots;
+mod detours;
 mod exact_casting;
 mod exported;
 mod glc_family;

@@ -29,19 +29,27 @@ scale = [1, 1, 1]
 translate = [6.5, 0.5, 5]
 "#;
 
-pub(super) fn scene(meshes: &str, keys: &str) -> Scene {
-    scene_of(meshes, SIZE, &format!("kind = \"track\"\n{VIEW}\n{keys}")).unwrap()
+fn scene(meshes: &str, keys: &str) -> Scene {
+    scene_in(SIZE, meshes, keys)
+}
+
+pub(super) fn scene_in(size: (u32, u32), meshes: &str, keys: &str) -> Scene {
+    scene_of(meshes, size, &format!("kind = \"track\"\n{VIEW}\n{keys}")).unwrap()
+}
+
+fn place(point: DVec3) -> DVec2 {
+    place_in(SIZE, point)
 }
 
 /// The image place (px) of a point in the plain view, by the pinhole's formula.
-pub(super) fn place(point: DVec3) -> DVec2 {
+pub(super) fn place_in(size: (u32, u32), point: DVec3) -> DVec2 {
     let f = (DVec3::new(0.0, 2.0, 0.0) - EYE).normalize();
     let r = f.cross(DVec3::Y).normalize();
     let u = r.cross(f);
     let k = 20f64.to_radians().tan();
     let v = point - EYE;
-    let half = SIZE.1 as f64 / 2.0;
-    DVec2::new(SIZE.0 as f64 / 2.0 + half * v.dot(r) / (k * v.dot(f)), half - half * v.dot(u) / (k * v.dot(f)))
+    let half = size.1 as f64 / 2.0;
+    DVec2::new(size.0 as f64 / 2.0 + half * v.dot(r) / (k * v.dot(f)), half - half * v.dot(u) / (k * v.dot(f)))
 }
 
 /// All of the rays through an image place, layer by layer.
@@ -301,26 +309,34 @@ fn unreachable_targets_leave_the_plain_view_and_the_other_targets() {
     }
 }
 
+/// How deep a point lies in the view.
+pub(super) fn depth(point: DVec3) -> f64 {
+    (point - EYE).dot((DVec3::new(0.0, 2.0, 0.0) - EYE).normalize())
+}
+
+/// Where a pixel's rays are at so many depths.
+pub(super) fn points_at(camera: &Camera, (i, j): (u32, u32), depths: impl Iterator<Item = f64>) -> Vec<DVec3> {
+    let chain: Vec<Curve> = (0..camera.layers.len()).map(|layer| camera.curve(layer, i, j).unwrap().1).collect();
+    let line: Vec<DVec3> = match camera.layers.len() {
+        1 => vec![EYE, EYE + 100.0 * chain[0].tangent(0.0) / depth(EYE + chain[0].tangent(0.0))],
+        _ => chain.iter().flat_map(|c| (0..=8).map(|k| c.at(k as f64 / 8.0))).collect(),
+    };
+    let at = |z: f64| {
+        let at = |pair: &[DVec3]| {
+            let (a, b) = (depth(pair[0]), depth(pair[1]));
+            (a <= z && z <= b && a < b).then(|| pair[0].lerp(pair[1], (z - a) / (b - a)))
+        };
+        line.windows(2).find_map(at).unwrap_or_else(|| panic!("no depth {z} at {i},{j}"))
+    };
+    depths.map(at).collect()
+}
+
 /// Rays' places in a frame: in the plain view, px, for some pixels and depths.
 pub(super) fn places(camera: &Camera) -> Vec<DVec2> {
-    let forward = (DVec3::new(0.0, 2.0, 0.0) - EYE).normalize();
-    let depth = |p: DVec3| (p - EYE).dot(forward);
-    let mut places = Vec::new();
-    for (i, j) in (1..60).step_by(4).flat_map(|j| (1..80).step_by(4).map(move |i| (i, j))) {
-        let chain: Vec<Curve> = (0..camera.layers.len()).map(|layer| camera.curve(layer, i, j).unwrap().1).collect();
-        let line: Vec<DVec3> = match camera.layers.len() {
-            1 => vec![EYE, EYE + 100.0 * chain[0].tangent(0.0) / chain[0].tangent(0.0).dot(forward)],
-            _ => chain.iter().flat_map(|c| (0..=8).map(|k| c.at(k as f64 / 8.0))).collect(),
-        };
-        for z in (2..=40).step_by(2).map(f64::from) {
-            let at = |pair: &[DVec3]| {
-                let (a, b) = (depth(pair[0]), depth(pair[1]));
-                (a <= z && z <= b && a < b).then(|| pair[0].lerp(pair[1], (z - a) / (b - a)))
-            };
-            places.push(place(line.windows(2).find_map(at).unwrap_or_else(|| panic!("no depth {z} at {i},{j}"))));
-        }
-    }
-    places
+    let size = (camera.width, camera.height);
+    let pixels = (1..size.1).step_by(4).flat_map(|j| (1..size.0).step_by(4).map(move |i| (i, j)));
+    let depths = || (2..=40).step_by(2).map(f64::from);
+    pixels.flat_map(|pixel| points_at(camera, pixel, depths())).map(|p| place_in(size, p)).collect()
 }
 
 /// How far rays and targets move in the picture from frame to frame, at most, px; and the notes of all frames.

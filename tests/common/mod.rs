@@ -10,6 +10,7 @@ pub mod file;
 pub mod gpu;
 pub mod layered;
 pub mod needs;
+pub mod polygon;
 pub mod projection;
 pub mod rng;
 pub mod volumes;

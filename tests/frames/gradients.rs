@@ -13,10 +13,10 @@ use common::file::load;
 use common::gpu::{engine_on, ids};
 use glam::DVec3;
 
-const SIZE: (u32, u32) = (60, 44);
+pub(super) const SIZE: (u32, u32) = (60, 44);
 
 /// A ball, and a plane behind it.
-const BALL: &str = "[[mesh]]\nbuiltin = \"icosphere\"\nlevel = 1\n\
+pub(super) const BALL: &str = "[[mesh]]\nbuiltin = \"icosphere\"\nlevel = 1\n\
     [[mesh]]\nbuiltin = \"box\"\nscale = [0.7, 2.6, 0.9]\nrotate = [20, 30, 10]\ntranslate = [0.4, -0.1, -0.6]\n";
 
 /// A camera about the ball, and numbers of it.
@@ -83,15 +83,15 @@ const LENS: &str = "%YAML:1.0\n---\nimage_width: 60\nimage_height: 44\n\
     distortion_coefficients: !!opencv-matrix\n   rows: 4\n   cols: 1\n   dt: d\n   data: [ 0.08, -0.02, 0.01, -0.003 ]\n";
 
 /// A scene, its camera, and what the reference's frame shows.
-struct View {
-    scene: Scene,
-    camera: Camera,
-    rays: Vec<PixelRay>,
-    ids: Vec<u32>,
+pub(super) struct View {
+    pub scene: Scene,
+    pub camera: Camera,
+    pub rays: Vec<PixelRay>,
+    pub ids: Vec<u32>,
 }
 
 impl View {
-    fn of(meshes: &str, size: (u32, u32), keys: &str) -> View {
+    pub fn of(meshes: &str, size: (u32, u32), keys: &str) -> View {
         let folder = tempfile::tempdir().unwrap();
         let mut keys = keys.replace("VIEWED", "").replace("VIEW", VIEW);
         if keys.starts_with("LENS") {
@@ -116,7 +116,7 @@ impl View {
         View::of(BALL, SIZE, case.keys)
     }
 
-    fn corners(&self, id: u32) -> [DVec3; 3] {
+    pub fn corners(&self, id: u32) -> [DVec3; 3] {
         self.scene.mesh.triangles[id as usize].map(|v| self.scene.mesh.positions[v as usize])
     }
 
@@ -126,7 +126,7 @@ impl View {
         then(&Seen { width, height, rays: &self.rays, ids: &self.ids, corners: &corners, has_edges: true })
     }
 
-    fn reference(&self, directions: &[Direction]) -> Vec<PixelChange> {
+    pub fn reference(&self, directions: &[Direction]) -> Vec<PixelChange> {
         self.with_seen(|seen| changes(seen, directions))
     }
 
@@ -171,7 +171,7 @@ fn sign(ray: &PixelRay, [a, b, c]: [DVec3; 3]) -> f64 {
 }
 
 /// A central difference, and how far it may be off: twice what halving the step changes, and rounding of values of this size.
-fn difference(step: f64, size: f64, f: impl Fn(f64) -> f64) -> (f64, f64) {
+pub(super) fn difference(step: f64, size: f64, f: impl Fn(f64) -> f64) -> (f64, f64) {
     let over = |h: f64| (f(h) - f(-h)) / (2.0 * h);
     let (whole, half) = (over(step), over(step / 2.0));
     (half, 2.0 * (whole - half).abs() + ROUNDING * size / step)

@@ -33,6 +33,7 @@ mod steps;
 mod strips;
 mod tessellate;
 mod ties;
+mod true_coverage;
 mod twin_reference;
 mod volume;
 mod watertight;
