@@ -6,6 +6,7 @@ mod exr;
 pub mod file;
 pub mod frame;
 mod npy;
+mod number;
 mod ply;
 mod png;
 mod points;
@@ -22,6 +23,7 @@ pub use npy::{
     Grid, put_npy_f64, read_npy_affines, read_npy_columns, read_npy_grid, read_npy_rows, read_npy_volume, write_npy,
     write_npy_f64,
 };
+pub use number::NumberType;
 pub use ply::write_ply;
 pub use png::{opaque8, png_bytes, rgb8, srgb8, toned8, write_png, write_png_strips};
 pub use points::read_points;

@@ -8,6 +8,7 @@ use glam::DAffine3;
 use npyz::WriterBuilder;
 
 use crate::image::file::whole::write_whole;
+use crate::image::number::NumberType;
 use crate::image::size::check_size;
 use crate::input::files;
 use crate::input::limits::memory;
@@ -61,13 +62,12 @@ pub fn put_npy_f64(writer: impl Write, shape: &[u64], data: &[f64]) -> io::Resul
 #[derive(Debug, PartialEq)]
 struct Header {
     shape: Vec<u64>,
-    /// Bytes of one number: 4 or 8; of whole numbers 1 or 2.
-    size: usize,
+    number: NumberType,
     big_endian: bool,
 }
 
 /// Why an array of whole numbers is not read where there should be others.
-const WHOLE: &str = "they must be f4 or f8 (float32 or float64), or u1 or u2 of a volume";
+const WHOLE: &str = "they must be f4 or f8 (float32 or float64), or, of a volume, whole numbers of up to 4 bytes";
 
 /// Reads an f32 or f64 array in C order, shape H x W x `each`, as (width, height, `each` W H numbers).
 ///
@@ -136,7 +136,7 @@ pub fn read_npy_grid(path: &Path) -> Result<Grid> {
     read.map(|(shape, numbers)| Grid { size: size(&shape), numbers })
 }
 
-/// Reads an f32, f64, u8 or u16 array in C order of three sides, 2 to `side_max` each, as f32.
+/// Reads an array of any [`NumberType`] in C order of three sides, 2 to `side_max` each, as f32.
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or it ends early.
@@ -159,13 +159,8 @@ fn volume_of(file: File, side_max: u64) -> std::result::Result<([u64; 3], Vec<f3
     check_length(&header, count, bytes_in_file, header_bytes)?;
     memory::check(4 * count, format_args!("a volume of {count} numbers"), "use a coarser one")
         .map_err(|e| e.to_string())?;
-    let number = |bytes: &[u8]| match header.size {
-        1 => f32::from(bytes[0]),
-        2 if header.big_endian => f32::from(u16::from_be_bytes([bytes[0], bytes[1]])),
-        2 => f32::from(u16::from_le_bytes([bytes[0], bytes[1]])),
-        _ => number_from(bytes, header.big_endian) as f32,
-    };
-    Ok((shape, read_numbers(&mut reader, header.size, count as usize, number)?))
+    let number = |bytes: &[u8]| header.number.read(bytes, header.big_endian) as f32;
+    Ok((shape, read_numbers(&mut reader, header.number.size(), count as usize, number)?))
 }
 
 /// Reads matrices, row by row, from an f32 or f64 array in C order of shape N x 3 x 4, or N x 4 x 4 with the last row 0, 0, 0, 1.
@@ -213,19 +208,19 @@ fn read_array(
     let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
     let mut reader = BufReader::with_capacity(1 << 16, file);
     let (header, header_bytes) = read_header(&mut reader)?;
-    if header.size < 4 {
-        return Err(format!("the numbers are whole, of {} bytes; {WHOLE}", header.size));
+    if header.number.is_whole() {
+        return Err(format!("the numbers are whole, of {} bytes; {WHOLE}", header.number.size()));
     }
     let count = count(&header.shape)?;
     check_length(&header, count, bytes_in_file, header_bytes)?;
-    let number = |number: &[u8]| number_from(number, header.big_endian);
-    let numbers = read_numbers(&mut reader, header.size, count as usize, number)?;
+    let number = |bytes: &[u8]| header.number.read(bytes, header.big_endian);
+    let numbers = read_numbers(&mut reader, header.number.size(), count as usize, number)?;
     Ok((header.shape, numbers))
 }
 
 /// A file that holds so many numbers is long enough.
 fn check_length(header: &Header, count: u64, in_file: u64, in_header: u64) -> std::result::Result<(), String> {
-    let bytes = count * header.size as u64;
+    let bytes = count * header.number.size() as u64;
     match in_file < in_header + bytes {
         true => Err(format!("the file ends early: {bytes} bytes of numbers are promised; write it again")),
         false => Ok(()),
@@ -247,14 +242,6 @@ fn read_numbers<T>(
         numbers.extend(bytes[..part].chunks_exact(size).map(&number));
     }
     Ok(numbers)
-}
-
-/// The number in 4 or 8 bytes.
-fn number_from(bytes: &[u8], big_endian: bool) -> f64 {
-    let bits = |bytes: &mut dyn Iterator<Item = &u8>| bytes.fold(0u64, |bits, byte| bits << 8 | u64::from(*byte));
-    let bits = if big_endian { bits(&mut bytes.iter()) } else { bits(&mut bytes.iter().rev()) };
-    // Four bytes fill the low 32 bits.
-    if bytes.len() == 4 { f64::from(f32::from_bits(bits as u32)) } else { f64::from_bits(bits) }
 }
 
 /// NumPy's own limit on the header's text, bytes.
@@ -296,17 +283,23 @@ fn parse_header(text: &str) -> std::result::Result<Header, String> {
     let descr = value("descr")?;
     let dtype = descr.trim_start_matches(['\'', '"']).split(['\'', '"', ',', ']']).next().unwrap_or_default();
     let native_big = cfg!(target_endian = "big");
-    let (size, big_endian) = match dtype {
-        "<f4" => (4, false),
-        "<f8" => (8, false),
-        ">f4" => (4, true),
-        ">f8" => (8, true),
-        "=f4" => (4, native_big),
-        "=f8" => (8, native_big),
-        "|u1" | "<u1" | ">u1" | "=u1" => (1, false),
-        "<u2" => (2, false),
-        ">u2" => (2, true),
-        "=u2" => (2, native_big),
+    let (order, kind) = dtype.split_at_checked(1).unwrap_or_default();
+    let number = match kind {
+        "f4" => NumberType::F32,
+        "f8" => NumberType::F64,
+        "u1" => NumberType::U8,
+        "i1" => NumberType::I8,
+        "u2" => NumberType::U16,
+        "i2" => NumberType::I16,
+        "u4" => NumberType::U32,
+        "i4" => NumberType::I32,
+        _ => return Err(format!("the numbers are of type {dtype:?}; {WHOLE}")),
+    };
+    let big_endian = match order {
+        "<" => false,
+        ">" => true,
+        "=" => native_big,
+        "|" if number.size() == 1 => false,
         _ => return Err(format!("the numbers are of type {dtype:?}; {WHOLE}")),
     };
     if !value("fortran_order")?.starts_with("False") {
@@ -317,7 +310,7 @@ fn parse_header(text: &str) -> std::result::Result<Header, String> {
     let sides = inside.unwrap_or("?").split(',').map(str::trim).filter(|side| !side.is_empty());
     let shape: std::result::Result<_, _> = sides.map(|side| side.trim_end_matches('L').parse()).collect();
     let shape = shape.map_err(|_| "the .npy header's shape cannot be read; write the file again".to_string())?;
-    Ok(Header { shape, size, big_endian })
+    Ok(Header { shape, number, big_endian })
 }
 
 #[cfg(test)]
@@ -330,17 +323,18 @@ mod tests {
 
     #[test]
     fn headers_of_plain_float_arrays_are_read() {
-        let header = |shape: &[u64], size, big_endian| Ok(Header { shape: shape.into(), size, big_endian });
-        assert_eq!(parse("'<f8'", "False", "(2, 3, 3)"), header(&[2, 3, 3], 8, false));
-        assert_eq!(parse("'>f4'", "False", "(5,)"), header(&[5], 4, true));
-        assert_eq!(parse("'<f4'", "False", "()"), header(&[], 4, false));
-        assert_eq!(parse("'<f4'", "False", "(2L, 3L)"), header(&[2, 3], 4, false));
+        let header = |shape: &[u64], number, big_endian| Ok(Header { shape: shape.into(), number, big_endian });
+        assert_eq!(parse("'<f8'", "False", "(2, 3, 3)"), header(&[2, 3, 3], NumberType::F64, false));
+        assert_eq!(parse("'>f4'", "False", "(5,)"), header(&[5], NumberType::F32, true));
+        assert_eq!(parse("'<f4'", "False", "()"), header(&[], NumberType::F32, false));
+        assert_eq!(parse("'<f4'", "False", "(2L, 3L)"), header(&[2, 3], NumberType::F32, false));
     }
 
     #[test]
     fn other_headers_say_what_is_wrong() {
         for (descr, order, shape, why) in [
-            ("'<i4'", "False", "(1, 1, 3)", "type \"<i4\""),
+            ("'<i8'", "False", "(1, 1, 3)", "type \"<i8\""),
+            ("'|f4'", "False", "(1, 1, 3)", "type \"|f4\""),
             ("'<f2'", "False", "(1, 1, 3)", "type \"<f2\""),
             ("[('x', '<f4')]", "False", "(1, 1, 3)", "must be f4 or f8"),
             ("'<f4'", "True", "(1, 1, 3)", "Fortran order"),
@@ -355,20 +349,12 @@ mod tests {
     }
 
     #[test]
-    fn whole_numbers_are_known_by_their_size() {
-        let read = |descr: &str| parse(descr, "False", "(2, 2, 2)").map(|h| (h.size, h.big_endian));
-        assert_eq!(read("'|u1'"), Ok((1, false)));
-        assert_eq!([read("'<u2'"), read("'>u2'")], [Ok((2, false)), Ok((2, true))]);
-    }
-
-    #[test]
-    fn numbers_are_read_in_either_byte_order() {
-        for x in [0.0f64, -1.5, f64::INFINITY, f64::MIN_POSITIVE, 1.0 / 3.0] {
-            assert_eq!(number_from(&x.to_le_bytes(), false), x);
-            assert_eq!(number_from(&x.to_be_bytes(), true), x);
-            assert_eq!(number_from(&(x as f32).to_le_bytes(), false), f64::from(x as f32));
-            assert_eq!(number_from(&(x as f32).to_be_bytes(), true), f64::from(x as f32));
-        }
+    fn whole_numbers_are_read_too() {
+        let read = |descr: &str| parse(descr, "False", "(2, 2, 2)").map(|h| (h.number, h.big_endian));
+        assert_eq!(read("'|u1'"), Ok((NumberType::U8, false)));
+        assert_eq!(read("'|i1'"), Ok((NumberType::I8, false)));
+        assert_eq!(["'<u2'", "'>u2'"].map(read), [false, true].map(|big| Ok((NumberType::U16, big))));
+        assert_eq!(["'<i2'", "'>i4'"].map(read), [Ok((NumberType::I16, false)), Ok((NumberType::I32, true))]);
     }
 
     #[test]

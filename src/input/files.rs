@@ -4,7 +4,7 @@ use indexmap::IndexSet;
 use std::cell::RefCell;
 use std::fs::{self, File};
 use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::time::SystemTime;
 
 thread_local! {
@@ -81,6 +81,24 @@ fn is_own_pipe(path: &Path) -> bool {
     let is_pipe = |_: fs::Metadata| false;
     let is_own = path == Path::new("/dev/stdin") || path.starts_with("/dev/fd") || path.starts_with("/proc/self/fd");
     is_own && fs::metadata(path).is_ok_and(is_pipe)
+}
+
+/// The file is in the folder or below, by its name and, if it exists, also by its real path.
+pub fn is_below(name: &str, folder: &Path) -> bool {
+    let mut depth = 0i32;
+    for component in Path::new(name).components() {
+        match component {
+            Component::Normal(_) => depth += 1,
+            Component::ParentDir if depth > 0 => depth -= 1,
+            Component::CurDir => {}
+            _ => return false,
+        }
+    }
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    match (folder.join(name).canonicalize(), folder.canonicalize()) {
+        (Ok(file), Ok(folder)) => file.starts_with(folder),
+        _ => true,
+    }
 }
 
 /// Records a file, existing or not.

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gltf::json::validation::{Error as Wrong, Validate};
@@ -233,7 +233,7 @@ fn read_uri(uri: &str, access: FileAccess) -> std::result::Result<Found<Vec<u8>>
     }
     let name = decode_percent(uri);
     let file = access.folder.join(&name);
-    if access.files == Files::Below && !is_below(&name, access.folder) {
+    if access.files == Files::Below && !crate::input::files::is_below(&name, access.folder) {
         return Err(format!(
             "{name:?} is outside of the glTF's folder; move it there, or set outside_files = true in the [[mesh]]"
         ));
@@ -242,24 +242,6 @@ fn read_uri(uri: &str, access: FileAccess) -> std::result::Result<Found<Vec<u8>>
         Ok(bytes) => Ok(Found::Present(bytes)),
         Err(e) if is_missing(&e) => Ok(Found::Missing(file)),
         Err(e) => Err(format!("{} cannot be read: {e}", file.display())),
-    }
-}
-
-/// The file is in the folder or below, by its name and, if it exists, also by its real path.
-fn is_below(name: &str, folder: &Path) -> bool {
-    let mut depth = 0i32;
-    for component in Path::new(name).components() {
-        match component {
-            Component::Normal(_) => depth += 1,
-            Component::ParentDir if depth > 0 => depth -= 1,
-            Component::CurDir => {}
-            _ => return false,
-        }
-    }
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    match (folder.join(name).canonicalize(), folder.canonicalize()) {
-        (Ok(file), Ok(folder)) => file.starts_with(folder),
-        _ => true,
     }
 }
 

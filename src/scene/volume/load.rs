@@ -1,9 +1,10 @@
 //! The numbers of a volume, from files.
 
-use super::spec::{GridSource, GridSpec, Placement, RawNumber, VALUE_MAX};
+use super::header::read_headed;
+use super::spec::{GridSource, GridSpec, Placement, VALUE_MAX};
 use super::{Grid, SIDE_MAX, placed};
 use crate::geometry::place::rotation_xyz;
-use crate::image::read_npy_volume;
+use crate::image::{NumberType, read_npy_volume};
 use crate::input::limits::memory;
 use crate::input::{Error, Result, files};
 use glam::DVec3;
@@ -15,13 +16,14 @@ use std::path::Path;
 /// # Errors
 /// [`Error::Input`] naming the file, or "volume": another shape or type, too short or too long, or a number that is not finite.
 pub fn load_grid(spec: &GridSpec, given: Option<([u64; 3], Vec<f32>)>) -> Result<Grid> {
-    let (name, (shape, values)) = match &spec.source {
-        GridSource::Npy(path) => (path.display().to_string(), read_npy_volume(path, SIDE_MAX)?),
-        GridSource::Raw { file, shape, number, big_endian } => {
-            let shape = shape.map(u64::from);
-            (file.display().to_string(), (shape, read_raw(file, shape, *number, *big_endian)?))
+    let (name, (shape, values), own) = match &spec.source {
+        GridSource::Npy(path) => (path.display().to_string(), read_npy_volume(path, SIDE_MAX)?, None),
+        GridSource::Headed(path) => {
+            let (shape, values, placement) = read_headed(path)?;
+            (path.display().to_string(), (shape, values), placement)
         }
-        GridSource::Given => ("volume".into(), given.unwrap_or(([0; 3], Vec::new()))),
+        GridSource::Raw(path, grid) => (path.display().to_string(), (grid.shape, read_raw(path, grid)?), None),
+        GridSource::Given => ("volume".into(), given.unwrap_or(([0; 3], Vec::new())), None),
     };
     let wrong = |why: String| Error::input(format!("{name}: {why}"));
     let [nz, ny, nx] = shape;
@@ -36,7 +38,12 @@ pub fn load_grid(spec: &GridSpec, given: Option<([u64; 3], Vec<f32>)>) -> Result
         )));
     }
     let sides = [nx, ny, nz].map(|n| n as u32);
-    let (first, spacing) = match spec.placement {
+    let placement = spec.placement.or(own).ok_or_else(|| {
+        wrong(
+            "the header does not say where the numbers lie along the world's axes; add min and max to [volume]".into(),
+        )
+    })?;
+    let (first, spacing) = match placement {
         Placement::Box { min, max } => (min, (max - min) / DVec3::from(sides.map(|n| f64::from(n - 1)))),
         Placement::Nodes { origin, spacing } => (origin, spacing),
     };
@@ -47,37 +54,48 @@ pub fn load_grid(spec: &GridSpec, given: Option<([u64; 3], Vec<f32>)>) -> Result
     Ok(Grid { sides, values, to_world })
 }
 
+/// How numbers lie in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RawGrid {
+    /// As NumPy has it: along z, y and x; 2 to [`SIDE_MAX`] each.
+    pub shape: [u64; 3],
+    pub number: NumberType,
+    pub big_endian: bool,
+}
+
+impl RawGrid {
+    /// Of all its numbers.
+    pub fn bytes(&self) -> u64 {
+        self.shape.iter().product::<u64>() * self.number.size() as u64
+    }
+}
+
 /// Reads a file of numbers alone. It must be as long as its shape says.
-fn read_raw(path: &Path, shape: [u64; 3], number: RawNumber, big_endian: bool) -> Result<Vec<f32>> {
+fn read_raw(path: &Path, grid: &RawGrid) -> Result<Vec<f32>> {
     let unreadable = |e: std::io::Error| Error::unreadable(path, format_args!("{e}; check the path"));
     let mut file = files::open(path).map_err(unreadable)?;
-    let each = match number {
-        RawNumber::F32 => 4,
-        RawNumber::U8 => 1,
-        RawNumber::U16 => 2,
-    };
-    // sides of at most 2^12 each
-    let count: u64 = shape.iter().product();
     let has = file.metadata().map_err(unreadable)?.len();
-    if has != count * each {
-        let [z, y, x] = shape;
+    if has != grid.bytes() {
+        let ([z, y, x], each) = (grid.shape, grid.number.size());
         return Err(Error::input(format!(
             "{}: the file has {has} bytes; {z} x {y} x {x} numbers of {each} are {}: check shape and type",
             path.display(),
-            count * each
+            grid.bytes()
         )));
     }
-    memory::check(count * (4 + each), format_args!("a volume of {count} numbers"), "use a coarser one")?;
+    read_numbers(&mut file, grid).map_err(|e| e.at(path.display()))
+}
+
+/// Reads as many numbers as the grid has, and nothing behind them.
+pub(super) fn read_numbers(reader: &mut impl Read, grid: &RawGrid) -> Result<Vec<f32>> {
+    let RawGrid { number, big_endian, .. } = *grid;
+    let count = grid.bytes() / number.size() as u64;
+    memory::check(grid.bytes() + 4 * count, format_args!("a volume of {count} numbers"), "use a coarser one")?;
     let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes).map_err(unreadable)?;
-    let two = |b: &[u8]| if big_endian { u16::from_be_bytes([b[0], b[1]]) } else { u16::from_le_bytes([b[0], b[1]]) };
-    let four = |b: &[u8]| {
-        let b = [b[0], b[1], b[2], b[3]];
-        if big_endian { f32::from_be_bytes(b) } else { f32::from_le_bytes(b) }
-    };
-    Ok(match number {
-        RawNumber::F32 => bytes.chunks_exact(4).map(four).collect(),
-        RawNumber::U8 => bytes.iter().map(|b| f32::from(*b)).collect(),
-        RawNumber::U16 => bytes.chunks_exact(2).map(|b| f32::from(two(b))).collect(),
-    })
+    reader.take(grid.bytes()).read_to_end(&mut bytes).map_err(|e| Error::input(format!("the numbers: {e}")))?;
+    if bytes.len() as u64 != grid.bytes() {
+        let (has, all) = (bytes.len(), grid.bytes());
+        return Err(Error::input(format!("the file ends early: {has} bytes of numbers, {all} are promised")));
+    }
+    Ok(bytes.chunks_exact(number.size()).map(|bytes| number.read(bytes, big_endian) as f32).collect())
 }

@@ -1,5 +1,6 @@
 //! A volume: a regular grid of numbers in space that glow and absorb light. `docs/reference/definitions.md`, Volume.
 
+mod header;
 pub mod load;
 pub mod spec;
 

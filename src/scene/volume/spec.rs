@@ -1,6 +1,8 @@
 //! `[volume]`: where its numbers come from, where it lies, and what it looks like.
 
+use super::load::RawGrid;
 use super::{ControlPoint, Mode, POINTS_MAX, SIDE_MAX};
+use crate::image::NumberType;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::DVec3;
@@ -20,7 +22,8 @@ pub struct VolumeSpec {
 #[derive(Debug, Clone, PartialEq)]
 pub struct GridSpec {
     pub source: GridSource,
-    pub placement: Placement,
+    /// `None`: where the file's header says.
+    pub placement: Option<Placement>,
     /// Degrees about x, then y, then z (world axes), about the middle of the box.
     pub rotate: DVec3,
 }
@@ -29,24 +32,12 @@ pub struct GridSpec {
 pub enum GridSource {
     /// A .npy file, already relative to the working directory.
     Npy(PathBuf),
+    /// A NRRD or a MetaImage.
+    Headed(PathBuf),
     /// Numbers without a header.
-    Raw {
-        file: PathBuf,
-        /// As NumPy has it: z, y, x.
-        shape: [u32; 3],
-        number: RawNumber,
-        big_endian: bool,
-    },
+    Raw(PathBuf, RawGrid),
     /// A program's array.
     Given,
-}
-
-/// The type of a number in a .raw file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RawNumber {
-    F32,
-    U8,
-    U16,
 }
 
 /// Where the first node lies, and the others; world units.
@@ -76,7 +67,7 @@ pub(crate) fn read_volume_look(field: &Field) -> Result<VolumeSpec> {
 }
 
 fn read_all(table: &Table, source: GridSource) -> Result<VolumeSpec> {
-    let placement = read_placement(table)?;
+    let placement = read_placement(table, matches!(source, GridSource::Headed(_)))?;
     let rotate = table.or("rotate", DVec3::ZERO, Field::vec3)?;
     let example = "[[0, 0, 0, 0, 0], [1, 1, 1, 1, 10]]: value, red, green, blue and extinction";
     let transfer = read_transfer(&table.need("transfer", example)?)?;
@@ -93,43 +84,42 @@ fn read_source(table: &Table) -> Result<GridSource> {
     let file = field.path()?;
     let ending = file.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match ending.as_str() {
-        "npy" => match OF_FILE[1..].iter().find_map(|key| table.get(key)) {
-            Some(key) => Err(key.error("a .npy file says this itself; remove the key")),
-            None => Ok(GridSource::Npy(file)),
+        "npy" | "nrrd" | "nhdr" | "mhd" | "mha" => match OF_FILE[1..].iter().find_map(|key| table.get(key)) {
+            Some(key) => Err(key.error(format_args!("a .{ending} file says this itself; remove the key"))),
+            None if ending == "npy" => Ok(GridSource::Npy(file)),
+            None => Ok(GridSource::Headed(file)),
         },
         "raw" => {
             let shape = table.need("shape", "[128, 256, 256]: as many along z, y and x")?;
             let sides = shape.array::<3>("three whole numbers, as [128, 256, 256]: along z, y and x")?;
             let mut sizes = [0; 3];
             for (size, side) in sizes.iter_mut().zip(&sides) {
-                // far below 2^32
-                *size = side.integer(2, SIDE_MAX)? as u32;
+                *size = side.integer(2, SIDE_MAX)?;
             }
-            let number = table.need("type", "\"u16\"; or \"u8\", \"f32\"")?;
-            let number = match number.text()? {
-                "f32" => RawNumber::F32,
-                "u8" => RawNumber::U8,
-                "u16" => RawNumber::U16,
-                _ => return Err(number.error("use \"f32\", \"u8\" or \"u16\"")),
-            };
+            let number = table.need("type", "\"u16\"; or \"u8\", \"i16\", \"f32\"")?;
+            let name = number.text()?;
+            let known = NumberType::NAMED.map(|(name, _)| name);
+            let named = NumberType::NAMED.iter().find(|(known, _)| *known == name);
+            let number = named.ok_or_else(|| number.error(format_args!("use one of {}", known.join(", "))))?.1;
             let big_endian = table.or("endian", false, |f| match f.text()? {
                 "little" => Ok(false),
                 "big" => Ok(true),
                 _ => Err(f.error("use \"little\" or \"big\"")),
             })?;
-            Ok(GridSource::Raw { file, shape: sizes, number, big_endian })
+            Ok(GridSource::Raw(file, RawGrid { shape: sizes, number, big_endian }))
         }
-        _ => Err(field.error("a volume is read from a .npy or a .raw file")),
+        _ => Err(field.error("a volume is read from a .npy, .nrrd, .nhdr, .mhd, .mha or .raw file")),
     }
 }
 
-fn read_placement(table: &Table) -> Result<Placement> {
+/// `None` if the table says nothing and the file may.
+fn read_placement(table: &Table, has_header: bool) -> Result<Option<Placement>> {
     let [min, max, origin, spacing] = ["min", "max", "origin", "spacing"].map(|key| table.get(key));
     match (min, max, origin, spacing) {
         (Some(min), Some(max), None, None) => {
             let (lo, hi) = (min.vec3()?, max.vec3()?);
             if lo.cmplt(hi).all() {
-                Ok(Placement::Box { min: lo, max: hi })
+                Ok(Some(Placement::Box { min: lo, max: hi }))
             } else {
                 Err(max.error("each number of max must be above that of min"))
             }
@@ -137,11 +127,12 @@ fn read_placement(table: &Table) -> Result<Placement> {
         (None, None, Some(origin), Some(spacing)) => {
             let (first, apart) = (origin.vec3()?, spacing.vec3()?);
             if apart.cmpgt(DVec3::ZERO).all() {
-                Ok(Placement::Nodes { origin: first, spacing: apart })
+                Ok(Some(Placement::Nodes { origin: first, spacing: apart }))
             } else {
                 Err(spacing.error("distances must be above 0"))
             }
         }
+        (None, None, None, None) if has_header => Ok(None),
         (None, None, None, None) => {
             Err(table.error("the volume lies nowhere; add e.g. min = [-1, -1, -1] and max = [1, 1, 1]"))
         }
