@@ -1584,9 +1584,10 @@ def composite(
                   { kind = "mask", file = "F.png" }                       white texels of an image of any size, over all of this one
         frame     "image"  the camera's own image is the whole image (default), or "region": the box around its region
         priority  N        a whole number; higher ones come first, equal ones in the order of the list (default 0)
-        feather   PX       width of the strip along the border of a rectangle or polygon in which colours are blended, px (default 0)
+        feather   PX       width of the strip along the region's border in which colours are blended, px (default 0)
         objects   [...]    names of the objects that it shows; "*" stands for any letters; needs master (default: all that no camera
-                  names; if each camera names some, the master shows the others too)
+                  names; if each camera names some, the master shows the others too). []: none, as for a master that is there for
+                  its depth alone
 
     The border of a rectangle or polygon belongs to it. A texel is white where R + G + B >= 3/2 and opacity >= 1/2. Where the
     camera that shows has no ray, the background is seen. t is each camera's own if all rays are straight and all cameras have

@@ -138,18 +138,14 @@ fn read_feather(field: &reader::Field, region: &Region) -> Result<f64> {
         return Err(field.error(format_args!("{width} px; a strip is 0 to {FEATHER_MAX} px wide")));
     }
     match region {
-        Region::Rectangle(_) | Region::Polygon { .. } => Ok(width),
-        _ => Err(field.error("colours are blended along the border of a rectangle or polygon; give such a region")),
+        Region::Whole => Err(field.error("colours are blended along the border of a region; give the camera one")),
+        _ => Ok(width),
     }
 }
 
 fn read_objects(field: &reader::Field) -> Result<Vec<String>> {
     let names = field.items("a list of names of objects, as [\"cup\", \"plate*\"]")?;
-    let names: Vec<String> = names.map(|item| Ok(item.text()?.to_owned())).collect::<Result<_>>()?;
-    match names.is_empty() {
-        true => Err(field.error("names no object; name one, or leave objects out to show all that no camera names")),
-        false => Ok(names),
-    }
+    names.map(|item| Ok(item.text()?.to_owned())).collect()
 }
 
 /// Of the camera with this number.

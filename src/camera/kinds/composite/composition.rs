@@ -33,7 +33,7 @@ pub struct Shown {
     /// Width of the strip along the region's border in which colours are blended, px; 0: none.
     pub feather: f64,
     pub priority: i32,
-    /// Patterns of the names of the objects that it shows; `None`: all that no camera names.
+    /// Patterns of the names of the objects that it shows, none if empty; `None`: all that no camera names.
     pub objects: Option<Vec<String>>,
 }
 
@@ -80,7 +80,10 @@ impl Composition {
         let place_px = DVec2::new(i.into(), j.into()) + self.place;
         let held: Vec<bool> = self.members.iter().map(|m| m.region.holds(place_px / self.size)).collect();
         let weight = |(member, held): (&Shown, &bool)| match member.feather > 0.0 {
-            true => (0.5 + member.region.depth_px(place_px, self.size) / member.feather).clamp(0.0, 1.0),
+            true => {
+                let depth = member.region.depth_px(place_px, self.size, member.feather);
+                (0.5 + depth / member.feather).clamp(0.0, 1.0)
+            }
             false => f64::from(u8::from(*held)),
         };
         let weights = self.members.iter().zip(&held).map(weight).collect();
@@ -107,8 +110,10 @@ impl Composition {
         let is_named = |object: &Object| (0..self.members.len()).any(|k| names(k, object));
         let has_rest = |k: usize| match &self.members[k].objects {
             None => true,
-            // nobody else shows them
-            Some(_) => self.master == Some(k) && self.members.iter().all(|member| member.objects.is_some()),
+            // nobody else shows them; one that names nothing is there for its depth alone
+            Some(own) => {
+                !own.is_empty() && self.master == Some(k) && self.members.iter().all(|member| member.objects.is_some())
+            }
         };
         let shows = |k: usize| objects.iter().map(|o| names(k, o) || has_rest(k) && !is_named(o)).collect();
         (0..self.members.len()).map(shows).collect()

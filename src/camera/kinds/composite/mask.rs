@@ -11,6 +11,8 @@ pub struct Mask {
     size: UVec2,
     /// Row by row from the top.
     inside: Vec<bool>,
+    /// For each row the columns of the texels that are inside where the one to their left is not, or the other way round; ascending.
+    changes: Vec<Vec<u32>>,
     /// The corners of the box around all texels that are inside, image coordinates.
     pub bounds: [DVec2; 2],
 }
@@ -32,14 +34,50 @@ impl Mask {
         let bounds = bounds(size, &inside).ok_or_else(|| {
             Error::input(format!("{}: no texel is white, so the camera would show nowhere", path.display()))
         })?;
-        Ok(Mask { size, inside, bounds })
+        Ok(Mask { size, changes: changes(size, &inside), inside, bounds })
     }
 
     /// The texel that holds the place is inside. Places on a border between texels belong to the right and lower one.
     pub fn holds(&self, place: DVec2) -> bool {
-        let texel = (place * self.size.as_dvec2()).as_uvec2().min(self.size - 1);
+        self.is_inside((place * self.size.as_dvec2()).as_uvec2().min(self.size - 1))
+    }
+
+    fn is_inside(&self, texel: UVec2) -> bool {
         self.inside[texel.y as usize * self.size.x as usize + texel.x as usize]
     }
+
+    /// The distance from a place of an image of `size` px to the nearest border between texels that are inside and texels that are not, px;
+    /// `most` where it is farther.
+    pub fn to_border(&self, place_px: DVec2, size: DVec2, most: f64) -> f64 {
+        let texel_px = size / self.size.as_dvec2();
+        let place = place_px / texel_px;
+        let own = self.holds(place_px / size);
+        let column = (place.x as u32).min(self.size.x - 1);
+        // saturates at the first and last row
+        let (first, last) = ((place.y - most / texel_px.y) as u32, (place.y + most / texel_px.y) as u32);
+        let mut nearest = most;
+        for row in first..=last.min(self.size.y - 1) {
+            let top = f64::from(row) - place.y;
+            let down = top.max(-1.0 - top).max(0.0);
+            let across =
+                if self.is_inside(UVec2::new(column, row)) == own { self.to_change(row, place.x) } else { 0.0 };
+            nearest = nearest.min((DVec2::new(across, down) * texel_px).length());
+        }
+        nearest
+    }
+
+    /// The distance from a place in a row to its nearest change, texels; infinite without any.
+    fn to_change(&self, row: u32, x: f64) -> f64 {
+        let changes = &self.changes[row as usize];
+        let next = changes.partition_point(|column| f64::from(*column) <= x);
+        let beside = [next.checked_sub(1), Some(next)].into_iter().flatten().filter_map(|k| changes.get(k));
+        beside.fold(f64::INFINITY, |least, column| least.min((x - f64::from(*column)).abs()))
+    }
+}
+
+fn changes(size: UVec2, inside: &[bool]) -> Vec<Vec<u32>> {
+    let of_row = |row: &[bool]| (1..size.x).filter(|&k| row[k as usize] != row[k as usize - 1]).collect();
+    inside.chunks(size.x as usize).map(of_row).collect()
 }
 
 fn bounds(size: UVec2, inside: &[bool]) -> Option<[DVec2; 2]> {

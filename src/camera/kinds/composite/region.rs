@@ -60,10 +60,11 @@ impl Region {
 }
 
 impl Region {
-    /// How far a place lies inside of the border, px; negative outside. Only of regions that have a smooth border.
-    pub fn depth_px(&self, place_px: DVec2, size: DVec2) -> f64 {
+    /// How far a place lies inside of the border, px; negative outside. Of masks at most `most`.
+    pub fn depth_px(&self, place_px: DVec2, size: DVec2, most: f64) -> f64 {
         let to_border = match self {
-            Region::Whole | Region::Mask(_) => return f64::INFINITY,
+            Region::Whole => return f64::INFINITY,
+            Region::Mask(mask) => mask.to_border(place_px, size, most),
             Region::Rectangle([low, high]) => {
                 let [low, high] = [*low * size, *high * size];
                 let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
@@ -77,16 +78,10 @@ impl Region {
         if self.holds(place_px / size) { to_border } else { -to_border }
     }
 
-    /// No border is within `radius` px of a place. Of a mask the corners of the square around it are tried.
+    /// No border crosses the square whose sides are `radius` px from a place.
     pub fn is_clear(&self, place_px: DVec2, size: DVec2, radius: f64) -> bool {
-        match self {
-            Region::Mask(mask) => {
-                let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from);
-                let own = mask.holds(place_px / size);
-                corners.into_iter().all(|corner| mask.holds((place_px + radius * corner) / size) == own)
-            }
-            _ => self.depth_px(place_px, size).abs() > std::f64::consts::SQRT_2 * radius,
-        }
+        let to_corner = std::f64::consts::SQRT_2 * radius;
+        self.depth_px(place_px, size, 2.0 * to_corner).abs() > to_corner
     }
 }
 
