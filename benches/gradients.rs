@@ -1,11 +1,20 @@
 //! Times gradients beside the frame that they are of, by the triangles' corners and by a number of the camera: `cargo bench --features internals
-//! --bench gradients`. `cargo test --features internals --benches` runs each once, on little.
+//! --bench gradients`, in Markdown, as bench_results/gradients.md. `cargo test --features internals --benches` runs each once, on little.
 
 use anamorph::{Channel, RenderOptions, Renderer, Scene};
 use std::time::Instant;
 
 /// Rounds, in each of which every way is timed once.
 const ROUNDS: usize = 5;
+
+const CAMERAS: [(&str, &str); 3] = [
+    ("pinhole", "kind = \"pinhole\", vfov = 60"),
+    (
+        "cross-slit",
+        "kind = \"cross_slit\", slits = [{ distance = 9, angle = 0 }, { distance = 14, angle = 90 }], height = 7",
+    ),
+    ("fisheye", "kind = \"fisheye\", fov = 150, frame = \"full\""),
+];
 
 fn main() -> anamorph::Result<()> {
     let bench = std::env::args().any(|a| a == "--bench");
@@ -15,10 +24,15 @@ fn main() -> anamorph::Result<()> {
         println!("skipped: there is no adapter");
         return Ok(());
     };
-    println!("{}x{} pixels, {triangles} triangles, on {adapter}; medians of {rounds} rounds, ms", size.0, size.1);
-    for (name, camera) in
-        [("pinhole", "kind = \"pinhole\", vfov = 60"), ("fisheye", "kind = \"fisheye\", fov = 150, frame = \"full\"")]
-    {
+    println!(
+        "# Gradients\n\n{} x {} pixels, a city of {triangles} triangles, on {adapter}; ms, medians of {rounds} rounds, whole calls.\n",
+        size.0, size.1
+    );
+    println!(
+        "| camera | frame | with depth by vertices | coverage by vertices | depth by a number of the camera | coverage by a number |"
+    );
+    println!("|---|---:|---:|---:|---:|---:|");
+    for (name, camera) in CAMERAS {
         let scene = Scene::parse(
             &format!(
                 "image = {{ width = {}, height = {} }}\ncamera = {{ {camera}, eye = [0, 2, 9], target = [0, 0, 0] }}\n\
@@ -47,10 +61,7 @@ fn main() -> anamorph::Result<()> {
             }
         }
         let [frame, depth, coverage, depth_by_eye, coverage_by_eye] = ms.map(median);
-        println!(
-            "{name}: the frame {frame:.0}; with gradients of depth by corners {depth:.0}, of coverage {coverage:.0}"
-        );
-        println!("  of depth by a number of the camera {depth_by_eye:.0}, of coverage {coverage_by_eye:.0}");
+        println!("| {name} | {frame:.0} | {depth:.0} | {coverage:.0} | {depth_by_eye:.0} | {coverage_by_eye:.0} |");
     }
     Ok(())
 }

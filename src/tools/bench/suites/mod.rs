@@ -1,5 +1,6 @@
 //! The suites: lists of cases.
 
+mod beyond;
 mod dynamic;
 mod glc;
 mod papers;
@@ -39,7 +40,7 @@ pub enum Plot {
     Stiffness,
 }
 
-pub const SUITES: [Suite; 7] = [
+pub const SUITES: [Suite; 8] = [
     Suite {
         name: "papers",
         asks: "what each paper measured, by this engine and by the paper's own technique, on stand-ins of the same counts",
@@ -94,6 +95,14 @@ pub const SUITES: [Suite; 7] = [
         plot: Plot::Stiffness,
         cases: stiff::cases,
         quick: stiff::quick,
+        closeups: &[],
+    },
+    Suite {
+        name: "beyond",
+        asks: "what it costs that things move, cameras are composed, mirrors are seen along curves, and space is filled: none of the papers has these",
+        plot: Plot::Stages,
+        cases: beyond::cases,
+        quick: beyond::quick,
         closeups: &[],
     },
 ];
