@@ -9,6 +9,8 @@ pub struct Beside {
     pub shows: &'static str,
     /// How the scene changes, as after --set.
     pub change: &'static str,
+    /// Of the video that the scene shows.
+    pub frame: f64,
     /// The technique that draws it in place of ours, as after --engine.
     pub rival: Option<&'static str>,
     /// A close-up: left, top, width and height as shares of the picture's. All of it without.
@@ -16,7 +18,7 @@ pub struct Beside {
 }
 
 const fn view(of: &'static str, name: &'static str, shows: &'static str, change: &'static str) -> Beside {
-    Beside { of, name, shows, change, rival: None, close: None }
+    Beside { of, name, shows, change, frame: 0.0, rival: None, close: None }
 }
 
 const fn close(
@@ -26,11 +28,15 @@ const fn close(
     change: &'static str,
     part: [f64; 4],
 ) -> Beside {
-    Beside { of, name, shows, change, rival: None, close: Some(part) }
+    Beside { of, name, shows, change, frame: 0.0, rival: None, close: Some(part) }
 }
 
 const fn splats(name: &'static str, shows: &'static str, rival: &'static str) -> Beside {
-    Beside { of: "primitives", name, shows, change: "", rival: Some(rival), close: None }
+    Beside { of: "primitives", name, shows, change: "", frame: 0.0, rival: Some(rival), close: None }
+}
+
+const fn later(of: &'static str, name: &'static str, shows: &'static str, frame: f64) -> Beside {
+    Beside { of, name, shows, change: "", frame, rival: None, close: None }
 }
 
 /// Those beside an example, in the order of the page.
@@ -43,7 +49,7 @@ const AT_THE_JOINT: [f64; 4] = [0.28, 0.36, 0.4, 0.3];
 const RIM: [f64; 4] = [0.33, 0.2, 0.34, 0.34];
 
 #[rustfmt::skip] // a table
-const BESIDE: [Beside; 31] = [
+const BESIDE: [Beside; 42] = [
     view("city-cross-slit", "pinhole", "the same by a pinhole",
         "camera={kind='pinhole',eye=[-36,20,50],target=[-10,9.5,15],vfov=34}"),
     splats("splats-5", "as the paper draws it: splats, 5 texels a side for each triangle", "raster-splat:5"),
@@ -84,4 +90,15 @@ const BESIDE: [Beside; 31] = [
     close("mirror-ring", "once", "depth = 1: it does not", "camera.depth=1", RIM),
     view("mirror-teapot", "more", "512 cameras and 1,600 triangles", "camera.mirror.cameras=512 mesh.0.file=flock-1500.obj"),
     view("surround", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[0,1.6,5],target=[0,1,0],vfov=45}"),
+    view("rolling-shutter", "at-once", "line_time = 0: all rows at once", "camera.line_time=0"),
+    view("rolling-shutter", "blurred", "all rows at once, with an open shutter", "camera.line_time=0 image.shutter=0.04"),
+    view("composite", "pinhole", "the same city by a pinhole", "camera={kind='pinhole',eye=[0,9,34],target=[0,3,0],vfov=45}"),
+    view("table", "one", "by its first camera alone", "camera={kind='pinhole',eye=[0,5.2,3.6],target=[0,0.1,0],vfov=38}"),
+    view("hidden-mirror", "straight", "distortion = [0, 0]: straight rays", "camera.eye.distortion=[0,0]"),
+    view("helix", "pinhole", "the same by a pinhole", "camera={kind='pinhole',eye=[0,1.5,13],target=[0,0,0],vfov=40}"),
+    view("smoke", "straight", "bend = [0, 0]: perspective", "camera.bend=[0,0]"),
+    view("smoke", "maximum", "mode = 'maximum': each pixel shows the largest number on its curve", "volume.mode='maximum' volume.lit=false"),
+    view("video-on-city", "bare", "without the pictures", "projector_light=[]"),
+    later("video-on-city", "later", "three frames later", 3.0),
+    view("tracked", "smooth", "17 segments a layer: 196 pieces", "camera.segments=17"),
 ];

@@ -1,14 +1,16 @@
-//! `make gallery`: renders every example that is after a figure. Into FOLDER go the page gallery.md, with pictures and scenes, the contact
-//! sheet gallery.png, and the moving picture gallery/hinge-moving.png. FOLDER is the one argument; after it may come the names of those
+//! `make gallery`: renders every example that is after a figure, and those of what no paper has. Into FOLDER go the page gallery.md, with
+//! pictures and scenes, the contact sheet gallery.png, and moving pictures. FOLDER is the one argument; after it may come the names of those
 //! that are rendered anew, where the others are there already.
 
 mod beside;
 mod dress;
+mod moving;
 mod page;
 #[path = "../common/sheet.rs"]
 mod sheet;
 
 use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::exposure::Sample;
 use anamorph::internals::engine::combinations::at_once;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::plan::samples::sample_offsets;
@@ -25,6 +27,7 @@ use beside::{Beside, beside};
 use dress::dressed;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ImageError, RgbImage, imageops};
+use moving::{Moving, moving};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -35,7 +38,7 @@ const COLUMNS: u32 = 5;
 /// Pixels along the longer side of an example's picture, and of one beside it.
 const SIZE: u32 = 1200;
 const SIZE_BESIDE: u32 = 600;
-/// Samples of a pixel; of cameras that take a frame each, fewer.
+/// Samples of a pixel; of cameras that take a frame each, fewer, but where a shutter is open.
 const SAMPLES: u32 = 16;
 const FRAMES: u32 = 4;
 /// Of JPEG, percent.
@@ -54,7 +57,7 @@ fn main() -> Result<()> {
         let started = Instant::now();
         let path = studio.path(example.name);
         if is_asked(&path) {
-            let scene = studio.scene(example, "", SIZE)?;
+            let scene = studio.scene(example, "", 0.0, SIZE)?;
             save(&path, &studio.picture(scene, None)?)?;
         }
         for beside in beside(example.name) {
@@ -62,6 +65,12 @@ fn main() -> Result<()> {
             if is_asked(&path) {
                 let picture = studio.picture_beside(example, beside)?;
                 save(&path, &picture)?;
+            }
+        }
+        if let Some(moving) = moving(example.name) {
+            let path = studio.pictures.join(format!("{}-moving.png", example.name));
+            if is_asked(&path) {
+                studio.move_picture(example, moving, &path)?;
             }
         }
         let picture = image::open(&path).map_err(|e| broken(&path, e))?.into_rgb8();
@@ -74,10 +83,6 @@ fn main() -> Result<()> {
             picture.height(),
             started.elapsed().as_secs_f64()
         );
-    }
-    let moving = studio.pictures.join(format!("{}-moving.png", MOVING.0));
-    if asked.is_empty() || asked.iter().any(|n| n == MOVING.0) || !moving.is_file() {
-        studio.move_picture(&moving)?;
     }
     let sheet = sheet::sheet(&small, COLUMNS);
     write_png(&folder.join("gallery.png"), sheet.width(), sheet.height(), &sheet)?;
@@ -95,19 +100,20 @@ impl Studio {
         self.pictures.join(format!("{name}.jpg"))
     }
 
-    /// The example as its file says but for `change`, its longer side `size` pixels long.
-    fn scene(&self, example: &Example, change: &str, size: u32) -> Result<Scene> {
+    /// A frame of the example as its file says but for `change`, its longer side `size` pixels long.
+    fn scene(&self, example: &Example, change: &str, frame: f64, size: u32) -> Result<Scene> {
         let path = example.write(&self.pictures)?;
         let (width, height) = Scene::load(&path, &[], 0.0)?.size.unwrap_or((1, 1));
         let scaled = |n: u32| (f64::from(n * size) / f64::from(width.max(height))).round();
         let mut changes = vec![format!("image.width={}", scaled(width)), format!("image.height={}", scaled(height))];
         changes.extend(change.split_whitespace().map(str::to_owned));
-        Scene::load(&path, &changes, 0.0)
+        Scene::load(&path, &changes, frame)
     }
 
     fn picture_beside(&mut self, example: &Example, beside: &Beside) -> Result<RgbImage> {
         let [left, top, width, height] = beside.close.unwrap_or([0.0, 0.0, 1.0, 1.0]);
-        let scene = self.scene(example, beside.change, (f64::from(SIZE_BESIDE) / width).round() as u32)?;
+        let scene =
+            self.scene(example, beside.change, beside.frame, (f64::from(SIZE_BESIDE) / width).round() as u32)?;
         let whole = self.picture(scene, beside.rival)?;
         let across = |share: f64| (share * f64::from(whole.width())).round() as u32;
         let down = |share: f64| (share * f64::from(whole.height())).round() as u32;
@@ -124,12 +130,13 @@ impl Studio {
             let wanted = Wanted { samples: SAMPLES, ..Wanted::of(COLOURS.to_vec()) };
             self.colours(scene, &camera, wanted, &options)?
         } else {
-            let wanted = Wanted { frames: FRAMES, ..Wanted::of(COLOURS.to_vec()) };
+            let count = if scene.exposure.shutter > 0.0 { SAMPLES } else { FRAMES };
+            let wanted = Wanted { frames: count, ..Wanted::of(COLOURS.to_vec()) };
             let mut sums = vec![0.0; COLOURS.len() * camera.width as usize * camera.height as usize];
-            for place in sample_offsets(FRAMES) {
-                let moved = camera.with_sample_offset(place.x, place.y);
+            for (number, place) in (0..).zip(sample_offsets(count)) {
+                let moved = camera.of_sample(place.into(), Sample { number, count })?;
                 let frame = self.colours(scene, &moved, wanted.clone(), &options)?;
-                sums.iter_mut().zip(frame).for_each(|(sum, c)| *sum += c / FRAMES as f32);
+                sums.iter_mut().zip(frame).for_each(|(sum, c)| *sum += c / count as f32);
             }
             sums
         };
@@ -162,17 +169,10 @@ impl Studio {
     }
 
     /// A picture that moves there and back, as an animated PNG.
-    fn move_picture(&mut self, path: &Path) -> Result<()> {
-        let (of, key, from, to) = MOVING;
-        let example = gallery().find(|e| e.name == of).ok_or_else(|| Error::work(format!("no example {of}")))?;
-        let share = |k: u32| 0.5 - 0.5 * (std::f64::consts::TAU * f64::from(k) / f64::from(STEPS)).cos();
-        let pictures: Vec<RgbImage> = (0..STEPS)
-            .map(|k| {
-                self.picture(
-                    self.scene(example, &format!("{key}={}", from + share(k) * (to - from)), SIZE_MOVING)?,
-                    None,
-                )
-            })
+    fn move_picture(&mut self, example: &Example, moving: &Moving, path: &Path) -> Result<()> {
+        let steps = 0..moving.steps;
+        let pictures: Vec<RgbImage> = steps
+            .map(|k| self.picture(self.scene(example, &moving.change(k), 0.0, SIZE_MOVING)?, None))
             .collect::<Result<_>>()?;
         write_moving(path, &pictures)
     }
@@ -181,10 +181,7 @@ impl Studio {
 const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
 /// Frames that an example is timed by.
 const TIMED: u32 = 3;
-/// The example that moves, by which number, from where to where and back.
-const MOVING: (&str, &str, f64, f64) = ("hinge", "camera.angle", -12.0, 70.0);
-/// Its pictures, and how large they are.
-const STEPS: u32 = 24;
+/// Pixels along the longer side of a picture that moves.
 const SIZE_MOVING: u32 = 400;
 
 fn broken(path: &Path, e: impl std::fmt::Display) -> Error {

@@ -1,10 +1,11 @@
 """Finds the lens of a fisheye from one image of squares whose places are known: focal lengths and four coefficients, 5 % off at first.
 
-    python fit_fisheye.py
+    python fit_fisheye.py --pictures .
 
 Every step compares the image with a rendered one and follows the gradients of its edges (Levenberg and Marquardt). Edges pull only as far as a
 pixel, so that it begins with small images, in which all are near. The image has 64 rays a pixel, whose mean differs a little from the
-coverage that the gradients are of: the lens is found to about a tenth of a pixel of the last size.
+coverage that the gradients are of: the lens is found to about a tenth of a pixel of the last size. fit-before.png and fit-after.png show the image
+(red) and the rendered one (blue) over each other.
 """
 
 from __future__ import annotations
@@ -19,10 +20,13 @@ import numpy as np
 NAMES = ["fx", "fy", "k1", "k2", "k3", "k4"]
 TRUTH = np.array([200.0, 195.0, 0.05, -0.01, 0.004, -0.0008])
 SIDE = 640
+# of the pictures
+PICTURE = 480
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--sizes", type=int, nargs="+", default=[24, 48, 96, 192], help="sides of the images, pixels")
 parser.add_argument("--steps", type=int, default=12, help="steps for each size")
+parser.add_argument("--pictures", type=pathlib.Path, help="folder for pictures of the image and the rendered one, before and after")
 arguments = parser.parse_args()
 
 
@@ -97,13 +101,29 @@ def fit(photo: np.ndarray, values: np.ndarray, scene: am.Scene, folder: pathlib.
     return values
 
 
+def coverage(values: np.ndarray, side: int, scene: am.Scene, folder: pathlib.Path) -> np.ndarray:
+    """The image by that lens: how much of each pixel shows a square."""
+    return am.render(scene, lens(values, folder), (side, side), ["A"], samples=64)["A"]
+
+
+def show(values: np.ndarray, scene: am.Scene, folder: pathlib.Path, name: str) -> None:
+    """A picture of the image in red over the rendered one in blue; grey where both show a square."""
+    if arguments.pictures:
+        photo, own = (coverage(numbers, PICTURE, scene, folder) for numbers in (TRUTH, values))
+        red, blue = 1 - 0.75 * own, 1 - 0.75 * photo
+        rgba = np.stack([red, 1 - 0.75 * np.maximum(photo, own), blue, np.ones_like(red)], axis=-1)
+        am.Frame({"A": photo}, (255 * rgba).round().astype(np.uint8)).save(arguments.pictures / name)
+
+
 with tempfile.TemporaryDirectory() as name:
     folder, scene = pathlib.Path(name), squares()
     values = TRUTH * (1 + 0.05 * np.array([1, -1, 1, 1, -1, 1]))
+    show(values, scene, folder, "fit-before.png")
     print(f"at first: off by up to {np.abs(radii(values) - radii(TRUTH)).max():.3f} px")
     for side in arguments.sizes:
-        photo = am.render(scene, lens(TRUTH, folder), (side, side), ["A"], samples=64)["A"]
+        photo = coverage(TRUTH, side, scene, folder)
         values = fit(photo, values, scene, folder)
         print(f"images of {side} px: off by up to {np.abs(radii(values) - radii(TRUTH)).max():.3f} px")
+    show(values, scene, folder, "fit-after.png")
     for own, value, truth in zip(NAMES, values, TRUTH):
         print(f"{own}: {value:.5f}, in truth {truth}")

@@ -1,5 +1,5 @@
-//! Ready scenes on built-in geometry: the one of `make demo`, one for each simple kind of camera, and one for each figure
-//! of the papers that shows a rendering: the gallery.
+//! Ready scenes on built-in geometry: the one of `make demo`, one for each simple kind of camera, and those of the gallery: one for each
+//! figure of the papers that shows a rendering, and some of what no paper has.
 
 mod make;
 mod takes;
@@ -13,7 +13,7 @@ pub struct Example {
     pub name: &'static str,
     /// What it shows, in a line.
     pub shows: &'static str,
-    /// The figure that it is after; `None` outside the gallery.
+    /// The figure that it is after, if any.
     pub figure: Option<&'static str>,
     /// The scene file, commented.
     pub scene: &'static str,
@@ -202,9 +202,14 @@ pub fn list() -> String {
     text
 }
 
-/// The examples that are after a figure.
+/// What none of the papers has, in the order of the gallery's page.
+pub const BEYOND: [&str; 7] =
+    ["rolling-shutter", "composite", "table", "hidden-mirror", "helix", "smoke", "video-on-city"];
+
+/// The examples that are after a figure, then those of what no paper has.
 pub fn gallery() -> impl Iterator<Item = &'static Example> {
-    EXAMPLES.iter().filter(|e| e.figure.is_some())
+    let beyond = BEYOND.iter().filter_map(|name| EXAMPLES.iter().find(|e| e.name == *name));
+    EXAMPLES.iter().filter(|e| e.figure.is_some()).chain(beyond)
 }
 
 #[cfg(test)]
