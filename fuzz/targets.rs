@@ -18,6 +18,8 @@ use anamorph::internals::image::frame::Channel;
 use anamorph::internals::input::Error;
 use anamorph::internals::reference::image::judge;
 use anamorph::internals::scene::file;
+use anamorph::internals::scene::volume::load::load_grid;
+use anamorph::internals::scene::volume::spec::{GridSource, GridSpec, Placement};
 use common::gpu::Without;
 use glam::DVec3;
 
@@ -98,6 +100,23 @@ pub fn npy(data: &[u8]) {
     read("a.npy", data, image::read_pairs);
     read("a.npy", data, image::read_points);
     read("a.npy", data, image::read_npy_rows::<3>);
+}
+
+/// A volume: a NRRD or an array if it begins like one, or else a MetaImage.
+pub fn volume(data: &[u8]) {
+    let name = match data {
+        [b'N', ..] => "a.nrrd",
+        [0x93, ..] => "a.npy",
+        _ => "a.mha",
+    };
+    read(name, data, |path| {
+        let cube = Placement::Box { min: DVec3::ZERO, max: DVec3::ONE };
+        let (source, placement) = match name {
+            "a.npy" => (GridSource::Npy(path.into()), Some(cube)),
+            _ => (GridSource::Headed(path.into()), None),
+        };
+        load_grid(&GridSpec { source, placement, rotate: DVec3::ZERO }, None)
+    });
 }
 
 /// A calibration, and the camera made from it; or, after a line with its name, a file of a COLMAP model whose others are right.

@@ -75,6 +75,11 @@ fn arrays() {
 }
 
 #[test]
+fn volumes() {
+    run("volume", targets::volume, rounds());
+}
+
+#[test]
 fn calibrations() {
     run("calibration", targets::calibration, rounds());
 }

@@ -1,7 +1,7 @@
 //! Composites whose cameras show objects of their own (`master`, `objects`), let others show where they hit nothing, or are blended across
 //! borders (`feather`): closed forms, one camera's own frames, and frames against the reference.
 
-use super::composite::{OWN_SIZE, composite_of, straight_and_ended};
+use super::composite::{OWN_SIZE, composite_of, straight_and_ended, write_mask};
 use super::project_named::BOX;
 use crate::common;
 
@@ -333,6 +333,9 @@ fn what_no_camera_names_is_seen_by_the_master() {
         (["objects = ['*']", ""], [vec![true; 4], vec![false; 4]]),
         (["objects = ['*']", "objects = ['ball']"], [vec![true; 4], vec![false, true, true, false]]),
         (["", ""], [vec![true; 4], vec![true; 4]]),
+        // a master that names nothing shows nothing
+        (["objects = []", ""], [vec![false; 4], vec![true; 4]]),
+        (["objects = []", "objects = ['ball']"], [vec![false; 4], vec![false, true, true, false]]),
     ] {
         let members = [member(FRONT, members[0]), member(RIGHT, members[1])];
         let camera = camera(&composite("master = 0", &members), SIZE);
@@ -341,6 +344,23 @@ fn what_no_camera_names_is_seen_by_the_master() {
             assert_eq!(own.mesh.triangles.len(), scene.mesh.triangles.len());
             assert_eq!(own.casters.is_some(), !shows.iter().all(|is_shown| *is_shown));
         }
+    }
+}
+
+/// It decides what hides what as a master would that shows something.
+#[test]
+fn a_master_may_be_there_for_its_depth_alone() {
+    let scene = still_life();
+    let shown = [member(FRONT, "objects = ['ball']"), member(RIGHT, "")];
+    let with_helper = [&[member(FRONT, "objects = []")], &shown[..]].concat();
+    let [plain, helped] = [&shown[..], &with_helper].map(|members| camera(&composite("master = 0", members), SIZE));
+    let Some((counts, _)) = composed("helped", &scene, &helped) else { return };
+    assert!(counts[0] == 0 && counts[1] > 100 && counts[2] > 100, "{counts:?}");
+    let [Some(plain_frame), Some(frame)] = [&plain, &helped].map(|camera| rendered(&scene, camera)) else { return };
+    for channel in scene.channels(&helped) {
+        let pairs = std::iter::zip(words(&plain_frame, channel), words(&frame, channel));
+        let next = |k: u32| if channel == Channel::PieceId && k != NO_ID { k + 1 } else { k };
+        assert!(pairs.into_iter().all(|(a, b)| next(a) == b), "{channel:?}");
     }
 }
 
@@ -362,9 +382,25 @@ fn colours_are_blended_across_a_border_and_nothing_else_is() {
     let scene = scene_of(vec![("red", wall(-1.0, red)), ("blue", wall(1.0, blue))]);
     let to_red = "{ kind = 'pinhole', eye = [0, 0, 0], target = [0, 0, -1], vfov = 60 }";
     let to_blue = "{ kind = 'pinhole', eye = [0, 0, 0], target = [0, 0, 1], vfov = 60 }";
-    let region = "region = { kind = 'rectangle', from = [0.25, 0.25], to = [0.75, 0.75] }";
+    let folder = tempfile::tempdir().unwrap();
+    // the middle quarter of the image, of four texels, and of many that are not square
+    let masks = [(4, 4), (12, 16)].map(|(w, h)| {
+        let is_in = |x: u32, y: u32| (w / 4..3 * w / 4).contains(&x) && (h / 4..3 * h / 4).contains(&y);
+        let folder = folder.path().join(format!("{w}"));
+        std::fs::create_dir(&folder).unwrap();
+        write_mask(&folder, (w, h), is_in);
+        format!("region = {{ kind = 'mask', file = '{}/mask.png' }}", folder.display())
+    });
+    let rectangle = "region = { kind = 'rectangle', from = [0.25, 0.25], to = [0.75, 0.75] }";
     let [low, high] = [DVec2::new(16.0, 12.0), DVec2::new(48.0, 36.0)];
-    for (feather, master) in [(0.0, ""), (8.0, ""), (5.5, ""), (8.0, "master = 0")] {
+    for (region, feather, master) in [
+        (rectangle, 0.0, ""),
+        (rectangle, 8.0, ""),
+        (rectangle, 5.5, ""),
+        (rectangle, 8.0, "master = 0"),
+        (&masks[0], 8.0, ""),
+        (&masks[1], 11.0, ""),
+    ] {
         let keys = format!("{region}, priority = 1, feather = {feather:?}");
         let camera = camera(&composite(master, &[member(to_blue, ""), member(to_red, &keys)]), SIZE);
         assert_eq!(camera.layered().is_some(), feather > 0.0 || !master.is_empty());
@@ -512,12 +548,8 @@ fn errors_say_what_to_do() {
             with("", "objects = ['a']"),
             "camera.cameras.0: objects need a camera that says which of them hides which; add master",
         ),
-        (with("master = 0", "objects = []"), "camera.cameras.0.objects: names no object"),
         (with("master = 0", "objects = 'a'"), "camera.cameras.0.objects: "),
-        (
-            with("", "feather = 4"),
-            "camera.cameras.0.feather: colours are blended along the border of a rectangle or polygon",
-        ),
+        (with("", "feather = 4"), "camera.cameras.0.feather: colours are blended along the border of a region"),
         (
             with("", &format!("{region}, feather = -1")),
             "camera.cameras.0.feather: -1 px; a strip is 0 to 65536 px wide",

@@ -71,7 +71,7 @@ fn is_in_star(q: DVec2) -> bool {
 }
 
 /// A mask whose texel (x, y) is white where `inside` says so, and nearly so elsewhere.
-fn write_mask(folder: &std::path::Path, (w, h): (u32, u32), inside: impl Fn(u32, u32) -> bool) {
+pub fn write_mask(folder: &std::path::Path, (w, h): (u32, u32), inside: impl Fn(u32, u32) -> bool) {
     let byte = |(x, y)| if inside(x, y) { 128 } else { 127 };
     let bytes: Vec<u8> = pixels((w, h)).flat_map(|q| [byte(q), byte(q), byte(q), 255]).collect();
     std::fs::write(folder.join("mask.png"), png_bytes(w, h, &bytes).unwrap()).unwrap();
