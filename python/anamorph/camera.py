@@ -1069,7 +1069,7 @@ def track(
 
       eye, target, up, vfov      the view, keys as of pinhole
       targets       [{ at = [x, y, z], radius = r }, ...]
-                                 balls, middle and outline, to be seen where they would be without occluders (default radius 0)
+                                 up to 32 balls, middle and outline, to be seen where they would be without occluders (default radius 0)
       bend          "up"         where rays go: "up", "down", "left", "right" in the picture; or "auto", the flattest of eight
                                  directions or a mean of some, one for all targets if possible (default "auto")
       far           length       where the rays end, along the view's axis (default: beyond the scene)

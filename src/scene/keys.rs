@@ -172,7 +172,7 @@ mod tests {
             ["eye", "target", "up", "vfov"].iter().all(|name| key(track, name).about == "the view, keys as of pinhole")
         );
         assert_eq!(key(track, "morph").shape, "0..1");
-        assert!(key(track, "targets").about.starts_with("balls, middle and outline"));
+        assert!(key(track, "targets").about.starts_with("up to 32 balls, middle and outline"));
         assert_eq!(key(&of_sections()["image"], "tone").choices, ["clip", "reinhard", "aces"]);
         assert_eq!(key(&of_cameras()["top_down"], "band").default.as_deref(), Some("0.1"));
         assert_eq!(

@@ -269,6 +269,8 @@ fn morphed_to_0_it_is_the_plain_view() {
 fn wrong_targets_are_errors() {
     let says = |keys: &str| refusal(WALL, SIZE, &format!("kind = \"track\"\n{VIEW}\n{keys}"));
     assert!(says("targets = [{ at = [0, 1, 0], radius = -1 }]").contains("camera.targets.0.radius"));
+    let many = vec!["{ at = [0, 1, 0] }"; 33].join(", ");
+    assert!(says(&format!("targets = [{many}]")).contains("33 targets; use 32 at most"));
     assert!(says("targets = [{ at = [0, 1, 0] }]\nbend = \"around\"").contains("camera.bend: use bend"));
 }
 

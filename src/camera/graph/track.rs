@@ -45,7 +45,12 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(
         &[&["kind", "vfov", "targets", "bend", "far", "segments", "smooth"], &POSE[..], &JoinOptions::KEYS].concat(),
     )?;
-    let targets = table.need("targets", "[{ at = [0, 1, 0], radius = 1 }]")?;
+    let field = table.need("targets", "[{ at = [0, 1, 0], radius = 1 }]")?;
+    let targets = field.items("a list of targets")?;
+    let count = targets.len();
+    if count > TARGETS_MAX {
+        return Err(field.error(format_args!("{count} targets; use {TARGETS_MAX} at most")));
+    }
     let bend = table.or("bend", Vec::new(), |field| match field.text()? {
         "auto" => Ok(Vec::new()),
         "up" => Ok(vec![(0.0, 1.0)]),
@@ -56,7 +61,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     })?;
     Ok(Arc::new(Track {
         pinhole: Pinhole::read(table)?,
-        targets: targets.items("a list of targets")?.map(|t| read_target(&t)).collect::<Result<_>>()?,
+        targets: targets.map(|t| read_target(&t)).collect::<Result<_>>()?,
         bend,
         far: table.optional("far", |f| super::bottom_up::least(f, 0.0))?,
         segments: table.optional("segments", |f| f.integer(coarse::FEWEST as u64, SEGMENTS_MAX))?.map(|n| n as usize),
@@ -84,6 +89,8 @@ fn read_target(field: &Field) -> Result<Target> {
 const SMOOTH: [f64; 2] = [0.001, 0.1];
 /// How far outside the picture a target may lie whose detour still is in it, in parts of the picture's size.
 const OUTSIDE: f64 = 1.0;
+/// Most targets: the time for a camera grows with their third power, to over a minute for so many.
+const TARGETS_MAX: usize = 32;
 /// Most segments that `segments` may ask for: a limit against slips, far over what is of use.
 const SEGMENTS_MAX: u64 = 10_000;
 
