@@ -502,9 +502,9 @@ fn wrong_volumes_are_errors_of_one_line() {
         ("", "file is missing"),
         ("file = \"a.raw\"\nshape = [2, 2]", "three whole numbers"),
         ("file = \"a.raw\"\nshape = [2, 2, 1]", "from 2 to 4096"),
-        ("file = \"a.raw\"\nshape = [2, 2, 2]\ntype = \"f64\"", "use \"f32\", \"u8\" or \"u16\""),
+        ("file = \"a.raw\"\nshape = [2, 2, 2]\ntype = \"f16\"", "use one of f32, f64, u8"),
         ("file = \"a.raw\"\nshape = [2, 2, 2]\ntype = \"u16\"\nendian = \"middle\"", "use \"little\" or \"big\""),
-        ("file = \"a.txt\"", "a .npy or a .raw file"),
+        ("file = \"a.txt\"", "a .npy, .nrrd, .nhdr, .mhd, .mha or .raw file"),
         ("file = \"a.npy\"\nshape = [2, 2, 2]", "says this itself"),
         (raw, "lies nowhere"),
         (&format!("{raw}\nmin = [0, 0, 0]"), "give min and max, or origin and spacing"),
@@ -539,7 +539,7 @@ fn wrong_volumes_are_errors_of_one_line() {
         (npy("<f4", "(4, 2)", &[0; 32]), "must have three sides"),
         (npy("<f4", "(8, 1, 1)", &[0; 32]), "must have three sides"),
         (npy("<f4", "(99999, 99999, 99999)", &[0; 32]), "must have three sides"),
-        (npy("<i4", "(2, 2, 2)", &[0; 32]), "type \"<i4\""),
+        (npy("<i8", "(2, 2, 2)", &[0; 64]), "type \"<i8\""),
     ] {
         let text = refusal(&keys, ("a.npy", &bytes));
         assert!(text.contains(why), "{text}");
@@ -566,6 +566,14 @@ fn files_of_every_type_hold_the_same_numbers() {
         ("b.raw", wide(false), format!("{shape}\ntype = \"u16\"")),
         ("c.raw", wide(true), format!("{shape}\ntype = \"u16\"\nendian = \"big\"")),
         ("d.raw", floats.clone(), format!("{shape}\ntype = \"f32\"")),
+        ("e.npy", npy("<i2", "(2, 3, 4)", &wide(false)), String::new()),
+        ("e.raw", wide(true), format!("{shape}\ntype = \"i16\"\nendian = \"big\"")),
+        (
+            "e.nrrd",
+            [&b"NRRD0001\ntype: uint16\ndimension: 3\nsizes: 4 3 2\nencoding: raw\nendian: big\n\n"[..], &wide(true)]
+                .concat(),
+            String::new(),
+        ),
     ] {
         std::fs::write(folder.path().join(name), bytes).unwrap();
         let camera = "[camera]\nkind = \"pinhole\"\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nvfov = 40\n";
