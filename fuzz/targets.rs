@@ -111,10 +111,8 @@ pub fn volume(data: &[u8]) {
     };
     read(name, data, |path| {
         let cube = Placement::Box { min: DVec3::ZERO, max: DVec3::ONE };
-        let (source, placement) = match name {
-            "a.npy" => (GridSource::Npy(path.into()), Some(cube)),
-            _ => (GridSource::Headed(path.into()), None),
-        };
+        let source = GridSource::Described(path.into());
+        let placement = (name == "a.npy").then_some(cube);
         load_grid(&GridSpec { source, placement, rotate: DVec3::ZERO }, None)
     });
 }

@@ -1040,8 +1040,8 @@ def top_down(
 
     A region shows, pixel for pixel, the pinhole of its viewpoint, moved by whole pixels; outside the bands the picture is the
     root's plain view; in a band near and far points are interpolated (CGLC segments). Where regions or their bands overlap, each has its share of what
-    those before it in the list leave. They must not leave their face of a cube. If a band is too narrow for the distance between its region's eye and the root's, rays
-    cross in it, and a note says so. (Popescu et al., 3.3, Fig. 1 and 6, 4.3)
+    those before it in the list leave. Regions must not leave their face of a cube. If a band is too narrow for the distance between its region's eye and the root's, rays
+    cross in it, and `anamorph camera` says so. (Popescu et al., 3.3, Fig. 1 and 6, 4.3)
     """
     return Camera("top_down", {"eye": eye, "target": target, "up": up, "vfov": vfov, "regions": regions, "band": band, "layout": layout, "near": near, "far": far, "foreground": foreground, "cut": cut, "longitudinal": longitudinal, "join": join, "morph": morph, "matrix": matrix, "quaternion": quaternion, "convention": convention, "distance": distance})
 

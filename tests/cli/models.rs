@@ -254,6 +254,19 @@ fn info_describes_models_and_fits_a_camera() {
     assert_eq!(json["bounds"]["extent"], serde_json::json!([1.0, 2.0, 0.0]));
     let scene: Value = serde_json::from_str(&place.works(&["info", "scene.toml", "--json"])).unwrap();
     assert_eq!((&scene["triangles"], &scene["camera"]), (&320.into(), &"pinhole".into()));
+    // numbers from -10 to 13 between places that the file names
+    let header =
+        "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nspacings: 0.5 1 2\nencoding: raw\nendian: little\n\n";
+    let numbers = (-10i16..14).flat_map(i16::to_le_bytes);
+    place.write("head.nrrd", header.bytes().chain(numbers).collect::<Vec<u8>>());
+    let printed = place.works(&["info", "head.nrrd"]);
+    assert!(printed.contains("4 x 3 x 2 along x, y and z\n  values               -10 to 13\n"), "{printed}");
+    let json: Value = serde_json::from_str(&place.works(&["info", "head.nrrd", "--json"])).unwrap();
+    assert_eq!((&json["kind"], &json["shape"]), (&"volume".into(), &serde_json::json!([2, 3, 4])));
+    assert_eq!(
+        (&json["values"]["median"], &json["bounds"]["high"]),
+        (&1.0.into(), &serde_json::json!([1.5, 2.0, 2.0]))
+    );
     for (file, says) in [
         ("none.obj", "none.obj: cannot be read"),
         ("none.toml", "none.toml: cannot be read"),

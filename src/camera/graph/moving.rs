@@ -339,7 +339,7 @@ fn conflict(index: usize) -> String {
 
 fn no_path(index: usize, largest: f64) -> String {
     format!(
-        "target {index} is not tracked: every detour around its occluders is blocked, up to a shift of {largest:.3}; a smaller radius or \
+        "target {index} is not tracked: every detour around its occluders is blocked, up to a shift of {largest:.3}; another radius or \
          another bend may help"
     )
 }

@@ -2,7 +2,7 @@
 //! teem.sourceforge.net/nrrd/format.html) and MetaImage (.mhd, .mha; of ITK).
 
 use super::SIDE_MAX;
-use super::load::{RawGrid, read_numbers};
+use super::load::{Numbers, RawGrid, read_numbers};
 use super::spec::Placement;
 use crate::image::NumberType;
 use crate::input::{Error, Result, files};
@@ -42,11 +42,11 @@ struct Entry {
 
 type Parsed<T> = std::result::Result<T, String>;
 
-/// How many numbers along z, y and x, the numbers with x fastest, and where they lie if the header says so of the world's axes.
+/// The numbers of such a file, and where they lie if the header says so of the world's axes.
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if a file cannot be read; [`Error::Input`] naming the header.
-pub fn read_headed(path: &Path) -> Result<([u64; 3], Vec<f32>, Option<Placement>)> {
+pub fn read_headed(path: &Path) -> Result<Numbers> {
     let wrong = |why: String| Error::input(format!("{}: {why}", path.display()));
     let unreadable = |path: &Path, e: std::io::Error| Error::unreadable(path, format_args!("{e}; check the path"));
     let mut reader = BufReader::new(files::open(path).map_err(|e| unreadable(path, e))?);
@@ -73,7 +73,8 @@ pub fn read_headed(path: &Path) -> Result<([u64; 3], Vec<f32>, Option<Placement>
         Packing::Gzip => read_numbers(&mut GzDecoder::new(data), &header.grid),
         Packing::Zlib => read_numbers(&mut ZlibDecoder::new(data), &header.grid),
     };
-    Ok((header.grid.shape, values.map_err(|e| e.at(path.display()))?, header.placement))
+    let values = values.map_err(|e| e.at(path.display()))?;
+    Ok(Numbers { shape: header.grid.shape, values, placement: header.placement })
 }
 
 /// The next line without its end; `None` after the last one, or where a header is over its limit.
@@ -266,7 +267,7 @@ mod tests {
     }
 
     /// Reads a header with these bytes behind it, in a folder with a file of the numbers.
-    fn read(name: &str, header: &str, behind: &[u8]) -> Result<([u64; 3], Vec<f32>, Option<Placement>)> {
+    fn read(name: &str, header: &str, behind: &[u8]) -> Result<Numbers> {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("numbers.bin"), bytes(true)).unwrap();
         std::fs::write(folder.path().join("late.bin"), [&[7; 5], &bytes(true)[..]].concat()).unwrap();
@@ -295,7 +296,7 @@ mod tests {
             ("h.mha", format!("{META}{local}"), bytes(false)),
             ("i.mha", format!("{META}ElementByteOrderMSB = true\nCompressedData = True\n{local}"), zlib),
         ] {
-            let (shape, values, _) = read(name, &header, &behind).unwrap();
+            let Numbers { shape, values, .. } = read(name, &header, &behind).unwrap();
             assert_eq!((shape, values), ([2, 3, 4], NUMBERS.map(f32::from).to_vec()), "{name}");
         }
     }
@@ -324,7 +325,7 @@ mod tests {
             ),
             ("g.mha", format!("{META}ElementSpacing = 1 1 1\nTransformMatrix = 0 1 0 1 0 0 0 0 1\n{local}"), None),
         ] {
-            assert_eq!(read(name, &header, &bytes(false)).unwrap().2, expected, "{name}");
+            assert_eq!(read(name, &header, &bytes(false)).unwrap().placement, expected, "{name}");
         }
     }
 
@@ -350,7 +351,7 @@ mod tests {
             ("a.mha", format!("{META}CompressedData = True\nElementDataFile = LOCAL\n"), "the numbers: "),
             ("a.mha", "x".repeat(1 << 17), "over 65536 bytes"),
         ] {
-            let got = read(name, &header, &bytes(false)).unwrap_err().to_string();
+            let got = read(name, &header, &bytes(false)).err().unwrap().to_string();
             assert!(got.contains(why) && got.lines().count() == 1, "{name}: {got}");
         }
     }

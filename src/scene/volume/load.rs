@@ -11,20 +11,43 @@ use glam::DVec3;
 use std::io::Read;
 use std::path::Path;
 
+/// The numbers of a file.
+pub struct Numbers {
+    /// How many along z, y and x.
+    pub shape: [u64; 3],
+    /// x fastest.
+    pub values: Vec<f32>,
+    /// Where they lie, if the file says so.
+    pub placement: Option<Placement>,
+}
+
+/// The endings of files that say themselves what they hold.
+pub const DESCRIBED: [&str; 5] = ["npy", "nrrd", "nhdr", "mhd", "mha"];
+
+/// Reads such a file.
+///
+/// # Errors
+/// [`Error::Missing`] or [`Error::Read`] if it cannot be read; [`Error::Input`] naming it: another shape or type, or it ends early.
+pub fn read_described(path: &Path) -> Result<Numbers> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy")) {
+        let (shape, values) = read_npy_volume(path, SIDE_MAX)?;
+        return Ok(Numbers { shape, values, placement: None });
+    }
+    read_headed(path)
+}
+
 /// The grid of a table. `given` are the numbers of [`GridSource::Given`]: how many along z, y and x, and they, x fastest.
 ///
 /// # Errors
 /// [`Error::Input`] naming the file, or "volume": another shape or type, too short or too long, or a number that is not finite.
 pub fn load_grid(spec: &GridSpec, given: Option<([u64; 3], Vec<f32>)>) -> Result<Grid> {
-    let (name, (shape, values), own) = match &spec.source {
-        GridSource::Npy(path) => (path.display().to_string(), read_npy_volume(path, SIDE_MAX)?, None),
-        GridSource::Headed(path) => {
-            let (shape, values, placement) = read_headed(path)?;
-            (path.display().to_string(), (shape, values), placement)
-        }
-        GridSource::Raw(path, grid) => (path.display().to_string(), (grid.shape, read_raw(path, grid)?), None),
-        GridSource::Given => ("volume".into(), given.unwrap_or(([0; 3], Vec::new())), None),
+    let of_shape = |(shape, values)| Numbers { shape, values, placement: None };
+    let (name, numbers) = match &spec.source {
+        GridSource::Described(path) => (path.display().to_string(), read_described(path)?),
+        GridSource::Raw(path, grid) => (path.display().to_string(), of_shape((grid.shape, read_raw(path, grid)?))),
+        GridSource::Given => ("volume".into(), of_shape(given.unwrap_or(([0; 3], Vec::new())))),
     };
+    let Numbers { shape, values, placement: own } = numbers;
     let wrong = |why: String| Error::input(format!("{name}: {why}"));
     let [nz, ny, nx] = shape;
     if shape.iter().any(|n| !(2..=SIDE_MAX).contains(n)) || nz * ny * nx != values.len() as u64 {
@@ -39,9 +62,7 @@ pub fn load_grid(spec: &GridSpec, given: Option<([u64; 3], Vec<f32>)>) -> Result
     }
     let sides = [nx, ny, nz].map(|n| n as u32);
     let placement = spec.placement.or(own).ok_or_else(|| {
-        wrong(
-            "the header does not say where the numbers lie along the world's axes; add min and max to [volume]".into(),
-        )
+        wrong("the file does not say where its numbers lie along the world's axes; add min and max to [volume]".into())
     })?;
     let (first, spacing) = match placement {
         Placement::Box { min, max } => (min, (max - min) / DVec3::from(sides.map(|n| f64::from(n - 1)))),

@@ -1,6 +1,6 @@
 //! `[volume]`: where its numbers come from, where it lies, and what it looks like.
 
-use super::load::RawGrid;
+use super::load::{DESCRIBED, RawGrid};
 use super::{ControlPoint, Mode, POINTS_MAX, SIDE_MAX};
 use crate::image::NumberType;
 use crate::input::Result;
@@ -30,14 +30,20 @@ pub struct GridSpec {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum GridSource {
-    /// A .npy file, already relative to the working directory.
-    Npy(PathBuf),
-    /// A NRRD or a MetaImage.
-    Headed(PathBuf),
+    /// An array, a NRRD or a MetaImage; already relative to the working directory.
+    Described(PathBuf),
     /// Numbers without a header.
     Raw(PathBuf, RawGrid),
     /// A program's array.
     Given,
+}
+
+impl GridSource {
+    /// It is a file that may say where its numbers lie.
+    fn may_say_where(&self) -> bool {
+        let is_npy = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy"));
+        matches!(self, GridSource::Described(path) if !is_npy(path))
+    }
 }
 
 /// Where the first node lies, and the others; world units.
@@ -47,6 +53,18 @@ pub enum Placement {
     Box { min: DVec3, max: DVec3 },
     /// The first node, and the distances between neighbours.
     Nodes { origin: DVec3, spacing: DVec3 },
+}
+
+impl Placement {
+    /// The places of the first and of the last node, of so many along z, y and x.
+    pub fn ends(self, [z, y, x]: [u64; 3]) -> [DVec3; 2] {
+        match self {
+            Placement::Box { min, max } => [min, max],
+            Placement::Nodes { origin, spacing } => {
+                [origin, origin + spacing * DVec3::from([x, y, z].map(|n| (n - 1) as f64))]
+            }
+        }
+    }
 }
 
 const LOOK: [&str; 8] = ["min", "max", "origin", "spacing", "rotate", "transfer", "mode", "lit"];
@@ -67,7 +85,7 @@ pub(crate) fn read_volume_look(field: &Field) -> Result<VolumeSpec> {
 }
 
 fn read_all(table: &Table, source: GridSource) -> Result<VolumeSpec> {
-    let placement = read_placement(table, matches!(source, GridSource::Headed(_)))?;
+    let placement = read_placement(table, source.may_say_where())?;
     let rotate = table.or("rotate", DVec3::ZERO, Field::vec3)?;
     let example = "[[0, 0, 0, 0, 0], [1, 1, 1, 1, 10]]: value, red, green, blue and extinction";
     let transfer = read_transfer(&table.need("transfer", example)?)?;
@@ -84,10 +102,9 @@ fn read_source(table: &Table) -> Result<GridSource> {
     let file = field.path()?;
     let ending = file.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match ending.as_str() {
-        "npy" | "nrrd" | "nhdr" | "mhd" | "mha" => match OF_FILE[1..].iter().find_map(|key| table.get(key)) {
+        known if DESCRIBED.contains(&known) => match OF_FILE[1..].iter().find_map(|key| table.get(key)) {
             Some(key) => Err(key.error(format_args!("a .{ending} file says this itself; remove the key"))),
-            None if ending == "npy" => Ok(GridSource::Npy(file)),
-            None => Ok(GridSource::Headed(file)),
+            None => Ok(GridSource::Described(file)),
         },
         "raw" => {
             let shape = table.need("shape", "[128, 256, 256]: as many along z, y and x")?;

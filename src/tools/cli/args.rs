@@ -416,7 +416,8 @@ pub struct SplatArgs {
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Describe this model (.obj, .gltf, .glb, .ply, .stl; .asc, .png, .tif with heights) or scene (.toml, .json) instead of the adapters
+    /// Describe this model (.obj, .gltf, .glb, .ply, .stl; .asc, .png, .tif with heights), scene (.toml, .json) or volume (.nrrd, .nhdr,
+    /// .mha, .mhd, .npy) instead of the adapters
     pub file: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]

@@ -1,4 +1,4 @@
-//! `anamorph info FILE`: the counts and bounds of a model or a scene, and a camera that sees all of it.
+//! `anamorph info FILE`: the counts and bounds of a model, a scene or a volume, and a camera that sees all of it.
 
 use crate::geometry::heights;
 use crate::geometry::heights::{Grid, HeightSpec};
@@ -8,6 +8,7 @@ use crate::geometry::spec::{MeshSource, MeshSpec};
 use crate::geometry::texture::Images;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
+use crate::scene::volume::load::{DESCRIBED, Numbers, read_described};
 use crate::tools::cli::say::print;
 use glam::DVec3;
 use serde::Serialize;
@@ -60,6 +61,31 @@ struct Fitting {
     vfov: f64,
 }
 
+/// A file of numbers in a grid.
+#[derive(Serialize)]
+struct VolumeContents {
+    file: String,
+    /// "volume".
+    kind: &'static str,
+    /// Numbers along z, y and x.
+    shape: [u64; 3],
+    values: Values,
+    /// From the first to the last node; `None` if the file does not say where they lie.
+    bounds: Option<Bounds>,
+}
+
+/// Its numbers, by size; those that are none are left out.
+#[derive(Serialize)]
+struct Values {
+    least: f32,
+    /// A hundredth is below it.
+    percentile_1: f32,
+    median: f32,
+    /// A hundredth is above it.
+    percentile_99: f32,
+    most: f32,
+}
+
 /// The samples of a height image.
 #[derive(Serialize)]
 struct Heights {
@@ -77,17 +103,26 @@ struct Heights {
 }
 
 pub fn run(path: &Path, json: bool) -> Result<()> {
-    let contents = read(path)?;
+    if DESCRIBED.contains(&extension(path).as_str()) {
+        return show(&VolumeContents::read(path)?, json);
+    }
+    show(&read(path)?, json)
+}
+
+fn show(contents: &(impl Serialize + fmt::Display), json: bool) -> Result<()> {
     if !json {
         return print(&contents.to_string());
     }
-    let text = serde_json::to_string_pretty(&contents).map_err(|e| Error::work(format!("info as JSON: {e}")))?;
+    let text = serde_json::to_string_pretty(contents).map_err(|e| Error::work(format!("info as JSON: {e}")))?;
     print(&(text + "\n"))
 }
 
+fn extension(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
 fn read(path: &Path) -> Result<Contents> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    if matches!(extension.as_str(), "toml" | "json") {
+    if matches!(extension(path).as_str(), "toml" | "json") {
         let scene = Scene::load(path, &[], 0.0)?;
         let kind = scene.camera.kind.name;
         return Ok(Contents { camera: Some(kind), ..Contents::of(path, "scene", scene.objects.len(), &scene.mesh) });
@@ -120,6 +155,26 @@ impl Contents {
             heights: None,
             bounds: mesh.bounds().map(|(low, high)| Bounds::of(low, high)),
         }
+    }
+}
+
+impl VolumeContents {
+    fn read(path: &Path) -> Result<VolumeContents> {
+        let Numbers { shape, mut values, placement } = read_described(path)?;
+        values.retain(|value| !value.is_nan());
+        values.sort_unstable_by(f32::total_cmp);
+        let at = |share: f64| values.get((share * (values.len().max(1) - 1) as f64) as usize).copied();
+        let [Some(least), Some(percentile_1), Some(median), Some(percentile_99), Some(most)] =
+            [0.0, 0.01, 0.5, 0.99, 1.0].map(at)
+        else {
+            return Err(Error::input(format!("{}: all of its numbers are NaN", path.display())));
+        };
+        let bounds = placement.map(|placement| {
+            let [low, high] = placement.ends(shape);
+            Bounds::of(low, high)
+        });
+        let values = Values { least, percentile_1, median, percentile_99, most };
+        Ok(VolumeContents { file: path.display().to_string(), kind: "volume", shape, values, bounds })
     }
 }
 
@@ -187,6 +242,21 @@ impl fmt::Display for Contents {
         match &self.bounds {
             Some(bounds) => bounds.fmt(f),
             None => writeln!(f, "  bounds               none: there are no vertices"),
+        }
+    }
+}
+
+impl fmt::Display for VolumeContents {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let [z, y, x] = self.shape;
+        let Values { least, percentile_1, median, percentile_99, most } = self.values;
+        writeln!(f, "{} ({})", self.file, self.kind)?;
+        writeln!(f, "  numbers              {x} x {y} x {z} along x, y and z")?;
+        writeln!(f, "  values               {least} to {most}")?;
+        writeln!(f, "  1 %, half, 99 %      are at most {percentile_1}, {median}, {percentile_99}")?;
+        match &self.bounds {
+            Some(bounds) => bounds.fmt(f),
+            None => writeln!(f, "  bounds               the file does not say them: [volume] needs min and max"),
         }
     }
 }
