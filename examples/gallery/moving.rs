@@ -38,7 +38,7 @@ const MOVING: [Moving; 5] = [
     Moving {
         of: "tracked",
         says: "One ball that rolls along behind two towers. The rays lead around the nearer side, and pass from one side to the other smoothly (`smooth`).",
-        change: "mesh=[{builtin='plane',size=60,pattern={kind='checker',size=2,light=[0.55,0.5,0.42],dark=[0.42,0.38,0.32]}},\
+        change: "mesh=[{builtin='plane',size=60,color=[0.42,0.38,0.32]},\
                  {builtin='box',scale=[4,9,4],translate=[-5.5,4.5,4],color=[0.45,0.55,0.75]},\
                  {builtin='box',scale=[3,13,3],translate=[4,6.5,5],color=[0.75,0.68,0.5]},\
                  {builtin='icosphere',level=4,scale=0.9,translate=[N,0.9,-3],color=[0.9,0.05,0.05]}] \
