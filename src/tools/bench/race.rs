@@ -6,6 +6,7 @@ use super::row::{Certified, Counted, Drawn, Error, Moving, Row};
 use super::times::{Ratio, Times};
 use super::yardstick::Yardstick;
 use crate::camera::Camera;
+use crate::camera::exposure::Sample;
 use crate::engine::plan::Wanted;
 use crate::engine::plan::samples::sample_offsets;
 use crate::engine::{Arithmetic, Engine, Frames, Method, Rendered, RunOptions};
@@ -16,7 +17,6 @@ use crate::image::frame::{Channel, Frame, NO_ID, Plane};
 use crate::input::Result;
 use crate::reference::image::{Judgement, judge_rows, rows_of_image};
 use crate::scene::Scene;
-use glam::DVec2;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -139,7 +139,8 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     let bare = yardstick.as_ref().and(case.arms.first()).map(|ours| ours.clone().bare());
     let arms: Vec<&Arm> = case.arms.iter().chain(&bare).collect();
     let scenes: Vec<Result<(Scene, Camera)>> = arms.iter().map(|arm| all.with_camera(&arm.set)).collect();
-    let moved: Vec<Vec<Camera>> = arms.iter().zip(&scenes).map(|(arm, scene)| cameras_separately(arm, scene)).collect();
+    let moved = arms.iter().zip(&scenes).map(|(arm, scene)| cameras_separately(arm, scene));
+    let moved: Vec<Vec<Camera>> = moved.collect::<Result<_>>()?;
     let mut entries: Vec<Entry> = Vec::new();
     for ((&arm, scene), moved) in arms.iter().zip(&scenes).zip(&moved) {
         let mut entry =
@@ -187,7 +188,7 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     let rounds: Vec<Vec<Option<f64>>> = entries.iter().map(Entry::rounds).collect();
 
     let mut judge = Judge { scene: &truth.0, camera: &truth.1, judgement: None, each: case.stiffness.is_some() };
-    let filtered = case.filtered.map(|samples| Filtered::new(&truth.0, &truth.1, samples));
+    let filtered = case.filtered.map(|samples| Filtered::new(&truth.0, &truth.1, samples)).transpose()?;
     let mut rows = Vec::new();
     for (at, mut entry) in entries.into_iter().enumerate() {
         entry.row.control_ms = control_ms;
@@ -381,13 +382,17 @@ impl Judge<'_> {
 }
 
 /// The cameras of an arm's samples, where each takes a frame.
-fn cameras_separately(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera> {
+fn cameras_separately(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Result<Vec<Camera>> {
     match (arm.samples, scene) {
-        (Samples::Separate(n), Ok((_, camera))) => {
-            sample_offsets(n).into_iter().map(|place| camera.with_sample_offset(place.x, place.y)).collect()
-        }
-        _ => Vec::new(),
+        (Samples::Separate(n), Ok((_, camera))) => cameras_of_samples(camera, n),
+        _ => Ok(Vec::new()),
     }
+}
+
+/// The camera at the place and the time of each of so many samples.
+fn cameras_of_samples(camera: &Camera, count: u32) -> Result<Vec<Camera>> {
+    let samples = (0..count).zip(sample_offsets(count));
+    samples.map(|(number, place)| camera.of_sample(place.into(), Sample { number, count })).collect()
 }
 
 pub(super) const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
@@ -399,11 +404,11 @@ struct Filtered {
 }
 
 impl Filtered {
-    fn new(scene: &Scene, camera: &Camera, samples: u32) -> Filtered {
+    fn new(scene: &Scene, camera: &Camera, samples: u32) -> Result<Filtered> {
         let row_step = row_step(camera, samples);
-        let frame =
-            |place: DVec2| rows_of_image(scene, &camera.with_sample_offset(place.x, place.y), &COLOURS, row_step);
-        Filtered { truth: mean(sample_offsets(samples).into_iter().map(frame)), row_step }
+        let cameras = cameras_of_samples(camera, samples)?;
+        let frame = |camera: &Camera| rows_of_image(scene, camera, &COLOURS, row_step);
+        Ok(Filtered { truth: mean(cameras.iter().map(frame)), row_step })
     }
 
     fn error(&self, frame: &Frame) -> Result<Error> {

@@ -99,7 +99,7 @@ pub const SUITES: [Suite; 8] = [
     },
     Suite {
         name: "beyond",
-        asks: "what it costs that things move, cameras are composed, mirrors are seen along curves, and space is filled: none of the papers has these",
+        asks: "what it costs that things move, cameras share a picture, mirrors are seen along curves, and space is filled: none of the papers has these",
         plot: Plot::Stages,
         cases: beyond::cases,
         quick: beyond::quick,
