@@ -502,7 +502,7 @@ pub enum UpAxis {
 
 #[derive(Debug, Args)]
 pub struct BenchArgs {
-    /// papers, pareto, glc, samples, stages, dynamic or stiff [default: all]; or reproduce; or page: pages and plots anew from the results in --out
+    /// papers, pareto, glc, samples, stages, dynamic, stiff or beyond [default: all]; or reproduce; or page: pages and plots anew from the results in --out
     pub suite: Option<String>,
     /// With reproduce: the case to run again and to compare with what a run in --out says, for example 'papers/Yu 1'
     #[arg(value_name = "SUITE/CASE", requires = "suite")]
