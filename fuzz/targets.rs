@@ -13,7 +13,7 @@ use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::geometry::heights::HeightSpec;
 use anamorph::internals::geometry::texture::Images;
 use anamorph::internals::geometry::{gltf, heights, obj, ply, stl};
-use anamorph::internals::image;
+use anamorph::internals::image::{read_npy_rows, read_pairs, read_points, read_vectors};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::input::Error;
 use anamorph::internals::reference::image::judge;
@@ -96,10 +96,10 @@ pub fn mtl(data: &[u8]) {
 
 /// An array, read by all readers of arrays.
 pub fn npy(data: &[u8]) {
-    read("a.npy", data, image::read_vectors);
-    read("a.npy", data, image::read_pairs);
-    read("a.npy", data, image::read_points);
-    read("a.npy", data, image::read_npy_rows::<3>);
+    read("a.npy", data, read_vectors);
+    read("a.npy", data, read_pairs);
+    read("a.npy", data, read_points);
+    read("a.npy", data, read_npy_rows::<3>);
 }
 
 /// A volume: a NRRD or an array if it begins like one, or else a MetaImage.

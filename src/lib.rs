@@ -80,63 +80,31 @@
 //! meshoptimizer, which takes a C++ compiler. `internals`: for this project's own tests, with no promise that anything stays.
 
 #![cfg_attr(not(feature = "internals"), deny(missing_docs))]
-// with `internals` everything is used by what is public; without it some is there for tests, and without `cli` for the program
-#![cfg_attr(not(feature = "internals"), allow(dead_code, unused_imports))]
 
 mod api;
+mod camera;
+mod engine;
+mod geometry;
+mod gpu;
+mod image;
+mod input;
+mod jobs;
+mod reference;
+mod scene;
+#[cfg(feature = "cli")]
+mod tools;
+#[cfg(feature = "view")]
+mod view;
 
-/// The layers, from the bottom: `docs/architecture.md`.
-#[path = ""]
-mod layers {
-    pub mod input;
-
-    pub mod image;
-
-    pub mod geometry;
-
-    pub mod camera;
-
-    pub mod scene;
-
-    pub mod reference;
-
-    pub mod gpu;
-
-    pub mod engine;
-
-    pub mod rivals;
-
-    #[cfg(any(test, feature = "internals"))]
-    pub mod twin;
-
-    pub mod jobs;
-
-    #[cfg(feature = "view")]
-    pub mod view;
-
-    #[cfg(feature = "cli")]
-    pub mod tools;
-}
-
-use layers::*;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod internals;
 
 pub use crate::api::*;
 pub use crate::input::{Error, Result};
-
-/// Everything, for this project's own tests, benchmarks and examples.
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod internals {
-    pub use crate::layers::*;
-    pub use crate::{Error, Result};
-}
-
-/// Runs the program `anamorph` on these arguments, the first of which is its name; its exit code.
 #[cfg(feature = "cli")]
 #[doc(hidden)]
-pub fn program(arguments: Vec<std::ffi::OsString>) -> u8 {
-    tools::cli::main(arguments)
-}
+pub use crate::tools::process::{ExitWhenFull, keep_window_system_quiet, program};
 
 /// The README's example, compiled.
 #[cfg(doctest)]

@@ -1,60 +1,11 @@
 //! The program `anamorph`; all of it is in `src/tools/cli`.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::io::Write;
+use anamorph::ExitWhenFull;
 
 #[global_allocator]
 static ALLOCATOR: ExitWhenFull = ExitWhenFull;
 
 fn main() -> std::process::ExitCode {
-    keep_window_system_quiet();
+    anamorph::keep_window_system_quiet();
     std::process::ExitCode::from(anamorph::program(std::env::args_os().collect()))
-}
-
-/// Vulkan's device-select layer asks for a Wayland display, whose client library complains on stderr where this
-/// variable is missing, as on a machine without a desktop. A folder that does not exist is no display either, silently.
-fn keep_window_system_quiet() {
-    const VARIABLE: &str = "XDG_RUNTIME_DIR";
-    if std::env::var_os(VARIABLE).is_none_or(|v| !v.as_encoded_bytes().starts_with(b"/")) {
-        // SAFETY: no other thread runs yet.
-        unsafe { std::env::set_var(VARIABLE, "/nonexistent") };
-    }
-}
-
-/// The system's allocator. If it has no more memory, the program prints one line and exits with code 1, instead of aborting by a
-/// signal. Work that is known to be too large is refused before it begins: see `src/input/limits.rs`.
-struct ExitWhenFull;
-
-impl ExitWhenFull {
-    fn checked(pointer: *mut u8, bytes: usize) -> *mut u8 {
-        if pointer.is_null() {
-            // stderr is unbuffered and numbers are formatted in place: nothing here allocates
-            let _ = writeln!(
-                std::io::stderr(),
-                "error: out of memory: cannot allocate {bytes} bytes more; make the image or the scene smaller"
-            );
-            // SAFETY: ends the process. Not `exit`: it runs handlers of drivers, which may allocate or wait for a thread.
-            unsafe { libc::_exit(1) }
-        }
-        pointer
-    }
-}
-
-// SAFETY: every call is passed to the system's allocator with the same arguments, and its result is returned.
-unsafe impl GlobalAlloc for ExitWhenFull {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ExitWhenFull::checked(unsafe { System.alloc(layout) }, layout.size())
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        ExitWhenFull::checked(unsafe { System.alloc_zeroed(layout) }, layout.size())
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ExitWhenFull::checked(unsafe { System.realloc(pointer, layout, size) }, size)
-    }
 }

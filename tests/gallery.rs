@@ -4,7 +4,7 @@ mod common;
 
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
-use anamorph::internals::tools::example::gallery;
+use anamorph_lab::gallery::gallery;
 use common::gpu::check;
 
 /// Pixels across; the height follows each scene's own shape.

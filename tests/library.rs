@@ -228,7 +228,7 @@ fn what_is_wrong_is_said_in_one_line() {
     fails(Scene::parse("camera = { kind = \"pinhol\" }", ".").map(drop), "pinhole");
     fails(Scene::load("none.toml", &[], 0.0).map(drop), "none.toml");
     fails(Job::new("a.toml").channels("Q").map(drop), "no such channel");
-    fails(Job::new("a.toml").engine("rastr").map(drop), "raytrace");
+    fails(Job::new("a.toml").engine("rastr").map(drop), "use compute or reference");
     fails(Shard::new(0, 3).map(drop), "I/N");
     let scene = Scene::parse(CAMERA, ".").unwrap();
     let camera = scene.camera().unwrap();

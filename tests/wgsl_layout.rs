@@ -20,7 +20,7 @@ const GRADIENTS: &str = include_str!("../wgsl/gradients/layout.wgsl");
 const OPTICS: &str = include_str!("../wgsl/optics/layout.wgsl");
 const CAUSTICS: &str = include_str!("../wgsl/caustics/layout.wgsl");
 const VOLUME: &str = include_str!("../wgsl/volume/layout.wgsl");
-const RIVALS: &str = include_str!("../wgsl/rivals/layout.wgsl");
+const RIVALS: &str = include_str!("../lab/wgsl/rivals/layout.wgsl");
 const LAYOUT: &str = include_str!("../src/gpu/layout.rs");
 
 /// One field as bytes: name, offset, size, kind of its numbers.
@@ -74,7 +74,7 @@ macro_rules! layout {
 }
 
 fn rivals() -> Layouts {
-    use anamorph::internals::rivals::layout as own;
+    use anamorph_lab::rivals::layout as own;
     Layouts::from([
         layout!(own, Outline { a, b, c, is_whole, layer }),
         layout!(own, Cube { eye, side, right, pad0, up, pad1, forward, pad2 }),

@@ -9,7 +9,7 @@ use crate::engine::plan::{Plan, Wanted};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::PendingRead;
 use crate::gpu::draw_counts::DrawCounts;
-use crate::image::frame::{Channel, Frame, NO_ID, Plane, normalised_depth};
+use crate::image::frame::{Channel, Frame, NO_ID, Plane, normalised_depth, plane_of_words};
 use crate::input::Result;
 use crate::scene::labels::Labels;
 use rayon::prelude::*;
@@ -163,7 +163,7 @@ impl FrameLayout {
             if channel == Channel::PieceId && camera.composition.is_some() {
                 self.number_pieces(&mut all);
             }
-            planes.push((channel, Plane::of_words(channel, all)));
+            planes.push((channel, plane_of_words(channel, all)));
         }
         self.add_depths(&mut planes);
         self.label(&mut planes);

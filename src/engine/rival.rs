@@ -8,6 +8,7 @@ use crate::gpu::recorder::Recorder;
 use crate::input::Result;
 use crate::scene::Scene;
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// A technique ready for one scene and camera.
 pub trait Rival: Send {
@@ -98,6 +99,46 @@ pub struct Parameter {
     pub default: u32,
     pub least: u32,
     pub most: u32,
+}
+
+/// The techniques that `--engine` and the viewer offer beside the engine and the reference.
+static REGISTERED: OnceLock<&'static [Technique]> = OnceLock::new();
+
+/// Makes techniques available by name in the whole process. A program that has some calls it once, when it starts.
+pub fn register(techniques: &'static [Technique]) {
+    // the first list stays
+    let _ = REGISTERED.set(techniques);
+}
+
+/// The registered techniques; none in the program `anamorph`.
+pub fn techniques() -> &'static [Technique] {
+    REGISTERED.get().copied().unwrap_or_default()
+}
+
+/// Reads `NAME` or `NAME:N`, one of `techniques` and its number.
+///
+/// # Errors
+/// One line that lists the techniques if the name is unknown, or the numbers if the number is out of range.
+pub fn parse(text: &str, techniques: &'static [Technique]) -> std::result::Result<Choice, String> {
+    let (name, number) = text.split_once(':').map_or((text, None), |(n, k)| (n, Some(k)));
+    let technique = techniques.iter().find(|t| t.name == name).ok_or_else(|| {
+        let names: Vec<&str> = ["compute", "reference"].into_iter().chain(techniques.iter().map(|t| t.name)).collect();
+        match techniques {
+            [] => "no such engine; use compute or reference; other techniques are in anamorph-lab: cargo install --path lab".into(),
+            _ => format!("no such engine; use {}", names.join(", ")),
+        }
+    })?;
+    let parameter = match (&technique.parameter, number) {
+        (Some(Parameter { name: what, least, most, .. }), Some(text)) => text
+            .parse()
+            .ok()
+            .filter(|n| (*least..=*most).contains(n))
+            .ok_or_else(|| format!("write {name}:N with {least} to {most} {what}"))?,
+        (Some(parameter), None) => parameter.default,
+        (None, Some(_)) => return Err(format!("{name} takes no number; leave it out")),
+        (None, None) => 0,
+    };
+    Ok(Choice { technique, parameter })
 }
 
 impl std::fmt::Debug for Technique {

@@ -66,7 +66,7 @@ impl Gpu {
     }
 
     /// Compiles a kernel, with f64 in 32-bit words on an adapter without f64. An error becomes the device's failure.
-    pub(crate) fn compile(&self, kernel: &Kernel) -> wgpu::ShaderModule {
+    pub fn compile(&self, kernel: &Kernel) -> wgpu::ShaderModule {
         let kernel = &self.with_replaced(kernel);
         let text = kernel.source();
         let is_lowered = self.lowers(kernel);

@@ -284,7 +284,7 @@ impl Gpu {
     }
 
     /// The device has failed: has [`Gpu::failure`] report this too, unless something failed before.
-    pub(crate) fn failed(&self, text: String) -> Error {
+    pub fn failed(&self, text: String) -> Error {
         let error = self.error(&text);
         note(&self.failed, text);
         error

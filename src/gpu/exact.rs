@@ -6,9 +6,9 @@
 
 use super::Gpu;
 use super::buffers::{Buffers, Pipeline};
-use super::control::{run, words};
 use super::device::label;
 use super::kernels::parts::*;
+use super::single::{run, words};
 use crate::input::{Error, Result};
 
 /// What is compared, with the words of a case where it stands.

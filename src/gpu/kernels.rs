@@ -6,9 +6,8 @@
 //! functions, or set an `override` constant.
 
 mod kernel;
-pub mod operations;
 mod optics;
-pub(crate) mod parts;
+pub mod parts;
 mod samples;
 mod surfaces;
 mod variant;

@@ -62,7 +62,7 @@ struct Lowering<'a> {
 }
 
 /// How many f64 a value is: 1 for a scalar, 2 to 4 for a vector, none for any other type.
-pub(super) fn doubles(inner: &TypeInner) -> Option<u32> {
+pub fn doubles(inner: &TypeInner) -> Option<u32> {
     match *inner {
         TypeInner::Scalar(Scalar::F64) => Some(1),
         TypeInner::Vector { size, scalar: Scalar::F64 } => Some(size as u32),

@@ -251,14 +251,12 @@ pub enum Plane {
     U32(Vec<u32>),
 }
 
-impl Plane {
-    /// A channel's plane of words: the bits of f32s, or ids.
-    pub(crate) fn of_words(channel: Channel, words: Vec<u32>) -> Plane {
-        if channel.is_id() {
-            return Plane::U32(words);
-        }
-        Plane::F32(words.into_iter().map(f32::from_bits).collect())
+/// A channel's plane from its words: the bits of f32 values, or ids.
+pub fn plane_of_words(channel: Channel, words: Vec<u32>) -> Plane {
+    if channel.is_id() {
+        return Plane::U32(words);
     }
+    Plane::F32(words.into_iter().map(f32::from_bits).collect())
 }
 
 /// The channels of one image; each channel at most once, in the order of [`Channel::ALL`].
@@ -273,18 +271,6 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Each `step`-th row alone, the first one first.
-    pub(crate) fn rows(&self, step: u32) -> Frame {
-        let width = self.width as usize;
-        let kept = |k: &usize| (k / width).is_multiple_of(step as usize);
-        let plane = |plane: &Plane| match plane {
-            Plane::F32(v) => Plane::F32((0..v.len()).filter(kept).map(|k| v[k]).collect()),
-            Plane::U32(v) => Plane::U32((0..v.len()).filter(kept).map(|k| v[k]).collect()),
-        };
-        let planes = self.planes.iter().map(|(channel, values)| (*channel, plane(values))).collect();
-        Frame { width: self.width, height: self.height.div_ceil(step), planes }
-    }
-
     /// The values of a channel of numbers; `None` if the frame does not have it.
     pub fn f32(&self, channel: Channel) -> Option<&[f32]> {
         self.planes.iter().find_map(|(c, p)| match p {

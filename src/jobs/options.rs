@@ -3,6 +3,7 @@
 use super::batch::Shard;
 use super::job::EngineName;
 use crate::engine::Method;
+use crate::engine::rival;
 use crate::image::cryptomatte::MatteKind;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;
@@ -64,12 +65,12 @@ pub fn channels(name: &str) -> Result<Named, String> {
     Ok(Named::Channels(found))
 }
 
-/// compute, reference, or a rival.
+/// compute, reference, or a registered technique.
 pub fn engine(name: &str) -> Result<EngineName, String> {
     match name {
         "compute" => Ok(EngineName::Compute),
         "reference" => Ok(EngineName::Reference),
-        _ => crate::rivals::parse(name).map(EngineName::Rival),
+        _ => rival::parse(name, rival::techniques()).map(EngineName::Rival),
     }
 }
 

@@ -8,7 +8,7 @@ use super::light::{Obstacles, light, normal, painted_albedo};
 use super::volume::{Medium, Passed};
 use super::{Finding, Outcome, Path, Reference};
 use crate::camera::Camera;
-use crate::image::frame::{Channel, Frame, NO_ID, PixelValues, Plane, normalised_depth};
+use crate::image::frame::{Channel, Frame, NO_ID, PixelValues, normalised_depth, plane_of_words};
 use crate::scene::Scene;
 use crate::scene::caustics::CausticMaps;
 use crate::scene::labels::Labels;
@@ -288,7 +288,7 @@ fn light_left(camera: &Camera, outcome: &Outcome) -> [f64; 3] {
 
 /// Of whole rows.
 fn frame<P: Borrow<PixelValues>>(camera: &Camera, pixels: &[P], channels: &[Channel]) -> Frame {
-    let plane = |channel: Channel| Plane::of_words(channel, pixels.iter().map(|p| p.borrow().word(channel)).collect());
+    let plane = |channel: Channel| plane_of_words(channel, pixels.iter().map(|p| p.borrow().word(channel)).collect());
     let channels = Channel::in_order(channels.iter().copied());
     let height = pixels.len() as u32 / camera.width;
     Frame { width: camera.width, height, planes: channels.into_iter().map(|c| (c, plane(c))).collect() }

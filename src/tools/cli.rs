@@ -4,17 +4,16 @@
 
 mod args;
 mod batch;
-mod bench;
 mod camera;
 mod compare;
 mod diagram;
 mod doctor;
 mod example;
 mod export;
-mod gpu_report;
 mod info;
 mod keep;
 mod kinds;
+mod lab;
 mod manual;
 mod new;
 mod pages;
@@ -32,21 +31,29 @@ mod view;
 use crate::gpu::device::one_line;
 use crate::input::{Error, Result};
 use args::{Caps, Cli, Command};
-use clap::CommandFactory;
 use clap::Parser;
 use clap::error::{ContextKind, ErrorKind};
-use say::{complain, print};
+use say::complain;
+
+pub use info::lines as adapter_lines;
+pub use say::print;
 use std::ffi::OsString;
+use std::panic::AssertUnwindSafe;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Runs the program on these arguments, its own name first; the exit code.
 pub fn main(arguments: Vec<OsString>) -> u8 {
     let started = Instant::now();
+    guarded(|| run(arguments, started))
+}
+
+/// Runs a program's work; the exit code. Errors and panics are printed to stderr, a line each.
+pub fn guarded(work: impl FnOnce() -> Result<()>) -> u8 {
     say_panics_on_one_line();
     #[cfg(unix)]
     signals::remove_temporary_files_at_end();
-    match std::panic::catch_unwind(|| run(arguments, started)) {
+    match std::panic::catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => 0,
         Ok(Err(error)) => {
             complain(&error);
@@ -57,14 +64,23 @@ pub fn main(arguments: Vec<OsString>) -> u8 {
     }
 }
 
-fn run(arguments: Vec<OsString>, started: Instant) -> Result<()> {
-    let cli = match Cli::try_parse_from(arguments) {
-        Ok(cli) => cli,
+/// Reads the command line of a program; `None` after `--help` or `--version`, whose text is printed.
+///
+/// # Errors
+/// [`Error::Input`] if the arguments are wrong.
+pub fn parsed<P: Parser>(arguments: Vec<OsString>) -> Result<Option<P>> {
+    match P::try_parse_from(arguments) {
+        Ok(parsed) => Ok(Some(parsed)),
         Err(e) if matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
-            return print(&e.render().to_string());
+            print(&e.render().to_string()).map(|()| None)
         }
-        Err(e) => return Err(Error::input(refusal(&e))),
-    };
+        Err(e) => Err(Error::input(refusal::<P>(&e))),
+    }
+}
+
+fn run(arguments: Vec<OsString>, started: Instant) -> Result<()> {
+    lab::start_if_needed(&arguments)?;
+    let Some(cli) = parsed::<Cli>(arguments)? else { return Ok(()) };
     cli.command.caps().into_iter().for_each(Caps::apply);
     match &cli.command {
         Command::Render(args) => render::run(args, started),
@@ -82,24 +98,23 @@ fn run(arguments: Vec<OsString>, started: Instant) -> Result<()> {
         Command::Schema => manual::schema(),
         Command::Man { out } => manual::pages(out),
         Command::Batch(args) => batch::run(args),
-        Command::Bench(args) => bench::run(args),
-        Command::GpuReport(args) => gpu_report::run(args, started),
+        Command::Bench(_) | Command::GpuReport(_) => Err(lab::missing()),
     }
 }
 
 /// What clap has to say, on one line and without the usage.
-fn refusal(e: &clap::Error) -> String {
+fn refusal<P: Parser>(e: &clap::Error) -> String {
     if e.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return "no command given; see anamorph --help".into();
+        return format!("no command given; see {} --help", P::command().get_name());
     }
     let text = e.render().to_string();
     let text = text.strip_prefix("error: ").unwrap_or(&text);
     let said = text.split("\n\n").filter(|p| !p.starts_with("Usage:") && !p.starts_with("For more information"));
     let mut said: Vec<String> = said.map(one_line).filter(|p| !p.is_empty()).collect();
     if e.kind() == ErrorKind::InvalidSubcommand && e.get(ContextKind::SuggestedSubcommand).is_none() {
-        let cli = Cli::command();
-        let known: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
-        said.push(format!("use one of {}; see anamorph --help", known.join(", ")));
+        let program = P::command();
+        let known: Vec<&str> = program.get_subcommands().map(clap::Command::get_name).collect();
+        said.push(format!("use one of {}; see {} --help", known.join(", "), program.get_name()));
     }
     said.join("; ")
 }

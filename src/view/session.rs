@@ -528,7 +528,7 @@ impl State {
             message["adapter"] = self.adapter.as_str().into();
             message["cameras"] = json!(crate::scene::keys::of_cameras());
             message["sections"] = json!(crate::scene::keys::of_sections());
-            let rivals: Vec<&str> = crate::rivals::TECHNIQUES.iter().map(|t| t.name).collect();
+            let rivals: Vec<&str> = crate::engine::rival::techniques().iter().map(|t| t.name).collect();
             message["engines"] = json!([vec!["reference"], rivals].concat());
         }
         message.to_string()

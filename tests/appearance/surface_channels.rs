@@ -143,7 +143,7 @@ fn labels_are_those_of_the_triangles_in_every_engine() {
         let camera = scene.camera().unwrap();
         let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
         let mut rendered = |wanted: &Wanted, rival: Option<&str>| {
-            let rival = rival.map(|name| anamorph::internals::rivals::parse(name).unwrap());
+            let rival = rival.map(|name| anamorph_lab::rivals::parse(name).unwrap());
             engine.render(&scene, &camera, wanted, &RunOptions { rival, ..RunOptions::default() })
         };
         let all = Wanted::of(vec![Channel::TriangleId, object, material]);

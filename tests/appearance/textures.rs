@@ -619,7 +619,7 @@ fn what_ignores_alpha_masks_says_so() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let (scene, (_, camera)) = (masked_shapes(), families(SIZE).swap_remove(0));
     assert!(!at_once(&scene, &camera, 4));
-    let rival = RunOptions { rival: anamorph::internals::rivals::parse("raytrace").ok(), ..RunOptions::default() };
+    let rival = RunOptions { rival: anamorph_lab::rivals::parse("raytrace").ok(), ..RunOptions::default() };
     for (channels, run, expected) in [
         (vec![Channel::Certified], RunOptions::default(), "pixels cannot be certified with alpha masks"),
         (vec![Channel::R], rival, "raytrace ignores alpha masks"),

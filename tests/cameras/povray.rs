@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// A ball, a cylinder and a box on a floor, through two slits: the bench's stand-in for the figure.
-const PRIMITIVES: &str = include_str!("../../src/tools/bench/scenes/primitives.toml");
+const PRIMITIVES: &str = include_str!("../../lab/src/bench/scenes/primitives.toml");
 
 /// Cameras that look at them: other linear ones, a field with pixels without rays, pieces.
 const CAMERAS: &[(&str, &str)] = &[

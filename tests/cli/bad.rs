@@ -26,8 +26,7 @@ fn wrong_command_lines() {
         (more(&["--size", "65536x65536"]), "1073741824 pixels in all"),
         (more(&["--size", "99999999999999999999x1"]), "WIDTHxHEIGHT"),
         (more(&["--engine", "gpu"]), "no such engine"),
-        (more(&["--engine", "rastr"]), "raster-warp"),
-        (more(&["--engine", "raster-warp:9"]), "0 to 4 levels"),
+        (more(&["--engine", "raytrace"]), "cargo install --path lab"),
         (more(&["--samples", "0"]), "1..=64"),
         (more(&["--samples", "65"]), "1..=64"),
         (more(&["--analytic"]), "add --samples N"),
@@ -44,10 +43,6 @@ fn wrong_command_lines() {
             "camera.fov: the camera's table has no such number",
         ),
         (more(&["--gradients", "t", "--gradients-to", "g", "--samples", "4"]), "use one sample per pixel"),
-        (
-            more(&["--gradients", "t", "--gradients-to", "g", "--engine", "raytrace"]),
-            "has no gradients; use --engine compute",
-        ),
         (more(&["--gradients", "t", "--gradients-to", "g", "--pixel", "1,1"]), "cannot be used with"),
         (more(&["--repeat", "0"]), "--repeat"),
         (more(&["--moving"]), "--repeat"),
@@ -103,9 +98,6 @@ fn wrong_command_lines() {
         (vec!["view", "scene.toml", "--token", "short"], "write 16 or more letters and digits"),
         (vec!["view", "scene.toml", "--set", "camera.vfof=3"], "nearest known key: \"vfov\""),
         (vec!["view", "scene.toml", "--set", "camera"], "no '='"),
-        (vec!["gpu-report", "--minutes", "-1"], "write a number of minutes from 0 to 1440"),
-        (vec!["gpu-report", "--minutes", "eight"], "write a number of minutes"),
-        (vec!["gpu-report", "--adapter", "no such adapter", "--out", "."], "no such adapter"),
     ] {
         place.refuses(&args, 2, says);
     }

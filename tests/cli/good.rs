@@ -112,16 +112,12 @@ fn the_compute_engine_renders_what_the_reference_does() {
     let compared = json(&place.works(&["compare", "all.exr", "truth.exr", "--scene", "demo.toml", "--json"]));
     assert_eq!((&compared["wrong_safe"], &compared["not_near"]), (&0.into(), &0.into()));
     assert_eq!(compared["pixels"], 64 * 48);
-    // all samples in one frame, and one frame per sample
-    for (samples, frames) in [(&["--samples", "4"][..], 1), (&["--samples", "4", "--engine", "raytrace"], 4)] {
-        let common = ["render", "demo.toml", "--size", "64x48", "-o", "s.png", "--report", "s.json"];
-        place.works(&[&common[..], samples].concat());
-        let report = json_file(&place, "s.json");
-        let shade = report["stage_passes"].as_array().unwrap().iter().find(|s| s["name"] == "shade").unwrap().clone();
-        assert_eq!(shade["passes"], frames);
-        let edges = report["operations"]["edge_pixels"].as_u64();
-        assert!(if frames == 1 { edges > Some(0) } else { edges.is_none() }, "{report}");
-    }
+    // all samples in one frame
+    place.works(&["render", "demo.toml", "--size", "64x48", "-o", "s.png", "--report", "s.json", "--samples", "4"]);
+    let report = json_file(&place, "s.json");
+    let shade = report["stage_passes"].as_array().unwrap().iter().find(|s| s["name"] == "shade").unwrap().clone();
+    assert_eq!(shade["passes"], 1);
+    assert!(report["operations"]["edge_pixels"].as_u64() > Some(0), "{report}");
     let dump = ["render", "demo.toml", "--size", "64x48", "-o", "d.png", "--dump-kernels", "kernels"];
     place.works(&dump);
     let names: Vec<_> =

@@ -1,6 +1,6 @@
 //! Runs the built program in a folder of its own.
 
-use crate::needs;
+use crate::{PROGRAM, needs};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
@@ -58,7 +58,7 @@ impl Place {
     }
 
     pub fn command(&self, args: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_anamorph"));
+        let mut command = Command::new(PROGRAM);
         command.args(args).current_dir(self.path()).stdin(Stdio::null());
         command
     }

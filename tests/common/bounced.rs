@@ -6,7 +6,7 @@
 use super::common::file::load;
 use super::stages::Case;
 use anamorph::internals::gpu::kernels::Variant;
-use anamorph::internals::twin::{KernelInputs, Real};
+use anamorph_lab::twin::{KernelInputs, Real};
 
 /// A floor, a ball and a box around the origin; the optics go into the middle.
 const THINGS: &str = r#"

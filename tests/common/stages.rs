@@ -26,7 +26,7 @@ use anamorph::internals::gpu::layout::{COUNTERS, Params};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
-use anamorph::internals::twin::{KernelInputs, LARGE, Real, Tables};
+use anamorph_lab::twin::{KernelInputs, LARGE, Real, Tables};
 use glam::{DMat2, DVec2, DVec3};
 
 /// What every word that a kernel does not own must still hold.

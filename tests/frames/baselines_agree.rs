@@ -8,7 +8,7 @@ use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::rival::{Choice, Technique};
 use anamorph::internals::image::frame::{Channel, NO_ID};
 use anamorph::internals::reference::image::judge;
-use anamorph::internals::rivals::TECHNIQUES;
+use anamorph_lab::rivals::TECHNIQUES;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
 use common::file::load;
@@ -94,7 +94,7 @@ fn wrong(camera: &str, by: &str) -> Option<(u64, u64, u64)> {
     let scene = scene(camera);
     let camera = scene.camera().unwrap();
     let mut engine = engine(&camera, Without::Nothing)?;
-    let run = RunOptions { rival: Some(anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
+    let run = RunOptions { rival: Some(anamorph_lab::rivals::parse(by).unwrap()), ..Default::default() };
     let frame = engine.render(&scene, &camera, &wanted(), &run).unwrap().frame;
     assert!(hits(&frame) > 1000, "{by}: {} hits", hits(&frame));
     let judged = judge(&scene, &camera, &frame);
@@ -149,7 +149,7 @@ fn multisampling_takes_the_same_four_samples_as_this_engine() {
         let camera = scene.camera().unwrap();
         let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
         let mut frame = |by: Option<&str>, samples: u32| {
-            let rival = by.map(|by| anamorph::internals::rivals::parse(by).unwrap());
+            let rival = by.map(|by| anamorph_lab::rivals::parse(by).unwrap());
             let channels = vec![Channel::A, Channel::R, Channel::G, Channel::B];
             let wanted = Wanted { samples, ..Wanted::of(channels) };
             engine.render(&scene, &camera, &wanted, &RunOptions { rival, ..Default::default() }).unwrap().frame
@@ -180,7 +180,7 @@ fn leaving_nothing_out_early_changes_no_pixel() {
         let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
         let [with, without] = [false, true].map(|no_cull| {
             let run = RunOptions {
-                rival: by.map(|by| anamorph::internals::rivals::parse(by).unwrap()),
+                rival: by.map(|by| anamorph_lab::rivals::parse(by).unwrap()),
                 no_cull,
                 ..Default::default()
             };
@@ -219,7 +219,7 @@ fn cameras_may_move_between_frames() {
             let (scene, then) = (scene(&first), self::scene(&then).camera().unwrap());
             let camera = scene.camera().unwrap();
             let run = RunOptions {
-                rival: by.map(|by| anamorph::internals::rivals::parse(by).unwrap()),
+                rival: by.map(|by| anamorph_lab::rivals::parse(by).unwrap()),
                 ..Default::default()
             };
             let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
@@ -279,7 +279,7 @@ fn the_rasterizer_counts_what_it_draws() {
     let camera = scene.camera().unwrap();
     let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
     let mut draws = |by: &str, counting| {
-        let run = RunOptions { rival: Some(anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
+        let run = RunOptions { rival: Some(anamorph_lab::rivals::parse(by).unwrap()), ..Default::default() };
         let rendered = engine.render(&scene, &camera, &Wanted { counting, ..wanted() }, &run).unwrap();
         let is_hit = |id: &&u32| **id != NO_ID;
         let covered = rendered.frame.u32(Channel::TriangleId).unwrap().iter().filter(is_hit).count();
@@ -303,7 +303,7 @@ fn what_a_rival_cannot_show_it_refuses_in_a_line() {
     let refusal = |camera: &str, by: &str| {
         let scene = scene(camera);
         let camera = scene.camera().unwrap();
-        let run = RunOptions { rival: Some(anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
+        let run = RunOptions { rival: Some(anamorph_lab::rivals::parse(by).unwrap()), ..Default::default() };
         let error = engine(&camera, Without::Nothing)?.render(&scene, &camera, &wanted(), &run);
         let error = error.map(|_| ()).unwrap_err();
         assert_eq!(error.exit_code(), 2);
@@ -340,7 +340,7 @@ fn frames_of_moving_triangles_are_timed_with_what_is_built_over_them() {
         Some(engine(&camera, Without::Nothing)?.render(&scene, &camera, &wanted(), &run).unwrap())
     };
     for by in ["raytrace", "raytrace-refit", "raster-warp"] {
-        let Some(rendered) = frame(Some(anamorph::internals::rivals::parse(by).unwrap())) else { return };
+        let Some(rendered) = frame(Some(anamorph_lab::rivals::parse(by).unwrap())) else { return };
         assert_eq!(rendered.frame_ms.len(), 2, "{by}");
     }
 }

@@ -184,7 +184,7 @@ fn what_proves_nothing_says_so_in_a_line() {
     let scene = crowd();
     let eye = camera(pinhole(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, 40.0), SIZE, FORWARD);
     let Some(mut engine) = engine(&eye, Without::Nothing) else { return };
-    let by = RunOptions { rival: Some(anamorph::internals::rivals::parse("raytrace").unwrap()), ..Default::default() };
+    let by = RunOptions { rival: Some(anamorph_lab::rivals::parse("raytrace").unwrap()), ..Default::default() };
     let error = engine.render(&scene, &eye, &wanted(), &by).unwrap_err().to_string();
     assert!(error.contains("raytrace cannot certify pixels") && !error.contains('\n'), "{error}");
     let mirror = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }\n\

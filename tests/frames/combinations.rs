@@ -17,7 +17,7 @@ use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
 use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::input::{Error, Result};
-use anamorph::internals::rivals::TECHNIQUES;
+use anamorph_lab::rivals::TECHNIQUES;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::AmbientOcclusion;
 use anamorph::internals::scene::projector_light::{ProjectorLight, Throw};

@@ -12,7 +12,7 @@ use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::internals::reference::image::judge;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
-use anamorph::internals::twin::render;
+use anamorph_lab::twin::render;
 use common::cameras::{self, MeshShape};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, scene, soup};

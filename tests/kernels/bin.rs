@@ -10,10 +10,10 @@ use anamorph::internals::engine::stage::split::split;
 use anamorph::internals::gpu::buffers::Buffers;
 use anamorph::internals::gpu::kernels::Variant;
 use anamorph::internals::gpu::layout::{COUNTERS, Counter};
-use anamorph::internals::twin::bin::{Binned, Pair, beside, bin, covered};
-use anamorph::internals::twin::cull::{Address, Bound, cull, node_meets};
-use anamorph::internals::twin::rays::owned;
-use anamorph::internals::twin::{KernelInputs, LARGE, Real};
+use anamorph_lab::twin::bin::{Binned, Pair, beside, bin, covered};
+use anamorph_lab::twin::cull::{Address, Bound, cull, node_meets};
+use anamorph_lab::twin::rays::owned;
+use anamorph_lab::twin::{KernelInputs, LARGE, Real};
 use std::collections::{HashMap, HashSet};
 
 /// Pairs that the kernel may list, where raster goes pair by pair, for each that truly covers a pixel. Measured over the cases below:

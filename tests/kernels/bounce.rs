@@ -6,9 +6,9 @@ use anamorph::internals::camera::TILE;
 use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::kernels::OpticsKind;
 use anamorph::internals::gpu::layout::{NONE, split2};
-use anamorph::internals::twin::bounce::{Bounced, bounce};
-use anamorph::internals::twin::raster::Visibility;
-use anamorph::internals::twin::{KernelInputs, Real};
+use anamorph_lab::twin::bounce::{Bounced, bounce};
+use anamorph_lab::twin::raster::Visibility;
+use anamorph_lab::twin::{KernelInputs, Real};
 
 /// Share of bounced rays that may be lost because rounding decides between two directions: total reflection, the
 /// rim of a quadric, grazing facets. Measured: none, but in f32 of rays along a wave 0.0009.
@@ -246,8 +246,8 @@ fn the_kernel_has_the_rule_s_constant() {
 #[test]
 fn the_twin_bounces_rays_by_the_law() {
     use anamorph::internals::gpu::layout::{Corner, LAW_NORMALS, Optic};
-    use anamorph::internals::twin::bounded::Bounded3;
-    use anamorph::internals::twin::refract::{BoundedRay, at_facet};
+    use anamorph_lab::twin::bounded::Bounded3;
+    use anamorph_lab::twin::refract::{BoundedRay, at_facet};
     let real = Real::F64;
     let v = |v: [f32; 3]| Bounded3::pair(v, [0.0; 3], real);
     let corner = |p_hi: [f32; 3]| Corner { p_hi, n_hi: [0.0, 1.0, 0.0], ..bytemuck::Zeroable::zeroed() };

@@ -2,8 +2,8 @@
 
 use crate::stages::Bench;
 use anamorph::internals::gpu::layout::split2;
-use anamorph::internals::twin::Real;
-use anamorph::internals::twin::bounded::CIRCLE_UNITS;
+use anamorph_lab::twin::Real;
+use anamorph_lab::twin::bounded::CIRCLE_UNITS;
 use std::f64::consts::TAU;
 
 /// Reads revolutions as pairs and writes cosine and sine, each as the exact sum of three f32.

@@ -2,7 +2,8 @@
 
 use crate::common::needs;
 use anamorph::internals::gpu::buffers::{Buffers, Pipeline};
-use anamorph::internals::gpu::control::{read_only, run, subgroup_widths, words, write_only};
+use anamorph::internals::gpu::single::{run, words};
+use anamorph_lab::control::{read_only, subgroup_widths, write_only};
 use anamorph::internals::gpu::layout::NONE;
 
 /// Items of a list whose length no number of threads divides.

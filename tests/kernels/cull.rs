@@ -9,10 +9,10 @@ use anamorph::internals::engine::Capacities;
 use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::kernels::Variant;
 use anamorph::internals::gpu::layout::{COUNTERS, Counter, RAYS_AFFINE};
-use anamorph::internals::twin::cull::{
+use anamorph_lab::twin::cull::{
     Address, Bound, Culled, HAND_ON, HAND_ON_LEVEL, REFINEMENTS, cull, hands_on, may_hand_on, node_meets,
 };
-use anamorph::internals::twin::{KernelInputs, LARGE, Real, bin};
+use anamorph_lab::twin::{KernelInputs, LARGE, Real, bin};
 use std::collections::HashMap;
 
 /// What the kernel left: its work items and its counters.

@@ -7,7 +7,7 @@ use anamorph::internals::engine::stage::deposit::{CausticTriangles, Deposit};
 use anamorph::internals::gpu::buffers::Buffers;
 use anamorph::internals::gpu::layout::{CausticTriangle, Receiver};
 use anamorph::internals::scene::caustics::shares::LINE_WIDTH;
-use anamorph::internals::twin::deposit::{corners, deposit};
+use anamorph_lab::twin::deposit::{corners, deposit};
 use glam::DVec2;
 
 const SIZES: [[u32; 2]; 3] = [[37, 21], [1, 1], [64, 90]];

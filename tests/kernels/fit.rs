@@ -8,9 +8,9 @@ use anamorph::internals::engine::plan::fit::{LOOSE, LOOSE_SIZE};
 use anamorph::internals::engine::plan::nodes::{DISCONTINUOUS_WIDTH, Level};
 use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::layout::{BRANCH, Cell, Node, RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE};
-use anamorph::internals::twin::cull::Address;
-use anamorph::internals::twin::fit::{fit, rays_below, reach};
-use anamorph::internals::twin::{KernelInputs, Real};
+use anamorph_lab::twin::cull::Address;
+use anamorph_lab::twin::fit::{fit, rays_below, reach};
+use anamorph_lab::twin::{KernelInputs, Real};
 use glam::DVec3;
 
 /// What kernels that read a node may lose of it, relative to its sizes: four roundings of 2^-24, for which the host's

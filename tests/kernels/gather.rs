@@ -9,7 +9,7 @@ use anamorph::internals::gpu::buffers::{Buffers, read_words, readback};
 use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
 use anamorph::internals::gpu::layout::{NONE, Optic, Params, PathState, Receiver, ReceiverTriangle};
 use anamorph::internals::image::frame::Channel;
-use anamorph::internals::twin::gather::{gather, place, units};
+use anamorph_lab::twin::gather::{gather, place, units};
 use bytemuck::Zeroable;
 use glam::DVec2;
 

@@ -5,10 +5,10 @@ use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, uplo
 use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::raster::raster_steps;
 use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
-use anamorph::internals::twin::meet::{meet, meetings};
-use anamorph::internals::twin::quadric::HEIGHT_UNITS;
-use anamorph::internals::twin::raster::Visibility;
-use anamorph::internals::twin::{KernelInputs, Real, along, torus, wave};
+use anamorph_lab::twin::meet::{meet, meetings};
+use anamorph_lab::twin::quadric::HEIGHT_UNITS;
+use anamorph_lab::twin::raster::Visibility;
+use anamorph_lab::twin::{KernelInputs, Real, along, torus, wave};
 
 /// Share of pixels that may be excused because the twin's own bound leaves them undecided: rays that pass a rim or touch
 /// a surface within rounding.

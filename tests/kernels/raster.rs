@@ -12,11 +12,11 @@ use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::Buffers;
 use anamorph::internals::gpu::kernels::Variant;
 use anamorph::internals::gpu::layout::{COUNTERS, Counter, Params};
-use anamorph::internals::twin::bin::{Pair, bin};
-use anamorph::internals::twin::cull::{Bound, cull};
-use anamorph::internals::twin::raster::{Tested, Visibility, raster, test};
-use anamorph::internals::twin::rays::Cast;
-use anamorph::internals::twin::{KernelInputs, Real};
+use anamorph_lab::twin::bin::{Pair, bin};
+use anamorph_lab::twin::cull::{Bound, cull};
+use anamorph_lab::twin::raster::{Tested, Visibility, raster, test};
+use anamorph_lab::twin::rays::Cast;
+use anamorph_lab::twin::{KernelInputs, Real};
 
 /// Share of pixels that may be excused because the twin's own bound leaves them undecided.
 /// Measured: 0.0006 in f32, none in f64.

@@ -9,11 +9,11 @@ use anamorph::internals::engine::stage;
 use anamorph::internals::geometry::mesh::NO_UV;
 use anamorph::internals::gpu::kernels::Variant;
 use anamorph::internals::image::frame::Channel;
-use anamorph::internals::twin::bin::bin;
-use anamorph::internals::twin::cull::{Bound, cull};
-use anamorph::internals::twin::raster::{Visibility, raster};
-use anamorph::internals::twin::shade::{Pixel, shade};
-use anamorph::internals::twin::{KernelInputs, Real};
+use anamorph_lab::twin::bin::bin;
+use anamorph_lab::twin::cull::{Bound, cull};
+use anamorph_lab::twin::raster::{Visibility, raster};
+use anamorph_lab::twin::shade::{Pixel, shade};
+use anamorph_lab::twin::{KernelInputs, Real};
 use glam::Vec2;
 use std::collections::BTreeSet;
 

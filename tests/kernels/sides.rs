@@ -2,7 +2,7 @@
 
 use crate::exact::{Dyadic, Rng};
 use crate::stages::Bench;
-use anamorph::internals::twin::Real;
+use anamorph_lab::twin::Real;
 
 /// Reads two places as the words of f64, and writes which of two products is larger, the side of the edge either way round, and whether
 /// the ray is between three corners: these two and one opposite, and thrice the first, one behind the other.

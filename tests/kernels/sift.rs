@@ -12,7 +12,7 @@ use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::camera::{Camera, Curve, CurveMap, Curves, Field, Ray, RayMap, Rays};
 use anamorph::internals::engine::plan::beams::Beams;
 use anamorph::internals::engine::stage::sift::Sift;
-use anamorph::internals::twin::sift::{Bound, sift};
+use anamorph_lab::twin::sift::{Bound, sift};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 

@@ -13,10 +13,10 @@ use anamorph::internals::engine::stage::split::split;
 use anamorph::internals::gpu::buffers::Buffers;
 use anamorph::internals::gpu::kernels::{Snippet, Variant};
 use anamorph::internals::gpu::layout::{COUNTERS, Counter};
-use anamorph::internals::twin::bin::bin;
-use anamorph::internals::twin::cull::{Bound, cull};
-use anamorph::internals::twin::raster::{Visibility, raster};
-use anamorph::internals::twin::{KernelInputs, LARGE, Real, Tables};
+use anamorph_lab::twin::bin::bin;
+use anamorph_lab::twin::cull::{Bound, cull};
+use anamorph_lab::twin::raster::{Visibility, raster};
+use anamorph_lab::twin::{KernelInputs, LARGE, Real, Tables};
 use std::collections::HashSet;
 
 /// The kernels' list of what small leaves, and how long it should be.

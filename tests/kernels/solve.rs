@@ -16,7 +16,7 @@ use anamorph::internals::engine::stage::splat::Splat;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::kernels::Snippet;
 use anamorph::internals::gpu::layout::NONE;
-use anamorph::internals::twin::solve::solve;
+use anamorph_lab::twin::solve::solve;
 use glam::DVec3;
 
 const SIZE: (u32, u32) = (120, 88);
@@ -87,7 +87,7 @@ fn proven_images_are_those_of_the_twin_and_nothing_is_lost() {
             // each is the twin's, within its bounds
             for image in images {
                 let twin = solve(&table.pieces[image.piece as usize], &table.point(*point)).unwrap();
-                let is_it = |r: &&anamorph::internals::twin::solve::Through| {
+                let is_it = |r: &&anamorph_lab::twin::solve::Through| {
                     let off = (r.place_px - glam::DVec2::new(image.x_px.into(), image.y_px.into())).abs().max_element();
                     off <= f64::from(image.error_px) && (r.t - f64::from(image.t)).abs() <= f64::from(image.error_t)
                 };

@@ -16,7 +16,7 @@ use anamorph::internals::gpu::kernels::Snippet;
 use anamorph::internals::gpu::layout::{NONE, SolveImage};
 use anamorph::internals::jobs::project::project_many;
 use anamorph::internals::jobs::splat::splat;
-use anamorph::internals::twin::solve_cell::solve_cell;
+use anamorph_lab::twin::solve_cell::solve_cell;
 use glam::{DVec2, DVec3};
 
 /// The last tiles are cut off.

@@ -5,8 +5,8 @@ use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, read, ru
 use anamorph::internals::engine::stage;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::image::tone::{Curve, Tone};
-use anamorph::internals::twin::write::{srgb, write};
-use anamorph::internals::twin::{KernelInputs, LARGE, Real};
+use anamorph_lab::twin::write::{srgb, write};
+use anamorph_lab::twin::{KernelInputs, LARGE, Real};
 
 /// How near to a rounding border the exact value lies where the byte may be the next one, in steps of a byte. WGSL's
 /// pow is exp2(y log2 x): log2 is right to 2^-21 near 1 and to 3 ulp elsewhere, exp2 to 3 + 2 |x| ulp, in all some

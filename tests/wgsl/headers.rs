@@ -5,7 +5,7 @@ use super::scan::{self, Names};
 use anamorph::internals::gpu::kernels::Kernel;
 use naga::{Expression, Function, Module};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A snippet of a module of its own: [`anamorph::internals::gpu::soft_f64::lowered`] calls its functions.
 const ALONE: &str = "shared/soft_f64.wgsl";
@@ -152,7 +152,15 @@ impl Joined {
 }
 
 fn text_of(name: &str) -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("wgsl").join(name)).unwrap()
+    let there = FOLDERS.iter().map(|folder| root(folder).join(name)).find(|path| path.is_file());
+    std::fs::read_to_string(there.unwrap_or_else(|| panic!("no file {name}"))).unwrap()
+}
+
+/// The folders of snippets: the product's and the laboratory's.
+const FOLDERS: [&str; 2] = ["wgsl", "lab/wgsl"];
+
+fn root(folder: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)
 }
 
 /// How the header of a snippet differs from what it must say.
@@ -190,13 +198,14 @@ fn every_snippet_names_what_it_provides_needs_and_binds() {
 fn every_snippet_is_part_of_a_kernel_and_needed_there() {
     let joined = Joined::all();
     let mut files = BTreeSet::new();
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("wgsl")];
-    let root = folders[0].clone();
-    while let Some(folder) = folders.pop() {
-        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-            match path.is_dir() {
-                true => folders.push(path),
-                false => drop(files.insert(path.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/"))),
+    for root in FOLDERS.map(root) {
+        let mut folders = vec![root.clone()];
+        while let Some(folder) = folders.pop() {
+            for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+                match path.is_dir() {
+                    true => folders.push(path),
+                    false => drop(files.insert(path.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/"))),
+                }
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::super::variants;
 use anamorph::internals::engine::stage::KernelId;
-use anamorph::internals::gpu::kernels::operations::{ByLoopDepth, Operations, operations};
+use anamorph_lab::operations::{ByLoopDepth, Operations, of_kernel, operations};
 use anamorph::internals::gpu::kernels::{Method, Variant};
 use anamorph::internals::image::frame::Channel;
 
@@ -118,7 +118,7 @@ fn what_overrides_leave_out_is_not_counted() {
 fn of_stage(id: KernelId, variant: Variant) -> Option<ByLoopDepth> {
     let planes: Vec<Channel> = Channel::every().collect();
     let kernel = id.kernel(variant, &planes)?;
-    Some(kernel.operations().unwrap_or_else(|e| panic!("{variant:?}: {e}")))
+    Some(of_kernel(&kernel).unwrap_or_else(|e| panic!("{variant:?}: {e}")))
 }
 
 fn sum(counted: ByLoopDepth) -> Operations {

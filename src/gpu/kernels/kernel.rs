@@ -64,30 +64,30 @@ macro_rules! snippets {
 }
 pub(crate) use snippets;
 
-pub(crate) fn uniform(name: &'static str, wgsl_type: &'static str) -> Binding {
+pub fn uniform(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Uniform, wgsl_type }
 }
 
-pub(crate) fn reads(name: &'static str, wgsl_type: &'static str) -> Binding {
+pub fn reads(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Read, wgsl_type }
 }
 
-pub(crate) fn writes(name: &'static str, wgsl_type: &'static str) -> Binding {
+pub fn writes(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Write, wgsl_type }
 }
 
 /// Named and bound like buffers.
-pub(crate) fn texture(name: &'static str, wgsl_type: &'static str) -> Binding {
+pub fn texture(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Texels, wgsl_type }
 }
 
-pub(crate) fn writes_texture(name: &'static str, wgsl_type: &'static str) -> Binding {
+pub fn writes_texture(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::WriteTexels, wgsl_type }
 }
 
 impl Kernel {
     /// Joined from `parts`, in their order; a snippet that several of them have stands where the first has it.
-    pub(crate) fn new(name: &'static str, bindings: Vec<Binding>, parts: &[Parts]) -> Kernel {
+    pub fn new(name: &'static str, bindings: Vec<Binding>, parts: &[Parts]) -> Kernel {
         let mut seen = HashSet::new();
         let mut parts = parts.concat();
         parts.retain(|p| seen.insert(p.name));
@@ -118,7 +118,7 @@ impl Kernel {
     }
 
     /// Says which planes there are, in their order.
-    pub(crate) fn with_planes(mut self, planes: &[Channel]) -> Kernel {
+    pub fn with_planes(mut self, planes: &[Channel]) -> Kernel {
         let name = |channel: &Channel| PLANES.iter().find(|(own, _)| own == channel).map(|(_, name)| name.as_str());
         let constant = |(k, channel): (usize, &Channel)| name(channel).map(|name| (name, k as f64));
         self.constants.extend(planes.iter().enumerate().filter_map(constant));

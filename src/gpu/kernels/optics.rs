@@ -51,7 +51,7 @@ impl Variant {
     }
 
     /// The pixel of a thread: of a tile that has a ray after a bounce, or of all.
-    pub(crate) fn pixel_at(self) -> Parts {
+    pub fn pixel_at(self) -> Parts {
         if self.bounced { LIVE_PIXELS } else { snippets!("shared/every_pixel.wgsl") }
     }
 
@@ -61,7 +61,7 @@ impl Variant {
     }
 
     /// Which triangles rays do not meet because they start there.
-    pub(crate) fn start(self) -> &'static [Parts] {
+    pub fn start(self) -> &'static [Parts] {
         if self.bounced {
             &[OPTICS_LAYOUT, snippets!("optics/start.wgsl")]
         } else {
@@ -70,7 +70,7 @@ impl Variant {
     }
 
     /// What a pixel shows, and what lies behind its ray.
-    pub(crate) fn seen(self) -> &'static [Parts] {
+    pub fn seen(self) -> &'static [Parts] {
         if self.optics.is_some() {
             &[OPTICS_LAYOUT, snippets!("optics/seen.wgsl")]
         } else {
@@ -79,7 +79,7 @@ impl Variant {
     }
 
     /// How rays arrive at the surface. Only straight ones meet a smooth one.
-    pub(crate) fn arrival(self) -> Parts {
+    pub fn arrival(self) -> Parts {
         match self.rays {
             RaysKind::Curves { .. } if !self.meets() => snippets!("optics/arrive_curved.wgsl"),
             _ => snippets!("optics/arrive_straight.wgsl"),
@@ -87,7 +87,7 @@ impl Variant {
     }
 
     /// The surface of the optics: its structs, and how rays meet it and go on from there.
-    pub(crate) fn surface(self) -> (Binding, &'static [Parts]) {
+    pub fn surface(self) -> (Binding, &'static [Parts]) {
         const SMOOTH: Parts = snippets!("optics/smooth.wgsl");
         const MARCH: Parts = snippets!("optics/march.wgsl");
         match self.optics {

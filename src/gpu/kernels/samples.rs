@@ -15,24 +15,24 @@ impl Variant {
     }
 
     /// Strips of four that the samples of a pixel take.
-    pub(crate) fn strips(self) -> f64 {
+    pub fn strips(self) -> f64 {
         f64::from(self.samples.div_ceil(4))
     }
 
     /// Largest distance of a sample from its pixel's centre, px.
-    pub(crate) fn sample_reach(self) -> f64 {
+    pub fn sample_reach(self) -> f64 {
         // rounded up
         f64::from(self.samples - 1) / f64::from(2 * self.samples) * (1.0 + f64::from(f32::EPSILON))
     }
 
     /// The constants of kernels that test triangles against samples.
-    pub(crate) fn sample_constants(self) -> Vec<(&'static str, f64)> {
+    pub fn sample_constants(self) -> Vec<(&'static str, f64)> {
         let samples = [("SAMPLES", f64::from(self.samples)), ("SAMPLE_REACH", self.sample_reach())];
         [self.constants(), samples.to_vec()].concat()
     }
 
     /// The rays of samples in recheck arithmetic, and what they bind beside the pixels' own.
-    pub(crate) fn sample_rays(self, bindings: &mut Vec<Binding>) -> &'static [Parts] {
+    pub fn sample_rays(self, bindings: &mut Vec<Binding>) -> &'static [Parts] {
         if self.rays == RaysKind::Pieces {
             bindings.push(uniform("sample_offsets", "SampleOffsets"));
             return &[SAMPLE_OFFSETS, snippets!("camera/pieces_sample.wgsl")];

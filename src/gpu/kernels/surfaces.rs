@@ -5,12 +5,12 @@ use super::variant::{LightsKind, RaysKind, Variant};
 
 impl Variant {
     /// How weights of a triangle's corners change from pixel to pixel, where something follows from that.
-    pub(crate) fn weights(self) -> Option<Parts> {
+    pub fn weights(self) -> Option<Parts> {
         (self.textured || self.styled || self.analytic).then_some(snippets!("shared/weights.wgsl"))
     }
 
     /// Normals of surfaces, and the light there.
-    pub(crate) fn lit_surface(self) -> Parts {
+    pub fn lit_surface(self) -> Parts {
         match self.timed {
             true => snippets!("shared/table.wgsl", "shared/surface.wgsl", "shared/normal_timed.wgsl"),
             false => snippets!("shared/table.wgsl", "shared/surface.wgsl", "shared/normal.wgsl"),
@@ -18,7 +18,7 @@ impl Variant {
     }
 
     /// The surfaces of triangles, and of spheres where there are some.
-    pub(crate) fn flat_surface(self) -> Parts {
+    pub fn flat_surface(self) -> Parts {
         match (self.spheres, self.rays) {
             (false, _) => snippets!("shared/flat_triangle.wgsl"),
             (true, RaysKind::Curves { .. }) => snippets!(
@@ -37,26 +37,26 @@ impl Variant {
     }
 
     /// What casts shadows.
-    pub(crate) fn leaves(self) -> Option<Parts> {
+    pub fn leaves(self) -> Option<Parts> {
         let parts =
             if self.spheres { snippets!("shared/leaf_sphere.wgsl") } else { snippets!("shared/leaf_triangle.wgsl") };
         (self.lights == LightsKind::Shadowed).then_some(parts)
     }
 
     /// The colours of a triangle's corners, for kernels that look up images.
-    pub(crate) fn corner_colors(self) -> Option<Parts> {
+    pub fn corner_colors(self) -> Option<Parts> {
         let parts =
             if self.colored { snippets!("textures/colored.wgsl") } else { snippets!("textures/uncolored.wgsl") };
         self.textured.then_some(parts)
     }
 
     /// The images that lie on triangles.
-    pub(crate) fn pages(self) -> Option<Binding> {
+    pub fn pages(self) -> Option<Binding> {
         self.textured.then(|| texture("pages", "texture_2d_array<f32>"))
     }
 
     /// How these are looked up.
-    pub(crate) fn images(self) -> Parts {
+    pub fn images(self) -> Parts {
         if self.textured {
             return snippets!(
                 "materials/material.wgsl",
@@ -72,7 +72,7 @@ impl Variant {
     }
 
     /// What light arrives at a surface, and what it sends back.
-    pub(crate) fn light(self) -> [Parts; 2] {
+    pub fn light(self) -> [Parts; 2] {
         let lights = match self.lights {
             LightsKind::Plain => snippets!("shared/table.wgsl", "lights/rows.wgsl", "lights/plain.wgsl"),
             LightsKind::Positional => {
@@ -108,7 +108,7 @@ impl Variant {
     }
 
     /// The pictures that are thrown onto them.
-    pub(crate) fn thrown_pictures(self) -> Parts {
+    pub fn thrown_pictures(self) -> Parts {
         match self.pictures {
             true => snippets!("shared/half_meets.wgsl", "pictures/places.wgsl", "pictures/thrown.wgsl"),
             false => snippets!("pictures/none.wgsl"),
@@ -116,7 +116,7 @@ impl Variant {
     }
 
     /// What is drawn on surfaces.
-    pub(crate) fn style(self) -> Parts {
+    pub fn style(self) -> Parts {
         if self.styled {
             return snippets!(
                 "styles/layout.wgsl",
@@ -129,12 +129,12 @@ impl Variant {
     }
 
     /// How that is drawn.
-    pub(crate) fn style_binding(self) -> Option<Binding> {
+    pub fn style_binding(self) -> Option<Binding> {
         self.styled.then(|| uniform("style", "Style"))
     }
 
     /// Their alpha masks.
-    pub(crate) fn alpha_masks(self) -> Parts {
+    pub fn alpha_masks(self) -> Parts {
         if self.masked {
             return snippets!(
                 "materials/material.wgsl",

@@ -304,12 +304,12 @@ impl Variant {
         self.method != Method::Raster
     }
 
-    pub(crate) fn real(self) -> Parts {
+    pub fn real(self) -> Parts {
         if self.f64 { REAL_F64 } else { REAL_F32 }
     }
 
     /// Triangles and vertices, from their textures.
-    pub(crate) fn vertex(self) -> Parts {
+    pub fn vertex(self) -> Parts {
         match self.timed {
             true => snippets!("shared/table.wgsl", "shared/vertex_timed.wgsl"),
             false => VERTEX,
@@ -317,7 +317,7 @@ impl Variant {
     }
 
     /// Packed triangles, and vertices in recheck arithmetic.
-    pub(crate) fn triangle(self) -> Parts {
+    pub fn triangle(self) -> Parts {
         match self.timed {
             true => snippets!("shared/triangle.wgsl", "shared/vertex_real_timed.wgsl"),
             false => TRIANGLE,
@@ -325,30 +325,30 @@ impl Variant {
     }
 
     /// When each pixel sees the scene.
-    pub(crate) fn moments(self) -> Option<Binding> {
+    pub fn moments(self) -> Option<Binding> {
         self.timed.then(|| reads("moments", "array<u32>"))
     }
 
-    pub(crate) fn merge(self) -> Parts {
+    pub fn merge(self) -> Parts {
         if self.atomics64 { snippets!("shared/merge_u64.wgsl") } else { snippets!("shared/merge_u32.wgsl") }
     }
 
     /// The type of a buffer of visibility keys that are merged.
-    pub(crate) fn keys(self) -> &'static str {
+    pub fn keys(self) -> &'static str {
         if self.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" }
     }
 
     /// The type of the visibility buffer where each pixel's key is read once.
-    pub(crate) fn keys_read(self) -> &'static str {
+    pub fn keys_read(self) -> &'static str {
         if self.atomics64 { "array<u64>" } else { "array<vec2<u32>>" }
     }
 
     /// How such a key is read.
-    pub(crate) fn pixel_key(self) -> Parts {
+    pub fn pixel_key(self) -> Parts {
         if self.atomics64 { snippets!("shared/pixel_key_u64.wgsl") } else { snippets!("shared/pixel_key_u32.wgsl") }
     }
 
-    pub(crate) fn camera(self) -> Parts {
+    pub fn camera(self) -> Parts {
         match self.rays {
             RaysKind::Pieces => {
                 snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece.wgsl", "camera/pieces.wgsl")
@@ -359,7 +359,7 @@ impl Variant {
     }
 
     /// The camera's rays pixel by pixel, after they were found by tiles and cells.
-    pub(crate) fn pixel(self) -> &'static [Parts] {
+    pub fn pixel(self) -> &'static [Parts] {
         match self.rays {
             RaysKind::Pieces => &[CELLS, snippets!("camera/pieces_pixel.wgsl")],
             RaysKind::Field => &[snippets!("camera/field_pixel.wgsl")],
@@ -367,7 +367,7 @@ impl Variant {
         }
     }
 
-    pub(crate) fn coverage(self) -> &'static [Parts] {
+    pub fn coverage(self) -> &'static [Parts] {
         match self.rays {
             RaysKind::Pieces => &[MEETING_OF_RAYS, snippets!("camera/pieces_coverage.wgsl")],
             RaysKind::Field => &[MEETING_OF_RAYS, snippets!("camera/field_coverage.wgsl")],
@@ -377,7 +377,7 @@ impl Variant {
         }
     }
 
-    pub(crate) fn proof(self) -> &'static [Parts] {
+    pub fn proof(self) -> &'static [Parts] {
         const STRAIGHT: Parts = snippets!("shared/perturb.wgsl", "camera/straight_proof.wgsl");
         match self.rays {
             RaysKind::Pieces => &[STRAIGHT, snippets!("camera/pieces_proof.wgsl")],
@@ -387,7 +387,7 @@ impl Variant {
     }
 
     /// The buffers with which rays are found pixel by pixel.
-    pub(crate) fn pixel_rays(self) -> Vec<Binding> {
+    pub fn pixel_rays(self) -> Vec<Binding> {
         let mut list = self.rays();
         if self.rays != RaysKind::Field {
             list.extend([reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
@@ -396,12 +396,12 @@ impl Variant {
     }
 
     /// The snippets with which rays are found pixel by pixel.
-    pub(crate) fn pixel_snippets(self) -> Vec<Parts> {
+    pub fn pixel_snippets(self) -> Vec<Parts> {
         [&[self.real(), BUNDLE, self.camera()][..], self.pixel()].concat()
     }
 
     /// Tests of a tile's rays against a box.
-    pub(crate) fn tile_rays(self) -> Parts {
+    pub fn tile_rays(self) -> Parts {
         match self.incoherent {
             true => snippets!("camera/field_rays.wgsl", "shared/rays_incoherent.wgsl"),
             false => snippets!("shared/rays_coherent.wgsl"),
@@ -409,7 +409,7 @@ impl Variant {
     }
 
     /// Tests of an item's rays against a box.
-    pub(crate) fn item_rays(self) -> Parts {
+    pub fn item_rays(self) -> Parts {
         match (self.incoherent && self.culling, self.loads_by_lanes()) {
             (true, true) => snippets!(
                 "camera/field_rays.wgsl",
@@ -426,33 +426,33 @@ impl Variant {
     }
 
     /// The binding of those tests.
-    pub(crate) fn incoherent_rays(self, asks: bool) -> Option<Binding> {
+    pub fn incoherent_rays(self, asks: bool) -> Option<Binding> {
         (self.incoherent && asks).then(|| reads("rays_hi", "array<f32>"))
     }
 
     /// Where the lanes of a tile are in their subgroup.
-    pub(crate) fn lane_places(self) -> Parts {
+    pub fn lane_places(self) -> Parts {
         if self.wide { snippets!("shared/lanes_of_part.wgsl") } else { snippets!("shared/lanes_of_whole.wgsl") }
     }
 
     /// Whether the lanes of a tile load together what all of them need. So on software adapters, whose subgroups have no more threads
     /// than these: each thread that loads a number takes time of its own there.
-    pub(crate) fn loads_by_lanes(self) -> bool {
+    pub fn loads_by_lanes(self) -> bool {
         self.by_tile && !self.wide
     }
 
     /// How a kernel sees a list of structs: as it is, or as vec4s that the lanes of a subgroup load together.
-    pub(crate) fn list_type(self, list: &'static str) -> &'static str {
+    pub fn list_type(self, list: &'static str) -> &'static str {
         if self.loads_by_lanes() { "array<vec4<f32>>" } else { list }
     }
 
     /// How a kernel loads the node of its item.
-    pub(crate) fn item_node(self) -> Parts {
+    pub fn item_node(self) -> Parts {
         if self.loads_by_lanes() { snippets!("shared/node_by_lanes.wgsl") } else { snippets!("shared/node_load.wgsl") }
     }
 
     /// How a kernel loads the piece that all lanes need.
-    pub(crate) fn lanes_piece(self) -> Parts {
+    pub fn lanes_piece(self) -> Parts {
         match self.loads_by_lanes() {
             true => snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece_by_lanes.wgsl"),
             false => snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece_load.wgsl"),
@@ -460,7 +460,7 @@ impl Variant {
     }
 
     /// The buffers that hold the camera's rays.
-    pub(crate) fn rays(self) -> Vec<Binding> {
+    pub fn rays(self) -> Vec<Binding> {
         match self.rays {
             RaysKind::Pieces => vec![pieces()],
             RaysKind::Field | RaysKind::Curves { .. } => {
@@ -470,7 +470,7 @@ impl Variant {
     }
 
     /// The constants of kernels that follow the camera's rays.
-    pub(crate) fn constants(self) -> Vec<(&'static str, f64)> {
+    pub fn constants(self) -> Vec<(&'static str, f64)> {
         let mut constants = vec![("SLABBED", self.slabbed as u32 as f64)];
         if let RaysKind::Curves { degree } = self.rays {
             constants.push(("DEGREE", degree as f64));

@@ -7,6 +7,7 @@ use crate::jobs::options::{self, Named, REPEAT_MAX, SAMPLES_MAX};
 use crate::jobs::{self, EngineName, RenderJob};
 use crate::scene::gradients::{Asked, Of, Quantity};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Renders triangles through cameras whose rays do not meet in a point.
@@ -60,10 +61,12 @@ pub enum Command {
         #[arg(long, value_name = "DIR", default_value = ".")]
         out: PathBuf,
     },
-    /// Measure error against run time, of this engine and of its rivals
-    Bench(BenchArgs),
-    /// Test and measure this machine's GPU for some minutes, into a folder to send to the developers
-    GpuReport(GpuReportArgs),
+    /// Measure error against run time, of this engine and of its rivals; runs anamorph-lab
+    #[command(disable_help_flag = true)]
+    Bench(LabArgs),
+    /// Test and measure this machine's GPU for some minutes, into a folder to send to the developers; runs anamorph-lab
+    #[command(disable_help_flag = true)]
+    GpuReport(LabArgs),
 }
 
 /// Changes of the limits on work and memory.
@@ -500,52 +503,11 @@ pub enum UpAxis {
     Z,
 }
 
+/// Arguments that are handed on to the laboratory's program.
 #[derive(Debug, Args)]
-pub struct BenchArgs {
-    /// papers, pareto, glc, samples, stages, dynamic, stiff or beyond [default: all]; or reproduce; or page: pages and plots anew from the results in --out
-    pub suite: Option<String>,
-    /// With reproduce: the case to run again and to compare with what a run in --out says, for example 'papers/Yu 1'
-    #[arg(value_name = "SUITE/CASE", requires = "suite")]
-    pub row: Option<String>,
-    /// Small cases, under a minute each
-    #[arg(long)]
-    pub quick: bool,
-    /// Only cases whose name contains this; a run of the same day keeps its other rows
-    #[arg(long, value_name = "TEXT", requires = "suite")]
-    pub case: Option<String>,
-    /// Folder for the results: one subfolder per run, and index.html
-    #[arg(long, value_name = "DIR", default_value = "bench_results")]
-    pub out: PathBuf,
-    /// Program to time as well in the GLC cases, called as `PATH MESH.tri W H pieces FILE`
-    #[arg(long, value_name = "PATH")]
-    pub yardstick: Option<PathBuf>,
-    /// Timed frames of each technique in each case [default: 9 on a GPU and 7 on a CPU, and more until the 95 % interval is within 5 %, 50 at most; 3 with --quick]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub runs: Option<u32>,
-    /// Adapter to use: a part of its name
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
-}
-
-#[derive(Debug, Args)]
-pub struct GpuReportArgs {
-    /// Minutes after which nothing new is started; a later run with the same --out goes on
-    #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 8.0, value_parser = minutes)]
-    pub minutes: f64,
-    /// Folder for the results: a subfolder for the report, and one for each suite
-    #[arg(long, value_name = "DIR", default_value = "bench_results")]
-    pub out: PathBuf,
-    /// Adapter to use: a part of its name
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
-}
-
-/// A day.
-const MINUTES_MAX: f64 = 1440.0;
-
-fn minutes(text: &str) -> Result<f64, String> {
-    let minutes = text.parse().ok().filter(|n: &f64| (0.0..=MINUTES_MAX).contains(n));
-    minutes.ok_or_else(|| format!("write a number of minutes from 0 to {MINUTES_MAX}, for example 8"))
+pub struct LabArgs {
+    #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
+    pub arguments: Vec<OsString>,
 }
 
 /// A number of bytes: a number with an optional unit, k, M, G or T for powers of 1024, and optionally B or iB.

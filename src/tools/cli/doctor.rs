@@ -6,7 +6,7 @@ use crate::gpu::device::{AdapterFeatures, adapters};
 use crate::gpu::needs::lacks;
 use crate::input::limits::memory;
 use crate::input::{Error, Result};
-use crate::tools::gpu_report::self_test::{Tester, views};
+use crate::tools::self_test::{Tester, views};
 use std::fmt;
 use std::path::Path;
 use std::time::Instant;

@@ -71,7 +71,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
 }
 
 /// An open device's adapter, in lines.
-pub(super) fn lines(gpu: &Gpu) -> String {
+pub fn lines(gpu: &Gpu) -> String {
     about(&gpu.info, &gpu.limits, gpu.has, false).to_string().trim_start().to_owned()
 }
 

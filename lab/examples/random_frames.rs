@@ -1,0 +1,201 @@
+//! Random small scenes against the reference: `cargo run --features internals --release --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving] [spheres]`.
+//! Each is one of `any`'s scenes in 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end. Without 64-bit
+//! atomics, raster bounds t in f32 as it does on GPUs without f64. With `moving` everything moves while the frame is taken, and with `spheres`
+//! there are spheres between the triangles.
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::combinations::at_once;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::samples::sample_offsets;
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::gpu::kernels::Method;
+use anamorph::internals::gpu::{Gpu, GpuOptions};
+use anamorph::internals::image::compare::compare;
+use anamorph::internals::image::frame::{Channel, Frame, Plane};
+use anamorph::internals::input::Result;
+use anamorph::internals::reference::image::{explain, judge};
+use anamorph::internals::scene::Scene;
+use std::process::ExitCode;
+
+const SIZE: (u32, u32) = (32, 32);
+
+/// Pixels of all frames, by what is known of them.
+#[derive(Debug, Default)]
+struct Seen {
+    pixels: u64,
+    unsafe_pixels: u64,
+    wrong_safe: u64,
+    not_near: u64,
+    by_f32: u64,
+    by_recheck: u64,
+    certified_wrong: u64,
+    /// Pixels whose t or triangle is another one by raster with `small` (proofs take all pairs), or by trace.
+    by_other_ways: u64,
+    /// Samples of pixels, and those wrong or not near.
+    samples: u64,
+    samples_wrong: u64,
+}
+
+fn main() -> ExitCode {
+    let less = |what: &str| std::env::args().any(|a| a == what);
+    let options = GpuOptions { no_int64: less("no-int64"), no_f64: less("no-f64"), ..GpuOptions::default() };
+    let mut numbers = std::env::args()
+        .skip(1)
+        .filter(|a| !a.starts_with("no-") && a != "moving" && a != "spheres")
+        .map(|n| n.parse::<u64>());
+    let (Some(Ok(count)), first) = (numbers.next(), numbers.next().transpose().unwrap_or(None).unwrap_or(0)) else {
+        eprintln!("error: give how many scenes, and the first one's number; as in random_frames 1000 0");
+        return ExitCode::from(2);
+    };
+    let Ok(Some(gpu)) = Gpu::open(&options) else {
+        eprintln!("error: no adapter");
+        return ExitCode::from(1);
+    };
+    let mut engine = Engine::new(gpu);
+    // what moves is not certified, nor are spheres
+    let is_traced = less("moving") || less("spheres");
+    let certified = if is_traced { None } else { Some(Channel::Certified) };
+    let channels: Vec<Channel> = [Channel::T, Channel::TriangleId].into_iter().chain(certified).collect();
+    let wanted = Wanted::of(channels);
+    let mut all = Seen::default();
+    for number in first..first + count {
+        let rng = &mut common::rng::Rng(number);
+        let (scene, camera) = match (less("moving"), less("spheres")) {
+            (true, _) => common::any::any_moving(rng, SIZE),
+            (false, true) => common::any::any_with_spheres(rng, SIZE),
+            (false, false) => common::any::any(rng, SIZE),
+        };
+        let frame = match engine.render(&scene, &camera, &wanted, &RunOptions::default()) {
+            Ok(rendered) => rendered.frame,
+            Err(e) => {
+                println!("scene {number}: {e}");
+                all.not_near += 1;
+                continue;
+            }
+        };
+        let judged = judge(&scene, &camera, &frame);
+        let seen = match compare(&frame, &judged.truth, Some(&judged.safe), Some(&judged.scales)) {
+            Ok(seen) => seen,
+            Err(e) => {
+                println!("scene {number}: {e}");
+                continue;
+            }
+        };
+        let ids =
+            |f: &anamorph::internals::image::frame::Frame| f.u32(Channel::TriangleId).unwrap_or_default().to_vec();
+        let proven = frame.u32(Channel::Certified).unwrap_or_default();
+        let same: Vec<bool> = ids(&frame).iter().zip(ids(&judged.truth)).map(|(a, b)| *a == b).collect();
+        let certified_wrong = proven.iter().zip(&same).filter(|(p, same)| **p > 0 && !**same).count() as u64;
+        let wrong_safe = seen.wrong_safe.unwrap_or(0);
+        if wrong_safe + judged.not_near + certified_wrong > 0 {
+            let faults =
+                format!("{wrong_safe} safe pixels wrong, {} not near, {certified_wrong} proven wrong", judged.not_near);
+            println!("scene {number}, {}: {faults}", camera.kind);
+            // of one scene alone, why
+            let wrong = (0..same.len()).filter(|k| count == 1 && !same[*k] && (judged.safe[*k] || judged.not_near > 0));
+            for k in wrong.take(3) {
+                let (x, y) = (k as u32 % SIZE.0, k as u32 / SIZE.0);
+                println!("pixel {x},{y} shows {:?}, proven {:?}", ids(&frame)[k], proven.get(k));
+                println!("{}", explain(&scene, &camera, x, y).text);
+            }
+        }
+        let has = engine.gpu.has;
+        // where raster finds t in f64, by a formula of its own, it may take another of two triangles that are level to within rounding, and
+        // t may be rounded to the f32 beside
+        let own_t = has.f64 && (!has.by_tile() || has.software && has.atomics64);
+        let (counts, gap) = (|k: usize| judged.safe[k] || !own_t, u32::from(own_t));
+        let ways: &[Method] = if is_traced { &[Method::Trace] } else { &[Method::Raster, Method::Trace] };
+        let differ: u64 =
+            ways.iter().map(|m| differing(&mut engine, &scene, &camera, *m, &frame, (&counts, gap))).sum();
+        if differ > 0 {
+            println!("scene {number}, {}: {differ} pixels differ by raster with small, or by trace", camera.kind);
+        }
+        all.by_other_ways += differ;
+        let wrong = wrong_samples(&mut engine, &scene, &camera);
+        if let Some(Err(e)) = &wrong {
+            println!("scene {number}, {}: {e}", camera.kind);
+        }
+        if let Some(wrong) = wrong {
+            let wrong = wrong.unwrap_or(1);
+            if wrong > 0 {
+                println!("scene {number}, {}: {wrong} samples wrong", camera.kind);
+            }
+            all.samples += u64::from(SAMPLES) * seen.pixels;
+            all.samples_wrong += wrong;
+        }
+        all.pixels += seen.pixels;
+        all.unsafe_pixels += seen.unsafe_pixels.unwrap_or(0);
+        all.wrong_safe += wrong_safe;
+        all.not_near += judged.not_near;
+        all.by_f32 += proven.iter().filter(|p| **p == 2).count() as u64;
+        all.by_recheck += proven.iter().filter(|p| **p == 1).count() as u64;
+        all.certified_wrong += certified_wrong;
+    }
+    println!("{count} scenes from {first}: {all:?}");
+    ExitCode::from(u8::from(
+        all.wrong_safe + all.not_near + all.certified_wrong + all.by_other_ways + all.samples_wrong > 0,
+    ))
+}
+
+/// How many pixels of those that count show another triangle by a method than in `frame`, or a t more than `gap` f32 numbers away.
+fn differing(
+    engine: &mut Engine,
+    scene: &Scene,
+    camera: &Camera,
+    method: Method,
+    frame: &Frame,
+    (counts, gap): (&dyn Fn(usize) -> bool, u32),
+) -> u64 {
+    let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
+    let words = |f: &Frame| {
+        let t = f.f32(Channel::T).into_iter().flatten().map(|t| t.to_bits());
+        let ids = f.u32(Channel::TriangleId).into_iter().flatten().copied();
+        t.zip(ids).collect::<Vec<_>>()
+    };
+    match engine.render(scene, camera, &wanted, &RunOptions { method, ..RunOptions::default() }) {
+        Ok(rendered) => {
+            let (by, of_frame) = (words(&rendered.frame), words(frame));
+            let differs = |k: &usize| {
+                let ((t, id), (own_t, own_id)) = (by[*k], of_frame[*k]);
+                counts(*k) && (id != own_id || t.abs_diff(own_t) > gap)
+            };
+            let tell = |k: &usize| {
+                let [own, other] = [of_frame[*k], by[*k]].map(|(t, id)| (f32::from_bits(t), id));
+                println!(
+                    "pixel {},{}: t and triangle {own:?}, by {method:?} {other:?}",
+                    *k as u32 % SIZE.0,
+                    *k as u32 / SIZE.0
+                );
+            };
+            let differ = (0..of_frame.len()).filter(differs);
+            differ.inspect(tell).count() as u64
+        }
+        Err(e) => {
+            println!("{method:?}: {e}");
+            1
+        }
+    }
+}
+
+/// Samples of a pixel.
+const SAMPLES: u32 = 4;
+
+/// How many samples of the pixels of a frame see what they do not, of cameras whose samples are found in one frame.
+fn wrong_samples(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Option<Result<u64>> {
+    at_once(scene, camera, SAMPLES).then(|| {
+        let wanted = Wanted { samples: SAMPLES, sample_ids: true, ..Wanted::of(vec![Channel::TriangleId]) };
+        let rendered = engine.render(scene, camera, &wanted, &RunOptions::default())?;
+        let mut wrong = 0;
+        for (place, ids) in sample_offsets(SAMPLES).into_iter().zip(rendered.sample_ids) {
+            let planes = vec![(Channel::TriangleId, Plane::U32(ids))];
+            let own = Frame { width: SIZE.0, height: SIZE.1, planes };
+            let judged = judge(scene, &camera.with_sample_offset(place.x, place.y), &own);
+            let seen = compare(&own, &judged.truth, Some(&judged.safe), None)?;
+            wrong += seen.wrong_safe.unwrap_or(0) + judged.not_near;
+        }
+        Ok(wrong)
+    })
+}

@@ -1,0 +1,116 @@
+//! The kinds of cameras in scene files, one file per family. [`pinhole`] is the simplest; read it to learn how a kind is written: its keys,
+//! how they are read, and its rays.
+
+pub mod calibrated;
+pub mod camera_texture;
+mod central;
+pub mod composite;
+pub mod cross_slit;
+pub mod cylinder;
+pub mod display;
+pub mod fisheye;
+pub mod glc;
+pub mod hinge;
+pub mod irregular_perspective;
+pub mod lidar;
+pub mod lightfield;
+pub mod mcop;
+pub mod mesh;
+pub mod occlusion;
+pub mod ods;
+pub mod ortho_to_perspective;
+pub mod orthographic;
+pub mod panini;
+pub mod panorama;
+pub mod pencil;
+pub mod pinhole;
+pub mod pushbroom;
+pub mod raymap;
+pub mod reflection;
+pub mod sphere;
+pub mod street;
+mod strips;
+pub mod surround;
+pub mod twist;
+pub(crate) mod values;
+mod viewer;
+
+use super::recipe::Kind;
+use super::{chain, graph, projector};
+
+/// The table of kinds.
+pub const KINDS: &[Kind] = &[
+    Kind { name: "pinhole", help: include_str!("help/pinhole.txt"), read: pinhole::read },
+    Kind { name: "orthographic", help: include_str!("help/orthographic.txt"), read: orthographic::read },
+    Kind { name: "glc", help: include_str!("help/glc.txt"), read: glc::read },
+    Kind { name: "mesh", help: include_str!("help/mesh.txt"), read: mesh::read },
+    Kind { name: "raymap", help: include_str!("help/raymap.txt"), read: raymap::read },
+    Kind { name: "cross_slit", help: include_str!("help/cross_slit.txt"), read: cross_slit::read },
+    Kind { name: "pushbroom", help: include_str!("help/pushbroom.txt"), read: pushbroom::read },
+    Kind { name: "pencil", help: include_str!("help/pencil.txt"), read: pencil::read },
+    Kind { name: "twisted", help: include_str!("help/twisted.txt"), read: pencil::read_twisted },
+    Kind { name: "panorama", help: include_str!("help/panorama.txt"), read: panorama::read },
+    Kind { name: "hinge", help: include_str!("help/hinge.txt"), read: hinge::read },
+    Kind { name: "surround", help: include_str!("help/surround.txt"), read: surround::read },
+    Kind { name: "mcop", help: include_str!("help/mcop.txt"), read: mcop::read },
+    Kind { name: "projector", help: include_str!("help/projector.txt"), read: projector::read },
+    Kind {
+        name: "irregular_perspective",
+        help: include_str!("help/irregular_perspective.txt"),
+        read: irregular_perspective::read,
+    },
+    Kind { name: "twist", help: include_str!("help/twist.txt"), read: twist::read },
+    Kind {
+        name: "curved_convergence",
+        help: include_str!("help/curved_convergence.txt"),
+        read: twist::read_curved_convergence,
+    },
+    Kind {
+        name: "ortho_to_perspective",
+        help: include_str!("help/ortho_to_perspective.txt"),
+        read: ortho_to_perspective::read,
+    },
+    Kind { name: "occlusion", help: include_str!("help/occlusion.txt"), read: occlusion::read },
+    Kind { name: "street", help: include_str!("help/street.txt"), read: street::read },
+    Kind { name: "fisheye", help: include_str!("help/fisheye.txt"), read: fisheye::read },
+    Kind { name: "sphere", help: include_str!("help/sphere.txt"), read: sphere::read },
+    Kind { name: "cylinder", help: include_str!("help/cylinder.txt"), read: cylinder::read },
+    Kind { name: "chain", help: include_str!("help/chain.txt"), read: chain::read },
+    Kind { name: "bottom_up", help: include_str!("help/bottom_up.txt"), read: graph::bottom_up::read },
+    Kind {
+        name: "graph_camera",
+        help: include_str!("help/graph_camera.txt"),
+        read: graph::bottom_up::read_discontinuous,
+    },
+    Kind { name: "top_down", help: include_str!("help/top_down.txt"), read: graph::top_down::read },
+    Kind { name: "track", help: include_str!("help/track.txt"), read: graph::track::read },
+    Kind { name: "opencv", help: include_str!("help/opencv.txt"), read: calibrated::read_opencv },
+    Kind { name: "calibrated", help: include_str!("help/calibrated.txt"), read: calibrated::read },
+    Kind { name: "ods", help: include_str!("help/ods.txt"), read: ods::read },
+    Kind { name: "camera_texture", help: include_str!("help/camera_texture.txt"), read: camera_texture::read },
+    Kind { name: "panini", help: include_str!("help/panini.txt"), read: panini::read },
+    Kind { name: "display", help: include_str!("help/display.txt"), read: display::read },
+    Kind { name: "lightfield", help: include_str!("help/lightfield.txt"), read: lightfield::read },
+    Kind { name: "reflection", help: include_str!("help/reflection.txt"), read: reflection::read },
+    Kind { name: "refraction", help: include_str!("help/refraction.txt"), read: reflection::read_refraction },
+    Kind { name: "lidar", help: include_str!("help/lidar.txt"), read: lidar::read },
+    Kind { name: "composite", help: include_str!("help/composite.txt"), read: composite::read },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn help_describes_each_key_once() {
+        for Kind { name: kind, help, .. } in KINDS {
+            // a key's line has two leading spaces, its continuation lines more
+            let keys = help.lines().filter_map(|line| line.strip_prefix("  ")).filter(|line| !line.starts_with(' '));
+            let keys: Vec<&str> = keys.filter_map(|line| line.split("  ").next()).collect();
+            let mut known = HashSet::new();
+            let twice: Vec<&&str> = keys.iter().filter(|key| !known.insert(**key)).collect();
+            assert!(!keys.is_empty() && twice.is_empty(), "{kind}: {twice:?}");
+        }
+    }
+}

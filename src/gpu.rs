@@ -1,0 +1,17 @@
+//! Everything that touches a GPU: the adapter, how kernels are joined from snippets, the structs that they read, and buffers. Of cameras
+//! only the layouts that kernels read.
+
+pub mod buffers;
+mod compile;
+pub mod device;
+pub mod draw_counts;
+pub mod exact;
+pub mod kernels;
+pub mod layout;
+pub mod needs;
+pub mod queries;
+pub mod recorder;
+pub mod single;
+pub mod soft_f64;
+
+pub use device::{Gpu, GpuOptions};
