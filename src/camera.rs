@@ -34,6 +34,7 @@ pub mod spec;
 pub mod stack;
 pub mod tessellate;
 pub mod view;
+#[cfg(any(feature = "cli", feature = "view"))]
 pub mod volume;
 
 use crate::camera::exposure::Sample;
@@ -48,7 +49,9 @@ pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
 use glam::DVec3;
 use moving::Moving;
-pub use pieces::{Piece, Pieces};
+#[cfg(any(feature = "cli", feature = "view"))]
+pub use pieces::Piece;
+pub use pieces::Pieces;
 use recipe::{Built, SceneUse, Setting, Surroundings};
 use std::cell::Cell;
 use std::sync::Arc;

@@ -19,6 +19,8 @@ pub mod planned;
 pub mod readback;
 pub mod report;
 mod resident;
+// techniques are outside: without them much of what they are given is unread
+#[cfg_attr(not(feature = "internals"), expect(dead_code))]
 pub mod rival;
 mod running;
 pub mod sequence;
@@ -32,12 +34,11 @@ use crate::engine::plan::{LeftOut, Plan, Wanted};
 use crate::engine::rival::{Choice, Setup};
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
-use crate::gpu::buffers::wait;
 use crate::gpu::device::GpuOptions;
 use crate::gpu::draw_counts::DrawCounts;
 pub use crate::gpu::kernels::Method;
 use crate::gpu::kernels::Variant;
-use crate::gpu::recorder::{Passes, Recorder};
+use crate::gpu::recorder::Passes;
 use crate::image::frame::{Channel, Frame};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -51,7 +52,6 @@ use pages::PageStore;
 use planned::{Planned, Planner};
 use resident::Resident;
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
 
 /// Capacities of the queues between stages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -232,16 +232,6 @@ impl Engine {
         Ok(frames)
     }
 
-    /// A submission of one empty pass: what a frame takes that does nothing, ms.
-    pub fn empty_frame(&self) -> Result<f64> {
-        let started = Instant::now();
-        let mut recorder = Recorder::new(&self.gpu, 1);
-        drop(recorder.compute("empty"));
-        recorder.submit(&self.gpu)?;
-        wait(&self.gpu)?;
-        Ok(started.elapsed().as_secs_f64() * 1e3)
-    }
-
     /// Uploads what was planned. No frame is rendered yet.
     fn upload(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
         let Planned { given, scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
@@ -262,6 +252,7 @@ impl Engine {
         }
         Ok(Frames {
             gpu: self.gpu.clone(),
+            #[cfg(feature = "internals")]
             planner: self.planner(),
             run: run.clone(),
             pages: self.pages.clone(),

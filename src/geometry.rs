@@ -22,4 +22,5 @@ pub mod spheres;
 pub mod stl;
 pub mod texture;
 pub mod time_steps;
+#[cfg(any(feature = "cli", feature = "view"))]
 pub mod wires;

@@ -2,7 +2,7 @@
 //! only the layouts that kernels read.
 
 pub mod buffers;
-mod compile;
+pub mod compile;
 pub mod device;
 pub mod draw_counts;
 pub mod exact;
@@ -12,6 +12,7 @@ pub mod needs;
 pub mod queries;
 pub mod recorder;
 pub mod single;
-pub mod soft_f64;
 
-pub use device::{Gpu, GpuOptions};
+pub use device::Gpu;
+#[cfg(any(feature = "cli", feature = "view"))]
+pub use device::GpuOptions;

@@ -3,7 +3,9 @@
 //! An item that is needed from outside gets a name in this list; everything else stays private, so that the compiler finds dead code.
 
 pub mod camera {
-    pub use crate::camera::{Bundle, Camera, Curve, CurveMap, Curves, Field, Piece, Pieces, Ray, RayMap, Rays, TILE, glc, kinds, mesh};
+    pub use crate::camera::{
+        Bundle, Camera, Curve, CurveMap, Curves, Field, Piece, Pieces, Ray, RayMap, Rays, TILE, glc, kinds, mesh,
+    };
     pub mod bundle {
         pub use crate::camera::bundle::{Bundle, Ray};
     }
@@ -17,7 +19,7 @@ pub mod camera {
         pub use crate::camera::exposure::{Exposure, LineOrder, Lines, Readout, Sample};
     }
     pub mod moving {
-        pub use crate::camera::moving::{Moving};
+        pub use crate::camera::moving::Moving;
     }
     pub mod optics {
         pub use crate::camera::optics::{Bounce, FLAT_LEAST, Facets, Law, Optics, Quadric, Smooth, Surface};
@@ -41,19 +43,21 @@ pub mod camera {
         pub use crate::camera::spec::{CameraKind, CameraSpec};
     }
     pub mod tessellate {
-        pub use crate::camera::tessellate::{Tessellation};
+        pub use crate::camera::tessellate::Tessellation;
     }
 }
 pub mod engine {
-    pub use crate::engine::{Arithmetic, Capacities, Counts, Engine, Frames, Method, Rendered, RunOptions, rival, stage, tables};
+    pub use crate::engine::{
+        Arithmetic, Capacities, Counts, Engine, Frames, Method, Rendered, RunOptions, rival, stage, tables,
+    };
     pub mod bounces {
-        pub use crate::engine::bounces::{bounces};
+        pub use crate::engine::bounces::bounces;
     }
     pub mod buffer_table {
-        pub use crate::engine::buffer_table::{BufferSpec, Bytes, Lasts, table};
+        pub use crate::engine::buffer_table::table;
     }
     pub mod changes {
-        pub use crate::engine::changes::{Dirty};
+        pub use crate::engine::changes::Dirty;
     }
     pub mod clusters {
         pub use crate::engine::clusters::{CORNER_ORDERS, Clustered, cluster, mapped_surfaces};
@@ -62,15 +66,15 @@ pub mod engine {
         pub use crate::engine::combinations::{Feature, REFUSALS, Refusal, at_once};
     }
     pub mod pages {
-        pub use crate::engine::pages::{PageStore};
+        pub use crate::engine::pages::PageStore;
     }
     pub mod plan {
         pub use crate::engine::plan::{Band, Plan, Rows, SceneContents, SceneExtent, Wanted, slabs};
         pub mod beams {
-            pub use crate::engine::plan::beams::{Beams};
+            pub use crate::engine::plan::beams::Beams;
         }
         pub mod curves {
-            pub use crate::engine::plan::curves::{RayTable};
+            pub use crate::engine::plan::curves::RayTable;
         }
         pub mod fit {
             pub use crate::engine::plan::fit::{Fit, LOOSE, LOOSE_SIZE};
@@ -82,50 +86,50 @@ pub mod engine {
             pub use crate::engine::plan::nodes::{DISCONTINUOUS_WIDTH, Level, Nodes, WidthMeasure};
         }
         pub mod pages {
-            pub use crate::engine::plan::pages::{Pages};
+            pub use crate::engine::plan::pages::Pages;
         }
         pub mod samples {
-            pub use crate::engine::plan::samples::{sample_offsets};
+            pub use crate::engine::plan::samples::sample_offsets;
         }
         pub mod solve {
-            pub use crate::engine::plan::solve::{SolveTable};
+            pub use crate::engine::plan::solve::SolveTable;
             pub mod cells {
-                pub use crate::engine::plan::solve::cells::{CellTable};
+                pub use crate::engine::plan::solve::cells::CellTable;
             }
         }
         pub mod tiles {
             pub use crate::engine::plan::tiles::{TileFits, TileRay, TileRays, packed_piece};
         }
         pub mod variant {
-            pub use crate::engine::plan::variant::{variant};
+            pub use crate::engine::plan::variant::variant;
         }
     }
     pub mod planned {
         pub use crate::engine::planned::{Planned, Planner};
     }
     pub mod report {
-        pub use crate::engine::report::{FrameMs};
+        pub use crate::engine::report::FrameMs;
     }
     pub mod sequence {
-        pub use crate::engine::sequence::{Sequence};
+        pub use crate::engine::sequence::Sequence;
     }
     pub mod steps {
         pub use crate::engine::steps::{FrameInputs, Step, StepScope, passes, steps};
     }
     pub mod surface {
-        pub use crate::engine::surface::{OpticsSurface};
+        pub use crate::engine::surface::OpticsSurface;
     }
 }
 pub mod geometry {
     pub use crate::geometry::{generate, gltf, heights, obj, place, ply, stl};
     pub mod bernstein {
-        pub use crate::geometry::bernstein::{Bernstein};
+        pub use crate::geometry::bernstein::Bernstein;
     }
     pub mod cast {
         pub use crate::geometry::cast::{Caster, ExactCaster, Hit, Ray};
     }
     pub mod load {
-        pub use crate::geometry::load::{Object};
+        pub use crate::geometry::load::Object;
     }
     pub mod mesh {
         pub use crate::geometry::mesh::{DIELECTRIC, Material, Mesh, NO_COLOR, NO_UV};
@@ -134,7 +138,7 @@ pub mod geometry {
         pub use crate::geometry::pattern::{Pattern, PatternKind};
     }
     pub mod spheres {
-        pub use crate::geometry::spheres::{spheres_of};
+        pub use crate::geometry::spheres::spheres_of;
     }
     pub mod texture {
         pub use crate::geometry::texture::{Images, Texels, Texture, Wrap};
@@ -148,30 +152,39 @@ pub mod gpu {
     pub mod buffers {
         pub use crate::gpu::buffers::{Binder, Buffers, PendingRead, Pipeline, read_words, readback, wait};
     }
+    pub mod compile {
+        pub use crate::gpu::compile::lowered;
+    }
     pub mod device {
         pub use crate::gpu::device::{AdapterFeatures, GpuOptions, NO_ADAPTER, adapters, label};
     }
     pub mod draw_counts {
-        pub use crate::gpu::draw_counts::{DrawCounts, DrawPass};
+        pub use crate::gpu::draw_counts::DrawCounts;
     }
     pub mod kernels {
-        pub use crate::gpu::kernels::{Access, Binding, Kernel, Method, OpticsKind, Parts, RaysKind, Snippet, SurfaceKind, Variant, VolumeKind, parts};
+        pub use crate::gpu::kernels::{
+            Access, Binding, Kernel, Method, OpticsKind, Parts, RaysKind, Snippet, SurfaceKind, Variant, VolumeKind,
+            parts,
+        };
     }
     pub mod needs {
         pub use crate::gpu::needs::{NEEDS, STORAGE_BUFFERS, STORAGE_BUFFERS_BY_TILE, lacks};
     }
     pub mod recorder {
-        pub use crate::gpu::recorder::{Recorder};
+        pub use crate::gpu::recorder::Recorder;
+        pub mod drawing {
+            pub use crate::gpu::recorder::drawing::DrawPass;
+        }
     }
     pub mod single {
         pub use crate::gpu::single::{run, words};
     }
-    pub mod soft_f64 {
-        pub use crate::gpu::soft_f64::{doubles, lowered};
-    }
 }
 pub mod image {
-    pub use crate::image::{png_bytes, read_exr, read_exr_texts, read_npy_rows, read_pairs, read_points, read_vectors, rgb8, srgb8, toned8, write_exr, write_npy_f64, write_png, write_text};
+    pub use crate::image::{
+        png_bytes, read_exr, read_exr_texts, read_npy_rows, read_pairs, read_points, read_vectors, rgb8, srgb8, toned8,
+        write_exr, write_npy_f64, write_png, write_text,
+    };
     pub mod compare {
         pub use crate::image::compare::{Comparison, Quantiles, compare};
     }
@@ -185,21 +198,21 @@ pub mod image {
 pub mod input {
     pub use crate::input::{Error, Result};
     pub mod files {
-        pub use crate::input::files::{Inputs};
+        pub use crate::input::files::Inputs;
     }
     pub mod limits {
         pub mod memory {
-            pub use crate::input::limits::memory::{grant};
+            pub use crate::input::limits::memory::grant;
         }
     }
 }
 pub mod jobs {
     pub use crate::jobs::{Backend, counted, outputs, samples};
     pub mod project {
-        pub use crate::jobs::project::{project_many};
+        pub use crate::jobs::project::project_many;
     }
     pub mod splat {
-        pub use crate::jobs::splat::{splat};
+        pub use crate::jobs::splat::splat;
     }
 }
 pub mod reference {
@@ -219,7 +232,7 @@ pub mod scene {
             pub use crate::scene::caustics::beams::{CHANNELS, Fate};
         }
         pub mod receiver_triangles {
-            pub use crate::scene::caustics::receiver_triangles::{ReceiverTriangles};
+            pub use crate::scene::caustics::receiver_triangles::ReceiverTriangles;
         }
         pub mod shares {
             pub use crate::scene::caustics::shares::{LINE_WIDTH, shares};
@@ -238,7 +251,7 @@ pub mod scene {
         pub use crate::scene::projector_light::{Mode, ProjectorLight, Throw};
     }
     pub mod sky {
-        pub use crate::scene::sky::{Sky};
+        pub use crate::scene::sky::Sky;
     }
     pub mod style {
         pub use crate::scene::style::{Hatching, Line, Outline, Style};
@@ -246,7 +259,7 @@ pub mod scene {
     pub mod volume {
         pub use crate::scene::volume::{ControlPoint, Grid, Mode, Volume, placed};
         pub mod load {
-            pub use crate::scene::volume::load::{load_grid};
+            pub use crate::scene::volume::load::load_grid;
         }
         pub mod spec {
             pub use crate::scene::volume::spec::{GridSource, GridSpec, Placement};

@@ -18,7 +18,14 @@ mod strips;
 mod work;
 
 pub use backend::Backend;
+#[cfg(feature = "cli")]
 pub use files::{CAMERA, named_as};
-pub use job::{Change, EngineName, RenderJob, load, load_shape};
+pub use job::{Change, EngineName, RenderJob};
+#[cfg(feature = "cli")]
+pub use job::{load, load_shape};
 pub use memory::{check as check_memory, need as memory_need};
-pub use work::{Seen, Work, Written, counted, refuse_missing};
+#[cfg(feature = "internals")]
+pub use work::counted;
+#[cfg(feature = "cli")]
+pub use work::refuse_missing;
+pub use work::{Seen, Work, Written};

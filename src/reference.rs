@@ -24,6 +24,7 @@ pub mod caustics;
 mod composed;
 mod cover;
 mod curve;
+#[cfg(any(feature = "cli", feature = "view"))]
 mod explain;
 mod finding;
 pub mod gradient;
@@ -45,7 +46,11 @@ mod tests;
 pub use bounces::Outcome;
 pub use finding::Finding;
 pub use margin::{GAP, MARGIN_PX};
-pub use path::{Path, Seen, Segment};
+pub use path::Path;
+#[cfg(any(feature = "cli", feature = "view"))]
+pub use path::Seen;
+#[cfg(feature = "cli")]
+pub use path::Segment;
 pub use verdict::Verdict;
 
 use crate::camera::bundle::Bundle;

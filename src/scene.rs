@@ -5,6 +5,7 @@ pub mod composition;
 pub mod file;
 pub mod gradients;
 pub mod hash;
+#[cfg(any(feature = "cli", feature = "view"))]
 pub mod keys;
 pub mod labels;
 pub mod library;

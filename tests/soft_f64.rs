@@ -1,10 +1,10 @@
-//! f64 in 32-bit words (`gpu::soft_f64`): the numbers that the host's f64 gives, bit for bit.
+//! f64 in 32-bit words (`naga-soft-f64`): the numbers that the host's f64 gives, bit for bit.
 
 mod common;
 
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Buffers, read_words, readback};
-use anamorph::internals::gpu::soft_f64::lowered;
+use anamorph::internals::gpu::compile::lowered;
 use common::needs::{adapter, skip};
 use common::rng::Rng;
 

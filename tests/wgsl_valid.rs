@@ -2,12 +2,12 @@
 //! that has these, and keeps f64 to the operations that every driver translates right.
 
 use anamorph::internals::engine::stage;
+use anamorph::internals::gpu::compile::lowered;
+use anamorph::internals::gpu::exact;
 use anamorph::internals::gpu::kernels::{Kernel, Variant};
 use anamorph::internals::gpu::layout::GROUP;
-use anamorph::internals::gpu::soft_f64::lowered;
-use anamorph::internals::gpu::exact;
-use anamorph_lab::control;
 use anamorph::internals::image::frame::Channel;
+use anamorph_lab::control;
 use anamorph_lab::rivals;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Expression, Function, MathFunction, Module, ScalarKind, ShaderStage, TypeInner};

@@ -5,9 +5,9 @@
 
 mod bars;
 pub mod case;
-pub mod command;
 mod chart;
 mod closeups;
+pub mod command;
 mod marks;
 pub mod operations;
 pub mod page;
@@ -27,8 +27,8 @@ use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::image::write_text;
 use anamorph::internals::input::{Error, Result};
 use case::Case;
-use operations::KernelOperations;
 pub use command::Args;
+use operations::KernelOperations;
 pub use provenance::Provenance;
 use race::{Engines, Rules, race};
 pub use reproduce::reproduce;

@@ -4,7 +4,7 @@
 //! condition rules out are not counted. A driver's compiler leaves out more: what nothing uses, and what is computed twice.
 
 use anamorph::internals::gpu::kernels::Kernel;
-use anamorph::internals::gpu::soft_f64::doubles;
+use naga_soft_f64::doubles;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::ops::AddAssign;
@@ -26,7 +26,7 @@ pub struct Operations {
     pub stores: u64,
     /// Atomic operations on storage buffers, but for plain loads and stores.
     pub atomics: u64,
-    /// Operations on f64 and conversions, by components. The same where they are calls of `wgsl/shared/soft_f64.wgsl`.
+    /// Operations on f64 and conversions, by components. The same where they are calls of naga-soft-f64.
     pub f64: u64,
     /// Divisions and square roots of f64, which are not among the former.
     pub f64_divisions: u64,

@@ -15,6 +15,8 @@ pub mod quadric;
 pub mod resample;
 pub mod shape;
 pub mod shooting;
+#[cfg(feature = "simplify")]
+mod simplify;
 pub mod smooth;
 pub mod torus;
 pub mod wave;

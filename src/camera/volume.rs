@@ -53,6 +53,7 @@ pub fn corners((lo, hi): Box3) -> [DVec3; 8] {
 }
 
 /// The numbers of the two corners of each of a box's twelve edges.
+#[cfg(feature = "cli")]
 pub fn box_edges() -> impl Iterator<Item = [usize; 2]> {
     (0..8).flat_map(|k| [1, 2, 4].map(|bit| [k, k | bit])).filter(|[k, end]| k != end)
 }

@@ -10,7 +10,7 @@ use crate::gpu::layout::{self, NONE};
 use crate::input::Result;
 use crate::scene::Scene;
 use crate::scene::caustics::receiver_triangles::{ReceiverTriangle, ReceiverTriangles};
-use crate::scene::caustics::{CausticMaps, Caustics, CausticsReport, beams};
+use crate::scene::caustics::{Caustics, CausticsReport, beams};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -21,7 +21,8 @@ pub struct DeviceCaustics {
     /// `sums` and `receivers` as deposit left them; `receiver_triangle_of`, 4 bytes a triangle, and `receiver_triangles`, 48 bytes for each
     /// on a receiver. Read by gather.
     pub buffers: Buffers,
-    pub maps: CausticMaps,
+    #[cfg(feature = "internals")]
+    maps: crate::scene::caustics::CausticMaps,
     pub report: CausticsReport,
 }
 
@@ -35,7 +36,8 @@ impl DeviceCaustics {
 
 impl Engine {
     /// The maps of the scene's receivers; `None` without caustics.
-    pub fn caustic_maps(&mut self, scene: &Scene) -> Result<Option<&CausticMaps>> {
+    #[cfg(feature = "internals")]
+    pub fn caustic_maps(&mut self, scene: &Scene) -> Result<Option<&crate::scene::caustics::CausticMaps>> {
         let found = self.device_caustics(scene)?;
         Ok(self.caustics.as_deref().filter(|_| found.is_some()).map(|c| &c.maps))
     }
@@ -63,7 +65,14 @@ impl Engine {
         upload(&self.gpu, &receiver_triangles, &mut buffers)?;
         let maps = caustic_triangles.maps(&caustics, budget, &sums);
         let report = CausticsReport { budget: maps.budget, ms: started.elapsed().as_secs_f64() * 1e3 };
-        Ok(DeviceCaustics { caustics, mesh: scene.mesh.clone(), buffers, maps, report })
+        Ok(DeviceCaustics {
+            caustics,
+            mesh: scene.mesh.clone(),
+            buffers,
+            #[cfg(feature = "internals")]
+            maps,
+            report,
+        })
     }
 }
 

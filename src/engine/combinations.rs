@@ -20,9 +20,11 @@ macro_rules! features {
         }
 
         impl Feature {
+            #[cfg(feature = "internals")]
             pub const ALL: [Feature; [$($name),*].len()] = [$(Feature::$feature),*];
 
             /// As the page calls it.
+            #[cfg(feature = "internals")]
             pub fn name(self) -> &'static str {
                 match self {
                     $(Feature::$feature => $name,)*

@@ -1,24 +1,26 @@
 //! Frames of one scene through one camera: the first, again until its lists hold everything; timed ones; and what they came to.
 
+#[cfg(feature = "internals")]
+mod changed;
+
 use super::atlas::AtlasRenderer;
 use super::caustics::DeviceCaustics;
 use super::changes::{Changes, Dirty, Shown};
-use super::combinations::{Asked, Feature};
 use super::pages::PageStore;
-use super::planned::{Planned, Planner, outlined_by, written};
+use super::planned::Planned;
 use super::readback::{FrameLayout, PendingReads, RawFrame, Readback};
 use super::resident::{BvhState, Resident};
 use super::running::Running;
-use super::{Counts, MethodUsed, Rendered, RunOptions, setup};
+use super::{Counts, MethodUsed, Rendered, RunOptions};
 use crate::camera::Camera;
 use crate::camera::ray_order::RayOrder;
 use crate::engine::clusters::{Clustered, cluster};
-use crate::engine::plan::{LeftOut, Plan, SceneContents, SceneExtent, Wanted};
+use crate::engine::plan::{LeftOut, Plan, Wanted};
 use crate::engine::rival::Rival;
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{BindGroups, wait};
-use crate::gpu::kernels::{LightsKind, Method, Variant};
+use crate::gpu::kernels::{LightsKind, Method};
 use crate::image::frame::Frame;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -30,8 +32,9 @@ use std::time::Instant;
 /// Everything that is on the device for frames of one scene; as many of them may be kept as it has memory for.
 pub struct Frames {
     pub(super) gpu: Arc<Gpu>,
-    /// The adapter's part of their plans, and the options of their run.
-    pub(super) planner: Planner,
+    /// Plans anew when the camera changes.
+    #[cfg(feature = "internals")]
+    pub(super) planner: super::planned::Planner,
     pub(super) run: RunOptions,
     /// Where the images on triangles come from.
     pub(super) pages: Arc<PageStore>,
@@ -162,58 +165,10 @@ impl Frames {
         self.resident.build_bvh(&self.gpu, &clustered)
     }
 
-    /// The wall time of the first frame, ms.
-    pub fn first_ms(&self) -> f64 {
-        self.timed.first_ms
-    }
-
     /// The kernels that frames take.
-    pub fn variant(&self) -> Variant {
+    #[cfg(feature = "cli")]
+    pub fn variant(&self) -> crate::gpu::kernels::Variant {
         self.plan.variant
-    }
-
-    /// The time on the device of each stage of the last frame that [`Frames::frame`] took, ms; empty without timestamps.
-    pub fn stages(&self) -> &[(&'static str, f64)] {
-        self.timed.stages.last().map_or(&[], Vec::as_slice)
-    }
-
-    /// Shows the scene through `camera` from the next frame on, and in the end: plans anew and uploads what depends on the camera
-    /// alone. Positions stay relative to where the first camera had them.
-    ///
-    /// # Errors
-    /// [`Error::Input`] where the camera is not of the same kind and size as the one before, or reflects or refracts rays.
-    pub fn aim(&mut self, camera: &Camera) -> Result<()> {
-        let asked = self.changed(&self.scene, camera, Feature::Aimed);
-        asked.check()?;
-        let Plan { anchor, centre, scene_size, .. } = *self.plan;
-        let extent = SceneExtent { anchor, centre, scene_size };
-        let ray_order = RayOrder::of(camera, extent.centre).map(Arc::new);
-        let shown = Arc::new(ray_order.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
-        let wanted = written(&self.scene, &shown, &self.wanted);
-        let plan = self.planner.plan_by(&self.run, &shown, SceneContents::of(&self.scene), extent, &wanted);
-        Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;
-        let camera = shown;
-        let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
-        if plan.variant != self.plan.variant || !is_as_large {
-            let (old, new) = (self.camera.kind, camera.kind);
-            return Err(Error::input(format!(
-                "frames of {old} cannot be taken by this {new}; call Engine::prepare again"
-            )));
-        }
-        // until all is there nothing is drawn
-        let was_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
-        self.resident.aim(&self.gpu, &camera, &plan)?;
-        if let Some(volume) = self.scene.volume.as_ref().filter(|_| plan.variant.volume.is_some()) {
-            self.resident.upload_medium(&self.gpu, volume, &self.scene, &plan)?;
-        }
-        self.timed.raster_cost = 0;
-        if let Some(rival) = &mut self.rival {
-            rival.aim(&self.gpu, &setup(&camera, &plan))?;
-        }
-        (self.camera, self.plan, self.ray_order, self.is_aimed) = (camera, Arc::new(plan), ray_order, true);
-        self.is_partly_uploaded = was_partly_uploaded;
-        self.mark_dirty(Changes { plan: true, ..Changes::default() });
-        Ok(())
     }
 
     /// Notes what the frame does not show yet.
@@ -224,62 +179,6 @@ impl Frames {
             Dirty::Appearance if !is_there => Dirty::All,
             dirty => dirty,
         });
-    }
-
-    /// From the next frame on, renders the current triangles with the lights, materials, normals and background of `scene`.
-    ///
-    /// # Errors
-    /// [`Error::Input`] where `scene` has other numbers of triangles, vertices, normals or materials, other kinds of these (images, gloss,
-    /// a sky), or caustics are shown.
-    pub fn light(&mut self, scene: &Scene) -> Result<()> {
-        if self.caustics.is_some() {
-            self.changed(&self.scene, &self.camera, Feature::Relit).check()?;
-        }
-        if let Some(atlas) = &mut self.atlas {
-            atlas.frames.light(scene)?;
-        }
-        let scene = scene.with_optics(&self.camera);
-        let sizes =
-            |s: &Scene| [s.mesh.triangles.len(), s.mesh.positions.len(), s.mesh.normals.len(), s.mesh.materials.len()];
-        if sizes(&scene) != sizes(&self.scene) || scene.mesh.radii != self.scene.mesh.radii {
-            return Err(Error::input(
-                "other triangles or materials than those that are lit; call Engine::prepare again",
-            ));
-        }
-        let (lit, contents) = (SceneContents::of(&self.scene), SceneContents::of(&scene));
-        let outlined = |s: &Scene| outlined_by(&s.style, &self.camera);
-        if lit != contents || outlined(&self.scene) != outlined(&scene) {
-            return Err(Error::input(
-                "other kinds of materials or light than those that are lit; call Engine::prepare again",
-            ));
-        }
-        let (lit, own) = (&self.scene.mesh, &scene.mesh);
-        if self.plan.variant.textured && (&lit.uvs, &lit.corner_uvs) != (&own.uvs, &own.corner_uvs) {
-            return Err(Error::input("other texture coordinates than those that are lit; call Engine::prepare again"));
-        }
-        if self.plan.variant.colored && (&lit.colors, &lit.corner_colors) != (&own.colors, &own.corner_colors) {
-            return Err(Error::input("other vertex colours than those that are lit; call Engine::prepare again"));
-        }
-        // the triangles stay where they are
-        let mut lit = scene.into_owned();
-        let (own, shown) = (&lit.mesh, &self.scene.mesh);
-        if !Arc::ptr_eq(own, shown) && (&own.positions, &own.triangles) != (&shown.positions, &shown.triangles) {
-            let mesh = Arc::make_mut(&mut lit.mesh);
-            mesh.positions.clone_from(&self.scene.mesh.positions);
-            mesh.triangles.clone_from(&self.scene.mesh.triangles);
-        }
-        lit.steps.clone_from(&self.scene.steps);
-        self.scene = lit;
-        let was_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
-        let keeps_masks = if self.moving.is_some() {
-            let now = moved(&self.scene, self.fixed_vertices(), self.timed.moved);
-            self.resident.upload_appearance(&self.gpu, &self.pages, &now, &self.plan)?
-        } else {
-            self.resident.upload_appearance(&self.gpu, &self.pages, &self.scene, &self.plan)?
-        };
-        self.is_partly_uploaded = was_partly_uploaded;
-        self.mark_dirty(Changes { appearance: true, alpha_masks: !keeps_masks, ..Changes::default() });
-        Ok(())
     }
 
     /// Runs only the stages that depend on what changed: none, `shade` and `resolve` after [`Frames::light`], all after [`Frames::aim`].
@@ -301,12 +200,6 @@ impl Frames {
             return Ok(atlas_frame + drawn.recorded.passes.total());
         }
         Ok(atlas_frame)
-    }
-
-    /// What these frames are asked for when something of them is changed.
-    fn changed<'a>(&'a self, scene: &'a Scene, camera: &'a Camera, change: Feature) -> Asked<'a> {
-        let RunOptions { rival, no_cull, moving, .. } = self.run;
-        Asked { rival, no_cull, moving, change: Some(change), ..Asked::new(scene, camera, &self.wanted) }
     }
 
     /// The next of the moving scenes.

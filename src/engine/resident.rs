@@ -3,7 +3,7 @@
 use super::Capacities;
 use super::bounce_tables::BounceTables;
 use super::bounces::{Bounce, bounces};
-use super::buffer_table::{BufferSpec, Bytes, ITEM_BYTES, Sizes, VEC4_BYTES, table};
+use super::buffer_table::{BufferSpec, ITEM_BYTES, Sizes, VEC4_BYTES, table};
 use super::medium::{medium, voxels};
 use super::pages::PageStore;
 use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
@@ -21,7 +21,6 @@ use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::volume::{Grid, Volume};
 use std::sync::Arc;
-use wgpu::BufferUsages;
 
 pub struct Resident {
     pub chunks: Vec<ChunkOnDevice>,
@@ -319,11 +318,8 @@ impl Resident {
         c.edges = c.edges.min(u64::from(plan.rows_max()) * u64::from(plan.width));
         let (capacities, raster_rounds) = (self.capacities, self.raster_rounds);
         let sizes = Sizes { plan, capacities, raster_rounds, samples_by_tile: self.samples_by_tile(plan) };
-        for BufferSpec { name, bytes, .. } in table() {
-            if let Bytes::Capacity(bytes) = bytes
-                && let Some(bytes) = bytes(&sizes)
-            {
-                let usage = if name == "indirect" { BufferUsages::INDIRECT } else { BufferUsages::empty() };
+        for BufferSpec { name, bytes, usage } in table() {
+            if let Some(bytes) = bytes(&sizes) {
                 self.shared.fit(gpu, name, bytes, usage)?;
             }
         }

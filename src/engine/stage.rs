@@ -114,6 +114,7 @@ kernels! {
 }
 
 /// The kernels of a variant whose frames have these planes, and those that are no part of a frame but the ones of [`gradient`].
+#[cfg(feature = "internals")]
 pub fn all_kernels(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     let of_frames = KernelId::ALL.into_iter().filter_map(|id| id.kernel(variant, planes));
     let solve = [solve::kernel(), solve::kernel_of_curves()];

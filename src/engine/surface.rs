@@ -31,6 +31,7 @@ impl OpticsSurface {
     }
 
     /// No triangles of the scene.
+    #[cfg(feature = "internals")]
     pub fn is_smooth(&self) -> bool {
         !matches!(self, OpticsSurface::Corners(_))
     }

@@ -139,6 +139,7 @@ pub struct Shadows<'a> {
 }
 
 impl Shadows<'_> {
+    #[cfg(feature = "internals")]
     pub const NONE: Shadows<'static> = Shadows { kind: LightsKind::Plain, bvh: None };
 }
 

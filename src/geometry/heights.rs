@@ -56,6 +56,7 @@ impl Georeference {
     }
 
     /// The unit may be degrees: ASCII grids do not say. A guess, which can be wrong for a small local map.
+    #[cfg(feature = "cli")]
     pub fn may_be_degrees(&self) -> bool {
         self.in_degrees || self.middle.x.abs() <= 360.0 && self.middle.y.abs() <= 90.0 && self.cell.max_element() < 0.1
     }

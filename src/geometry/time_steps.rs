@@ -76,6 +76,7 @@ impl TimeSteps {
     }
 
     /// Bytes of all steps.
+    #[cfg(feature = "internals")]
     pub fn bytes(&self) -> u64 {
         let one = |s: &TimeStep| size_of_val(s.positions.as_slice()) + size_of_val(s.normals.as_slice());
         self.steps.iter().map(|s| one(s) as u64).sum()
@@ -115,6 +116,7 @@ impl TimeSteps {
     }
 
     /// The same where a mesh that stands still is put before.
+    #[cfg(feature = "view")]
     pub fn after(&self, before: &Mesh) -> TimeSteps {
         let joined = |s: &TimeStep| TimeStep {
             positions: [&before.positions[..], &s.positions].concat(),

@@ -2,7 +2,6 @@
 
 use super::device::{Gpu, one_line};
 use super::kernels::{Kernel, Snippet};
-use super::soft_f64::lowered;
 use crate::input::{Error, Result};
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -118,4 +117,12 @@ fn fault(kernel: &Kernel, message: &wgpu::CompilationMessage) -> String {
         source.lines().nth(line.saturating_sub(1)).unwrap_or_default().trim().chars().take(SHOWN).collect();
     let (snippet, line) = kernel.place(line);
     format!("kernel {name}, {snippet}:{line}:{column}: {what}: {shown} (--dump-kernels DIR writes the whole source)")
+}
+
+/// Functions of kernels that convert between an f64 and its two words.
+const WORDS: [&str; 2] = ["real_to_bits", "real_from_bits"];
+
+/// A kernel's module with f64 in 32-bit words; the error says what cannot be lowered.
+pub fn lowered(source: &str) -> std::result::Result<wgpu::naga::Module, String> {
+    naga_soft_f64::lower_wgsl(source, &WORDS)
 }

@@ -245,6 +245,7 @@ impl Gpu {
 
     /// The same open device once more: what the one compiles the other need not, and what fails has failed for both. The sources of its
     /// kernels are not written.
+    #[cfg(feature = "internals")]
     pub fn shared(&self) -> Gpu {
         Gpu {
             device: self.device.clone(),
@@ -265,6 +266,7 @@ impl Gpu {
     /// # Safety
     ///
     /// Without checks, a kernel that reads or writes beyond a buffer, divides by 0 or does not end does so.
+    #[cfg(feature = "internals")]
     pub unsafe fn with_checks(&mut self, checks: wgpu::ShaderRuntimeChecks) {
         (self.checks, self.pipelines) = (checks, Arc::default());
     }

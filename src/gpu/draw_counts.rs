@@ -4,7 +4,7 @@ use super::buffers::PendingRead;
 use super::device::Gpu;
 use super::queries::{Queries, answered};
 use crate::input::Result;
-use std::ops::{AddAssign, Deref, DerefMut};
+use std::ops::AddAssign;
 use wgpu::PipelineStatisticsTypes as Counted;
 
 /// Of some render passes.
@@ -50,12 +50,14 @@ impl DrawQueries {
     }
 
     /// The query of one more pass; `None` where they are full.
+    #[cfg(feature = "internals")]
     pub fn add_pass(&mut self) -> Option<u32> {
         let query = self.passes;
         self.passes += 1;
         (query < self.capacity).then_some(query)
     }
 
+    #[cfg(feature = "internals")]
     pub fn set(&self) -> &wgpu::QuerySet {
         &self.queries.set
     }
@@ -82,43 +84,5 @@ impl DrawQueries {
     /// Passes that have a query.
     fn counted(&self) -> u32 {
         self.passes.min(self.capacity)
-    }
-}
-
-/// A render pass that ends its count where it ends.
-pub struct DrawPass<'a> {
-    pass: wgpu::RenderPass<'a>,
-    is_counted: bool,
-}
-
-impl<'a> DrawPass<'a> {
-    /// Counted by a query of a set, if there is one.
-    pub fn new(mut pass: wgpu::RenderPass<'a>, query: Option<(&wgpu::QuerySet, u32)>) -> DrawPass<'a> {
-        if let Some((set, query)) = query {
-            pass.begin_pipeline_statistics_query(set, query);
-        }
-        DrawPass { pass, is_counted: query.is_some() }
-    }
-}
-
-impl<'a> Deref for DrawPass<'a> {
-    type Target = wgpu::RenderPass<'a>;
-
-    fn deref(&self) -> &wgpu::RenderPass<'a> {
-        &self.pass
-    }
-}
-
-impl<'a> DerefMut for DrawPass<'a> {
-    fn deref_mut(&mut self) -> &mut wgpu::RenderPass<'a> {
-        &mut self.pass
-    }
-}
-
-impl Drop for DrawPass<'_> {
-    fn drop(&mut self) {
-        if self.is_counted {
-            self.pass.end_pipeline_statistics_query();
-        }
     }
 }

@@ -18,6 +18,7 @@ pub const TRIANGLE_GROUP: u32 = 8;
 /// No index.
 pub const NONE: u32 = u32::MAX;
 /// Beside the slot of an item for recheck: its triangle is proven to cover the pixel.
+#[cfg(feature = "internals")]
 pub const PROVEN: u32 = 1 << 31;
 
 /// What a node's rays are: none; several pieces, or not affine; one affine bundle; so far from affine that what lies
@@ -28,6 +29,7 @@ pub const RAYS_AFFINE: u32 = 2;
 pub const RAYS_DISCONTINUOUS: u32 = 3;
 
 /// The level of a cell in the address of a node.
+#[cfg(feature = "internals")]
 pub const LEVEL_CELL: u32 = 15;
 
 /// Counters of the queues of cull, which come first: the k-th counts the items that step k takes.

@@ -1,8 +1,11 @@
 //! The passes of one submission, each timed where the adapter can.
 
+#[cfg(feature = "internals")]
+pub mod drawing;
+
 use super::buffers::{PendingRead, wait};
 use super::device::Gpu;
-use super::draw_counts::{DrawCounts, DrawPass, DrawQueries};
+use super::draw_counts::{DrawCounts, DrawQueries};
 use super::queries::{Queries, answered};
 use crate::input::Result;
 
@@ -91,39 +94,6 @@ impl Recorder {
         });
         let label = Some(name);
         self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes })
-    }
-
-    pub fn render(
-        &mut self,
-        name: &'static str,
-        colours: &[Option<wgpu::RenderPassColorAttachment>],
-        depth: Option<wgpu::RenderPassDepthStencilAttachment>,
-    ) -> wgpu::RenderPass<'_> {
-        let k = self.count(name);
-        let timestamp_writes = self.times.as_ref().zip(k).map(|(t, k)| wgpu::RenderPassTimestampWrites {
-            query_set: &t.queries.set,
-            beginning_of_pass_write_index: Some(k),
-            end_of_pass_write_index: Some(k + 1),
-        });
-        self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(name),
-            color_attachments: colours,
-            depth_stencil_attachment: depth,
-            timestamp_writes,
-            ..Default::default()
-        })
-    }
-
-    /// A render pass whose work is counted, if that is asked for.
-    pub fn draw(
-        &mut self,
-        name: &'static str,
-        colours: &[Option<wgpu::RenderPassColorAttachment>],
-        depth: Option<wgpu::RenderPassDepthStencilAttachment>,
-    ) -> DrawPass<'_> {
-        let query = self.draws.as_mut().and_then(DrawQueries::add_pass);
-        let set = self.draws.as_ref().map(|draws| draws.set().clone());
-        DrawPass::new(self.render(name, colours, depth), set.as_ref().zip(query))
     }
 
     /// The first timestamp of the next pass.

@@ -163,6 +163,7 @@ pub fn read_exr(path: &Path) -> Result<Frame> {
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read, [`Error::Input`] naming it if it is damaged.
+#[cfg(feature = "cli")]
 pub fn read_exr_texts(path: &Path) -> Result<Vec<(String, String)>> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
     let file = open(path)?;

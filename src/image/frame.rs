@@ -234,6 +234,7 @@ impl PixelValues {
     }
 
     /// The number in a channel that is not one of ids.
+    #[cfg(feature = "internals")]
     pub fn number(&self, channel: Channel) -> Option<f64> {
         match channel.value() {
             Value::Number(of) | Value::OfZ(of) => Some(of(self)),

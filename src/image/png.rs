@@ -28,6 +28,7 @@ pub fn write_png(path: &Path, width: u32, height: u32, srgb8: &[u8]) -> Result<(
 ///
 /// # Errors
 /// [`Error::Work`] if the bytes do not fit the size.
+#[cfg(any(feature = "cli", feature = "view"))]
 pub fn png_bytes(width: u32, height: u32, srgb8: &[u8]) -> Result<Vec<u8>> {
     let color = color_type(width, height, srgb8).map_err(Error::work)?;
     let mut bytes = Vec::new();

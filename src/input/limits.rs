@@ -44,9 +44,11 @@ pub const ROUGH_BOUNCES: Cap =
 pub const FRAMES: Cap = Cap { what: "frames", most: 4_000_000, advice: "split the list or use fewer swept values" };
 
 /// All limits, in the order of the help text.
+#[cfg(feature = "cli")]
 pub const ALL: [Cap; 7] = [PIECES, LISTED_PIECES, CELLS, CAMERAS, CORNERS, ROUGH_BOUNCES, FRAMES];
 
 /// The limits, for the help of a command.
+#[cfg(feature = "cli")]
 pub fn help() -> String {
     let each: Vec<String> = ALL.iter().map(|cap| format!("{} {}", cap.most, cap.what)).collect();
     format!("--no-limits removes these limits: {}, and the free memory, which --memory replaces.", each.join(", "))

@@ -23,6 +23,7 @@ use crate::scene::library::Library;
 use checks::Checks;
 use list::Jobs;
 pub use list::Task;
+#[cfg(feature = "cli")]
 pub use manifest::Done;
 use manifest::Status;
 use manifest::{Costs, Manifest};
@@ -102,6 +103,7 @@ pub struct Outcome {
 pub const FAILURES_MAX: usize = 1000;
 
 /// A program that renders lists on a Ray cluster, shard by shard.
+#[cfg(feature = "cli")]
 pub const RAY_DRIVER: &str = include_str!("batch/ray_driver.py");
 
 /// A list of jobs, read and checked. Nothing is written yet.
@@ -151,9 +153,9 @@ impl Batch {
     ///
     /// # Errors
     /// [`Error::Work`] if the manifest cannot be opened.
-    pub fn gather(&self) -> Result<Gathered<'_>> {
+    pub fn gather(&self) -> Result<Gathered> {
         let manifest = Manifest::open(&self.paths.whole, &self.earlier, true)?;
-        let mut gathered = Gathered { batch: self, manifest, frames: 0, missing: Vec::new() };
+        let mut gathered = Gathered { manifest, frames: 0, missing: Vec::new() };
         for task in self.jobs.tasks() {
             gathered.frames += 1;
             if gathered.manifest.status(&task)? == Status::Done {
@@ -168,8 +170,7 @@ impl Batch {
 }
 
 /// A list with the merged manifest of its shards.
-pub struct Gathered<'a> {
-    batch: &'a Batch,
+pub struct Gathered {
     manifest: Manifest,
     /// Number of frames in the list.
     pub frames: usize,
@@ -177,10 +178,11 @@ pub struct Gathered<'a> {
     pub missing: Vec<String>,
 }
 
-impl Gathered<'_> {
-    /// Each frame of the list, with its manifest entry if it is done.
-    pub fn each(&self) -> impl Iterator<Item = Result<(Task<'_>, Option<Done>)>> {
-        each(shard::tasks(&self.batch.jobs, None), &self.manifest)
+impl Gathered {
+    /// Each frame of the list that was gathered, with its manifest entry if it is done.
+    #[cfg(feature = "cli")]
+    pub fn each<'a>(&'a self, batch: &'a Batch) -> impl Iterator<Item = Result<(Task<'a>, Option<Done>)>> {
+        each(shard::tasks(&batch.jobs, None), &self.manifest)
     }
 }
 
@@ -219,11 +221,13 @@ impl Started<'_> {
     }
 
     /// Each frame of this run, with its manifest entry if it is done.
+    #[cfg(feature = "cli")]
     pub fn each(&self) -> impl Iterator<Item = Result<(Task<'_>, Option<Done>)>> {
         each(shard::tasks(&self.batch.jobs, self.own.clone()), &self.manifest)
     }
 }
 
+#[cfg(feature = "cli")]
 fn each<'a>(
     tasks: impl Iterator<Item = Task<'a>>,
     manifest: &Manifest,

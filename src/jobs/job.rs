@@ -132,11 +132,13 @@ pub fn of_compute_only(flag: &str) -> Error {
 }
 
 /// The scene, changed, and its camera for an image of the size asked for, or of the scene's own.
+#[cfg(feature = "cli")]
 pub fn load(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
     load_from(&Library::for_once(), path, change, |_| ImagesRead::All)
 }
 
 /// As [`load`], without textures that only affect colour.
+#[cfg(feature = "cli")]
 pub fn load_shape(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
     load_from(&Library::for_once(), path, change, |_| ImagesRead::Masks)
 }

@@ -33,19 +33,24 @@ pub const GRADIENTS: Kind =
     Kind { name: "a list of gradients", endings: &[], begins: |head| head.starts_with(b"{\n  \"camera\": [") };
 pub const REPORT: Kind =
     Kind { name: "a report", endings: &["json"], begins: |head| head.starts_with(b"{\n  \"version\": \"") };
+#[cfg(feature = "cli")]
 pub const PIECES: Kind = Kind {
     name: "a camera's pieces",
     endings: &["json"],
     begins: |head| head.starts_with(b"{\n  \"vertices\": [") || head.starts_with(b"{\n  \"layers\": ["),
 };
+#[cfg(feature = "cli")]
 pub const POVRAY: Kind =
     Kind { name: "a POV-Ray scene", endings: &["pov", "inc"], begins: |head| head.starts_with(b"// The rays of a ") };
+#[cfg(feature = "cli")]
 pub const DIAGRAM: Kind = Kind { name: "an SVG", endings: &["svg"], begins: |head| head.starts_with(b"<svg ") };
+#[cfg(feature = "cli")]
 pub const IMAGES: Kind = Kind {
     name: "a list of images",
     endings: &["jsonl", "json", "ndjson"],
     begins: |head| head.starts_with(b"{\"point\":["),
 };
+#[cfg(feature = "cli")]
 pub const TABLE: Kind = Kind { name: "a table", endings: &["csv"], begins: |head| head.starts_with(b"job,frame,") };
 pub const LOG: Kind = Kind {
     name: "a log",
@@ -53,6 +58,7 @@ pub const LOG: Kind = Kind {
     // after the time, whose last character is the Z
     begins: |head| head.get(23..).is_some_and(|rest| rest.starts_with(b"Z start: ")),
 };
+#[cfg(feature = "cli")]
 pub const DRIVER: Kind = Kind {
     name: "a driver",
     endings: &["py"],
@@ -66,6 +72,7 @@ pub const MANIFEST: Kind = Kind {
     begins: |head| head.starts_with(b"{\"frame\":") || b"{\"frame\":".starts_with(head),
 };
 /// The user does not choose its name either.
+#[cfg(feature = "internals")]
 pub const PAGE: Kind = Kind {
     name: "a page of anamorph bench",
     endings: &[],

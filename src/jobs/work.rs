@@ -162,6 +162,7 @@ impl Work {
     }
 
     /// Whether channels are asked for that nothing is written with.
+    #[cfg(feature = "cli")]
     pub fn loses_channels(&self) -> bool {
         self.job.channels.is_some() && self.files.exr.is_none()
     }

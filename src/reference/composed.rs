@@ -41,6 +41,7 @@ impl<'a> Composed<'a> {
     }
 
     /// The number of the camera that is seen at a pixel.
+    #[cfg(any(feature = "cli", feature = "view"))]
     pub fn owner_of(&self, i: u32, j: u32) -> Option<usize> {
         let values: Vec<PixelValues> = self.views.iter().map(|view| view.values(i, j)).collect();
         let held = self.composition.held(i, j).held;

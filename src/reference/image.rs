@@ -2,6 +2,7 @@
 
 use super::caustics::{caustics, shown_by};
 use super::composed::Composed;
+#[cfg(any(feature = "cli", feature = "view"))]
 pub use super::explain::explain;
 use super::lens::own;
 use super::light::{Obstacles, light, normal, painted_albedo};

@@ -24,6 +24,7 @@ pub fn own(camera: &Camera) -> Cow<'_, Camera> {
 }
 
 /// The same for few pixels: rays are computed when they are needed.
+#[cfg(any(feature = "cli", feature = "view"))]
 pub fn own_for_few(camera: &Camera) -> Cow<'_, Camera> {
     with(camera, |field| field)
 }

@@ -92,6 +92,7 @@ const VIEW_STEP: f64 = 1.0 / (1 << 26) as f64;
 
 impl Path {
     /// A chain of these segments, each the one piece of its layer.
+    #[cfg(feature = "internals")]
     pub fn through(segments: &[Segment]) -> Path {
         let segments = segments.iter().zip(0..).map(|(s, piece)| Some((piece, *s))).collect();
         Path { segments, t_range: [0.0, 1.0] }

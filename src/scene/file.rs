@@ -2,13 +2,17 @@
 
 mod header;
 mod moments;
+#[cfg(feature = "cli")]
+mod pictured;
 mod style;
 #[cfg(test)]
 mod tests;
 
 use std::path::{Path, PathBuf};
 
-pub use header::{CameraKeys, load_header};
+pub use header::CameraKeys;
+#[cfg(feature = "cli")]
+pub use pictured::load_header;
 
 use crate::camera::exposure::Exposure;
 use crate::camera::spec::{CameraSpec, read_camera, read_camera_and_readout};
@@ -153,6 +157,7 @@ pub fn of_text(text: &str, path: &Path, frame: f64) -> Result<SceneFile> {
 ///
 /// # Errors
 /// [`crate::input::error::Error::Input`] for text that is not TOML, and for wrong keyframes or poses.
+#[cfg(feature = "view")]
 pub(crate) fn values(text: &str, path: &Path, frame: f64) -> Result<Node> {
     read_values(text, parse::Format::Toml, path, &[], frame)
 }
@@ -161,6 +166,7 @@ pub(crate) fn values(text: &str, path: &Path, frame: f64) -> Result<Node> {
 ///
 /// # Errors
 /// As [`values`].
+#[cfg(feature = "view")]
 pub(crate) fn expanded(text: &str, path: &Path) -> Result<Node> {
     let mut root = parse::parse(text, parse::Format::Toml, path)?;
     poses::expand(&mut root, &Source::new(path, path.parent().unwrap_or(Path::new(""))))?;
@@ -187,6 +193,7 @@ fn read_keyed(text: &str, format: parse::Format, source: &Source, overrides: &[S
     Ok(root)
 }
 
+#[cfg(feature = "view")]
 fn read_values(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<Node> {
     let source = Source::new(path, path.parent().unwrap_or(Path::new("")));
     let mut root = read_keyed(text, format, &source, overrides, frame)?;

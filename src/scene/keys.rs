@@ -33,6 +33,7 @@ pub const SECTIONS: [(&str, &str); 7] = [
 ];
 
 /// Those without.
+#[cfg(feature = "cli")]
 const OTHERS: [(&str, &str); 4] = [
     ("mesh", include_str!("help/mesh.txt")),
     ("spheres", include_str!("help/spheres.txt")),
@@ -46,16 +47,19 @@ pub fn of_cameras() -> BTreeMap<&'static str, Vec<Key>> {
 }
 
 /// The keys of each other section.
+#[cfg(feature = "view")]
 pub fn of_sections() -> BTreeMap<&'static str, Vec<Key>> {
     SECTIONS.into_iter().map(|(name, help)| (name, keys(help))).collect()
 }
 
 /// The keys of all sections but the camera.
+#[cfg(feature = "cli")]
 pub fn of_all_sections() -> impl Iterator<Item = (&'static str, Vec<Key>)> {
     SECTIONS.into_iter().chain(OTHERS).map(|(name, help)| (name, keys(help)))
 }
 
 /// The keys of every camera, and those that replace eye, target and up where a kind has these.
+#[cfg(feature = "cli")]
 pub fn of_any_camera() -> [Vec<Key>; 2] {
     [keys(include_str!("help/any_camera.txt")), keys(&format!("\n\n{POSE}"))]
 }

@@ -35,6 +35,7 @@ use clap::Parser;
 use clap::error::{ContextKind, ErrorKind};
 use say::complain;
 
+#[cfg(feature = "internals")]
 pub use info::lines as adapter_lines;
 pub use say::print;
 use std::ffi::OsString;

@@ -153,10 +153,12 @@ fn kernels(variant: Variant, has: AdapterFeatures) -> String {
 }
 
 impl Tested {
+    #[cfg(feature = "internals")]
     pub fn is_right(&self) -> bool {
         self.failed.is_none() && self.wrong == 0
     }
 
+    #[cfg(feature = "internals")]
     pub fn pixels(&self) -> u64 {
         u64::from(self.size[0]) * u64::from(self.size[1])
     }
@@ -176,6 +178,7 @@ impl fmt::Display for Tested {
 }
 
 /// What the frames came to, in a line.
+#[cfg(feature = "internals")]
 pub fn result(frames: &[Tested]) -> String {
     let sum = |of: fn(&Tested) -> u64| frames.iter().map(of).sum::<u64>();
     let (pixels, wrong, uncertain) = (sum(Tested::pixels), sum(|f| f.wrong), sum(|f| f.uncertain));

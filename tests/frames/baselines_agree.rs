@@ -8,9 +8,9 @@ use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::rival::{Choice, Technique};
 use anamorph::internals::image::frame::{Channel, NO_ID};
 use anamorph::internals::reference::image::judge;
-use anamorph_lab::rivals::TECHNIQUES;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
+use anamorph_lab::rivals::TECHNIQUES;
 use common::file::load;
 use common::gpu::{Without, engine, hits, wanted};
 use glam::DVec3;
@@ -218,10 +218,7 @@ fn cameras_may_move_between_frames() {
         for by in [None].into_iter().chain(rivals.iter().copied().map(Some)) {
             let (scene, then) = (scene(&first), self::scene(&then).camera().unwrap());
             let camera = scene.camera().unwrap();
-            let run = RunOptions {
-                rival: by.map(|by| anamorph_lab::rivals::parse(by).unwrap()),
-                ..Default::default()
-            };
+            let run = RunOptions { rival: by.map(|by| anamorph_lab::rivals::parse(by).unwrap()), ..Default::default() };
             let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
             let alone = engine.render(&scene, &then, &wanted(), &run).unwrap().frame;
             let mut frames = engine.prepare(&scene, &camera, &wanted(), &run).unwrap();

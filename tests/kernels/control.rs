@@ -2,9 +2,9 @@
 
 use crate::common::needs;
 use anamorph::internals::gpu::buffers::{Buffers, Pipeline};
+use anamorph::internals::gpu::layout::NONE;
 use anamorph::internals::gpu::single::{run, words};
 use anamorph_lab::control::{read_only, subgroup_widths, write_only};
-use anamorph::internals::gpu::layout::NONE;
 
 /// Items of a list whose length no number of threads divides.
 const ITEMS: u32 = 1009;

@@ -2,9 +2,9 @@
 
 use super::super::variants;
 use anamorph::internals::engine::stage::KernelId;
-use anamorph_lab::operations::{ByLoopDepth, Operations, of_kernel, operations};
 use anamorph::internals::gpu::kernels::{Method, Variant};
 use anamorph::internals::image::frame::Channel;
+use anamorph_lab::operations::{ByLoopDepth, Operations, of_kernel, operations};
 
 const KNOWN: &str = "
 override COUNTING: bool = false;

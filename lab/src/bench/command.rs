@@ -1,14 +1,14 @@
 //! `anamorph bench`: suites of measurements, and the page that shows all of them.
 
+use crate::bench;
+use crate::bench::race::{Engines, Rules};
+use crate::bench::suites::{SUITES, Suite};
+use crate::bench::{INDEX, Selection, write_index};
 use anamorph::internals::gpu::device::GpuOptions;
 use anamorph::internals::input::files::Inputs;
 use anamorph::internals::input::{Error, Result};
 use anamorph::internals::jobs::outputs;
 use anamorph::internals::tools::cli::print;
-use crate::bench;
-use crate::bench::race::{Engines, Rules};
-use crate::bench::suites::{SUITES, Suite};
-use crate::bench::{INDEX, Selection, write_index};
 use std::path::PathBuf;
 
 /// In place of a suite: a case is run again.

@@ -2,12 +2,12 @@
 
 use super::case::Case;
 use super::race::seen;
+use crate::operations::{ByLoopDepth, Operations, of_kernel};
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::SceneContents;
 use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::stage::KernelId;
 use anamorph::internals::gpu::device::AdapterFeatures;
-use crate::operations::{ByLoopDepth, Operations, of_kernel};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::input::{Error, Result};
 use anamorph::internals::scene::Scene;

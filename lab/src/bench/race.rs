@@ -11,7 +11,9 @@ use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::plan::samples::sample_offsets;
 use anamorph::internals::engine::{Arithmetic, Engine, Frames, Method, Rendered, RunOptions};
 use anamorph::internals::gpu::Gpu;
+use anamorph::internals::gpu::buffers::wait;
 use anamorph::internals::gpu::device::{GpuOptions, NO_ADAPTER};
+use anamorph::internals::gpu::recorder::Recorder;
 use anamorph::internals::image::compare::compare;
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::internals::input::Result;
@@ -32,7 +34,8 @@ impl Engines {
     /// # Errors
     /// [`anamorph::internals::input::Error::Work`] if there is no adapter.
     pub fn open(options: &GpuOptions) -> Result<Engines> {
-        let engine = || Ok(Engine::new(Gpu::open(options)?.ok_or_else(|| anamorph::internals::input::Error::work(NO_ADAPTER))?));
+        let engine =
+            || Ok(Engine::new(Gpu::open(options)?.ok_or_else(|| anamorph::internals::input::Error::work(NO_ADAPTER))?));
         Ok(Engines { computing: engine()?, drawing: engine()? })
     }
 
@@ -130,7 +133,8 @@ impl Scenes<'_> {
 /// # Errors
 /// [`anamorph::internals::input::Error`] where the case's scene or the device fails.
 pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> Result<Vec<Row>> {
-    let folder = tempfile::tempdir().map_err(|e| anamorph::internals::input::Error::work(format!("no temporary folder: {e}")))?;
+    let folder = tempfile::tempdir()
+        .map_err(|e| anamorph::internals::input::Error::work(format!("no temporary folder: {e}")))?;
     let all = Scenes { case, path: case.write(folder.path())? };
     let truth = all.with_camera(&case.truth)?;
     let program = rules.yardstick.as_deref();
@@ -247,7 +251,7 @@ fn time(engine: &Engine, scenes: &Scenes, entries: &mut [Entry], baselines: &[us
         if k % 2 == 1 {
             order.reverse();
         }
-        control.push(engine.empty_frame()?);
+        control.push(empty_frame(&engine.gpu)?);
         for at in order {
             let runs = is_open[at] || baselines.contains(&at);
             if runs {
@@ -371,7 +375,8 @@ impl Judge<'_> {
         }
         let row_step = row_step(self.camera, 1);
         let truth = self.judgement.get_or_insert_with(|| judge_rows(self.scene, self.camera, frame, row_step));
-        let error = Error::of(&compare(&every_row(&frame, row_step), &truth.truth, Some(&truth.safe), Some(&truth.scales))?);
+        let error =
+            Error::of(&compare(&every_row(frame, row_step), &truth.truth, Some(&truth.safe), Some(&truth.scales))?);
         Ok(Error { wrong_not_near: self.each.then_some(truth.not_near), row_step, ..error })
     }
 
@@ -412,7 +417,7 @@ impl Filtered {
     }
 
     fn error(&self, frame: &Frame) -> Result<Error> {
-        let error = Error::of(&compare(&every_row(&frame, self.row_step), &self.truth, None, None)?);
+        let error = Error::of(&compare(&every_row(frame, self.row_step), &self.truth, None, None)?);
         Ok(Error { row_step: self.row_step, ..error })
     }
 }
@@ -569,4 +574,14 @@ fn every_row(frame: &Frame, step: u32) -> Frame {
     };
     let planes = frame.planes.iter().map(|(channel, values)| (*channel, plane(values))).collect();
     Frame { width: frame.width, height: frame.height.div_ceil(step), planes }
+}
+
+/// Submits one empty pass: the time of a frame that does nothing, ms.
+fn empty_frame(gpu: &Gpu) -> Result<f64> {
+    let started = Instant::now();
+    let mut recorder = Recorder::new(gpu, 1);
+    drop(recorder.compute("empty"));
+    recorder.submit(gpu)?;
+    wait(gpu)?;
+    Ok(started.elapsed().as_secs_f64() * 1e3)
 }

@@ -119,7 +119,9 @@ const QUICK_SIZE: [&str; 2] = ["image.width=160", "image.height=120"];
 /// A scene of `src/tools/bench/scenes`.
 macro_rules! scene {
     ($name:literal) => {
-        $crate::bench::case::Source::Text(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/bench/scenes/", $name, ".toml")).into())
+        $crate::bench::case::Source::Text(
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/bench/scenes/", $name, ".toml")).into(),
+        )
     };
 }
 use scene;

@@ -1,8 +1,8 @@
 //! Achieved bandwidth: of control kernels, and of the stages whose bytes are known.
 
+use crate::control::bandwidths;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Engine, RunOptions};
-use crate::control::bandwidths;
 use anamorph::internals::gpu::device::NO_ADAPTER;
 use anamorph::internals::gpu::{Gpu, GpuOptions};
 use anamorph::internals::image::frame::Channel;

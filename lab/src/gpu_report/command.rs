@@ -1,9 +1,9 @@
 //! `anamorph gpu-report`: what this program does on somebody's GPU, as a folder to send back.
 
+use crate::gpu_report;
 use anamorph::internals::gpu::device::GpuOptions;
 use anamorph::internals::input::{Error, Result};
 use anamorph::internals::tools::cli::{adapter_lines, print};
-use crate::gpu_report;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 

@@ -2,10 +2,10 @@
 
 use super::self_test::{Tested, result};
 use super::{Report, not_run};
-use anamorph::internals::image::write_text;
-use anamorph::internals::input::Result;
 use crate::bench::Ongoing;
 use crate::bench::page::{document, escaped, table};
+use anamorph::internals::image::write_text;
+use anamorph::internals::input::Result;
 use std::path::{Path, PathBuf};
 
 /// Writes report.json and the page to the report's folder; returns the page's path.

@@ -5,9 +5,9 @@ use anamorph::internals::engine::rival::{Setup, Target};
 use anamorph::internals::engine::stage::{Scopes, dispatch_items};
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Binder, Pipeline};
-use anamorph::internals::gpu::draw_counts::DrawPass;
 use anamorph::internals::gpu::kernels::Kernel;
 use anamorph::internals::gpu::recorder::Recorder;
+use anamorph::internals::gpu::recorder::drawing::DrawPass;
 use anamorph::internals::input::{Error, Result};
 use wgpu::{Extent3d, LoadOp, Operations, StoreOp, TextureFormat, TextureUsages};
 

@@ -27,11 +27,7 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
         RaysKind::Curves { .. } => snippets!("rivals/curved_path.wgsl"),
         _ => snippets!("rivals/straight_path.wgsl"),
     };
-    let search = if brute {
-        snippets!("rivals/brute.wgsl")
-    } else {
-        snippets!("rivals/hierarchy.wgsl")
-    };
+    let search = if brute { snippets!("rivals/brute.wgsl") } else { snippets!("rivals/hierarchy.wgsl") };
     let shared: &[Parts] = if brute { &[SEGMENT] } else { &[SEGMENT, BVH, LEAF_TRIANGLE] };
     let own = [search, path, snippets!("rivals/raytrace.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SLABS, KEY][..], &variant.pixel_snippets(), shared, &own].concat();

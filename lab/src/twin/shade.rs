@@ -73,7 +73,11 @@ fn shade_pixel(input: &KernelInputs, key: Option<u64>, pixel: u32, real: Real) -
     let here = id.wrapping_sub(p.id_first) < p.id_count;
     let (true, Some(cell)) = (here, input.pixel_cell(layer, x, y)) else { return Pixel::Untouched };
     let cell = input.cells[cell as usize];
-    let cast = input.cell_cast(&cell, (y % anamorph::internals::camera::TILE) * anamorph::internals::camera::TILE + x % anamorph::internals::camera::TILE);
+    let cast = input.cell_cast(
+        &cell,
+        (y % anamorph::internals::camera::TILE) * anamorph::internals::camera::TILE
+            + x % anamorph::internals::camera::TILE,
+    );
     let rays = cast.ray(t);
     let slot = input.slot_of_id[(id - p.id_first) as usize];
     let hit = Surface { input, rays: &rays, corners: input.corners(slot), slot };

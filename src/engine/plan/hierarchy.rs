@@ -70,6 +70,7 @@ impl Hierarchy {
     }
 
     /// The nodes, the root first, and the triangles in the order of the leaves; without triangles, one node that nothing meets.
+    #[cfg(feature = "internals")]
     pub fn nodes_and_leaves(&self, scene: &Scene) -> (Vec<BvhNode>, Vec<LeafTriangle>) {
         self.scaled_nodes_and_leaves(scene, 1.0)
     }

@@ -214,6 +214,7 @@ impl Sifted {
     }
 
     /// How many nodes a point was found in; `None` where they were not all counted.
+    #[cfg(feature = "internals")]
     pub fn count(&self, layer: usize, point: usize) -> Option<u32> {
         let (slots, words) = &self.layers[layer];
         Some(words[point * (*slots as usize + 1)]).filter(|count| *count <= SLOTS_MOST)

@@ -253,6 +253,7 @@ impl<'g> Solve<'g> {
     }
 
     /// The table of a layer of pieces.
+    #[cfg(feature = "internals")]
     pub fn table(&self, layer: usize) -> Option<&SolveTable> {
         match &self.layers[layer].as_ref()?.table {
             Table::Pieces(table) => Some(table),
@@ -261,6 +262,7 @@ impl<'g> Solve<'g> {
     }
 
     /// The table of a layer of curves.
+    #[cfg(feature = "internals")]
     pub fn cells(&self, layer: usize) -> Option<&CellTable> {
         match &self.layers[layer].as_ref()?.table {
             Table::Pieces(_) => None,

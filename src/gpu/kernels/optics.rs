@@ -16,6 +16,7 @@ pub enum OpticsKind {
 }
 
 impl OpticsKind {
+    #[cfg(feature = "internals")]
     pub const ALL: [OpticsKind; 5] =
         [OpticsKind::Facets, OpticsKind::Atlas, OpticsKind::Quadrics, OpticsKind::Torus, OpticsKind::Wave];
 

@@ -1,7 +1,7 @@
 //! Snippets and bindings that several kernels share.
 
-pub use super::kernel::{Binding, Kernel, Parts, reads, texture, uniform, writes, writes_texture};
 pub(crate) use super::kernel::snippets;
+pub use super::kernel::{Binding, Kernel, Parts, reads, texture, uniform, writes, writes_texture};
 
 pub const PARAMS: Parts = snippets!("shared/params.wgsl");
 pub const ITEMS: Parts = snippets!("shared/items.wgsl");
@@ -12,9 +12,13 @@ pub const SLABS: Parts = snippets!("shared/slabs.wgsl");
 pub const VERTEX: Parts = snippets!("shared/table.wgsl", "shared/vertex.wgsl");
 pub const PACKED_TRIANGLE: Parts = snippets!("shared/triangle.wgsl");
 pub const TRIANGLE: Parts = snippets!("shared/triangle.wgsl", "shared/vertex_real.wgsl");
+#[cfg(feature = "internals")]
 pub const SEGMENT: Parts = snippets!("shared/segment.wgsl");
+#[cfg(feature = "internals")]
 pub const BVH: Parts = snippets!("shared/bvh.wgsl");
+#[cfg(feature = "internals")]
 pub const LEAF_TRIANGLE: Parts = snippets!("shared/leaf_triangle.wgsl");
+#[cfg(feature = "internals")]
 pub const RAY: Parts = snippets!("shared/ray.wgsl");
 pub const BUNDLE: Parts = snippets!("shared/ray.wgsl", "shared/bundle.wgsl");
 pub const SHADING: Parts = snippets!("shared/shading.wgsl");
@@ -27,6 +31,7 @@ pub const SIDES: Parts = snippets!("shared/sides.wgsl", "shared/perturb.wgsl");
 pub const NEARNESS: Parts = snippets!("shared/nearness.wgsl");
 /// The cell of a pixel.
 pub const CELLS: Parts = snippets!("shared/cells.wgsl");
+#[cfg(feature = "internals")]
 pub const PIECE_AT: Parts = snippets!("shared/table.wgsl", "camera/piece_at.wgsl");
 /// A camera's pieces and their bundles.
 pub const PIECES: Parts = snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece.wgsl");

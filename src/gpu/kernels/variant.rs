@@ -126,6 +126,7 @@ pub struct Variant {
 
 impl Variant {
     /// A scene without normals, images, lines or samples, through pieces, on an adapter without f64 and 64-bit atomics.
+    #[cfg(feature = "internals")]
     pub const PLAIN: Variant = Variant {
         f64: false,
         atomics64: false,
@@ -169,6 +170,7 @@ impl Variant {
     }
 
     /// Every variant that some camera needs on an adapter with these abilities.
+    #[cfg(feature = "internals")]
     pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
         let mut list = Vec::new();
         for more in [false, true] {
@@ -396,6 +398,7 @@ impl Variant {
     }
 
     /// The snippets with which rays are found pixel by pixel.
+    #[cfg(feature = "internals")]
     pub fn pixel_snippets(self) -> Vec<Parts> {
         [&[self.real(), BUNDLE, self.camera()][..], self.pixel()].concat()
     }

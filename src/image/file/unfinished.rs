@@ -1,6 +1,6 @@
 //! Temporary files of unfinished outputs. They are removed when dropped, and by [`remove_unfinished`] when a signal ends the program.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -54,11 +54,12 @@ impl Unfinished {
 }
 
 /// Removes all temporary files before the process ends. No more are created while the returned guard is held.
+#[cfg(feature = "cli")]
 pub fn remove_unfinished() -> impl Sized {
     let paths = paths();
     for path in paths.iter() {
         // the process ends: nothing can be done about an error
-        let _ = fs::remove_file(path);
+        let _ = std::fs::remove_file(path);
     }
     paths
 }

@@ -1,7 +1,7 @@
 //! Output files that are whole or not there: a temporary file beside the target, then a rename.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::place::{folder_of, real_path};
@@ -62,9 +62,10 @@ pub fn write_text(path: &Path, text: &str) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Write`] naming `path`.
+#[cfg(feature = "cli")]
 pub fn write_lines(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
     write_whole(path, |file| {
-        let mut writer = BufWriter::new(file);
+        let mut writer = io::BufWriter::new(file);
         fill(&mut writer)?;
         writer.flush()
     })
@@ -173,6 +174,7 @@ impl Target {
 ///
 /// # Errors
 /// Those of the system, and a timeout if `path` is a pipe without a reader.
+#[cfg(feature = "cli")]
 pub fn open_to_append(path: &Path) -> io::Result<File> {
     match fs::metadata(path) {
         Ok(there) if !there.is_file() && !there.is_dir() => stream::open(path, PIPE_WAIT),
@@ -281,7 +283,7 @@ mod tests {
             file.write_all(b"x").map_err(|e| io::Error::other(format!("an encoder failed: {e}")))
         });
         let swallowed = Filled::fill(&mut full, |file| {
-            let _ = BufWriter::new(file).write_all(b"x");
+            let _ = io::BufWriter::new(file).write_all(b"x");
             Ok(())
         });
         assert!(is_full(&wrapped.unwrap_err()) && is_full(&swallowed.unwrap_err()));

@@ -223,6 +223,7 @@ impl Task<'_> {
     }
 
     /// As job.0.
+    #[cfg(feature = "cli")]
     pub(crate) fn job_name(&self) -> &str {
         &self.job.name
     }

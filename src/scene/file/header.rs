@@ -1,10 +1,7 @@
 //! A camera's keys in the header of a picture, which make the same rays without the scene file.
 
-use super::{SceneFile, read_tree};
 use crate::camera::pose::Pose;
 use crate::camera::spec::{CameraKind, CameraSpec, read_camera_of_scene};
-use crate::input::overrides;
-use crate::input::parse::{Format, parse};
 use crate::input::reader::{Field, Source};
 use crate::input::tree::{Entry, Node, Value};
 use crate::input::{Error, Result};
@@ -101,6 +98,7 @@ impl CameraKeys {
     }
 
     /// The folder that relative paths in them start from.
+    #[cfg(feature = "view")]
     pub fn folder(&self) -> &Path {
         &self.dir
     }
@@ -163,7 +161,7 @@ fn number_mut<'a>(node: &'a mut Node, path: &str) -> Option<&'a mut Value> {
 }
 
 /// Removes an entry from a table.
-fn take(entries: &mut Vec<Entry>, key: &str) -> Option<Node> {
+pub(super) fn take(entries: &mut Vec<Entry>, key: &str) -> Option<Node> {
     let at = entries.iter().position(|e| e.key == key)?;
     Some(entries.swap_remove(at).node)
 }
@@ -197,49 +195,10 @@ fn json(value: &Value) -> Json {
     }
 }
 
-/// The scene of a camera in a picture's header: the camera, and the meshes that it looks at. `text` is a JSON object with the entries of
-/// [`CameraKeys::json`] and the image's `width` and `height`. `overrides` are as for [`super::load`].
-///
-/// # Errors
-/// [`Error::Input`] naming the picture at `path` and the key.
-pub fn load_header(text: &str, path: &Path, overrides: &[String]) -> Result<SceneFile> {
-    let Node { value: Value::Table(mut entries), place } = parse(text, Format::Json, path)? else {
-        return Err(no_camera(path));
-    };
-    let mut take = |key: &str| take(&mut entries, key);
-    if take("moves").is_some() {
-        let path = path.display();
-        return Err(Error::input(format!(
-            "{path}: its camera moved while the picture was taken, and the header does not say how; give the scene file"
-        )));
-    }
-    let (Some(camera), Some(width), Some(height)) = (take("keys"), take("width"), take("height")) else {
-        return Err(no_camera(path));
-    };
-    let folder = match take("folder").map(|node| node.value) {
-        Some(Value::Text(folder)) => folder,
-        _ => String::new(),
-    };
-    let table = |entries: Vec<(&str, Node)>| {
-        let entry = |(key, node): (&str, Node)| Entry { key: key.into(), place, node };
-        Node { value: Value::Table(entries.into_iter().map(entry).collect()), place }
-    };
-    let image = table(vec![("width", width), ("height", height)]);
-    let others = ["mesh", "spheres"].map(|key| take(key).map(|node| (key, node)));
-    let given = [("image", image), ("camera", camera)].into_iter().chain(others.into_iter().flatten());
-    let mut root = table(given.collect());
-    overrides::apply(&mut root, overrides)?;
-    read_tree(root, path, &path.parent().unwrap_or(Path::new("")).join(folder))
-}
-
-fn no_camera(path: &Path) -> Error {
-    let path = path.display();
-    Error::input(format!("{path}: its header does not hold the keys of the camera; render it again with this version"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::parse::{Format, parse};
 
     #[test]
     fn relative_paths_lead_from_folder_to_folder() {

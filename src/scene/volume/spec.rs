@@ -57,6 +57,7 @@ pub enum Placement {
 
 impl Placement {
     /// The places of the first and of the last node, of so many along z, y and x.
+    #[cfg(feature = "cli")]
     pub fn ends(self, [z, y, x]: [u64; 3]) -> [DVec3; 2] {
         match self {
             Placement::Box { min, max } => [min, max],

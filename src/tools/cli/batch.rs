@@ -55,11 +55,11 @@ fn gather(args: &BatchArgs, list: &Path, batch: &Batch) -> Result<()> {
     let gathered = batch.gather()?;
     let (all, missing) = (gathered.frames, &gathered.missing);
     if let Some(path) = &args.csv {
-        results::write_csv(path, || gathered.each())?;
+        results::write_csv(path, || gathered.each(batch))?;
     }
     if let Some(path) = &args.report {
         let counts = Counts { all, done: all - missing.len(), ..Counts::default() };
-        results::write_report(path, &Summary::new(counts, 0.0, Vec::new(), Vec::new()), gathered.each())?;
+        results::write_report(path, &Summary::new(counts, 0.0, Vec::new(), Vec::new()), gathered.each(batch))?;
     }
     if missing.is_empty() {
         return print(&format!("{}: {}\n", list.display(), frames(all)));

@@ -4,7 +4,6 @@ mod contents;
 
 use super::args::InfoArgs;
 use super::say::print;
-use crate::gpu::Gpu;
 use crate::gpu::device::{AdapterFeatures, NO_ADAPTER, adapters};
 use crate::gpu::needs::lacks;
 use crate::input::{Error, Result};
@@ -71,7 +70,8 @@ pub fn run(args: &InfoArgs) -> Result<()> {
 }
 
 /// An open device's adapter, in lines.
-pub fn lines(gpu: &Gpu) -> String {
+#[cfg(feature = "internals")]
+pub fn lines(gpu: &crate::gpu::Gpu) -> String {
     about(&gpu.info, &gpu.limits, gpu.has, false).to_string().trim_start().to_owned()
 }
 

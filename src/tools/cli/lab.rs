@@ -29,7 +29,9 @@ pub fn start_if_needed(arguments: &[OsString]) -> Result<()> {
 
 /// The error for a command of the laboratory where its program is not installed.
 pub fn missing() -> Error {
-    Error::input(format!("this command is run by {PROGRAM}, which is neither beside anamorph nor on the path; {INSTALL}"))
+    Error::input(format!(
+        "this command is run by {PROGRAM}, which is neither beside anamorph nor on the path; {INSTALL}"
+    ))
 }
 
 /// How to install the laboratory.

@@ -1,9 +1,9 @@
 //! Every vertex is new in each frame, or the camera: what changes is made anew and uploaded, what a technique builds over it is built
 //! again, and all of that is in the time.
 
-use anamorph::internals::engine::Method;
 use crate::bench::case::{Arm, Case, arms};
 use crate::bench::row::Moving;
+use anamorph::internals::engine::Method;
 
 /// Triangles up to which every one is tried everywhere, and up to which their bounds, each as large as the image, are drawn.
 const FEW: u32 = 1000;

@@ -1,10 +1,10 @@
 //! What the papers measured, on stand-ins of the same counts: none of their scenes is public.
 
 use super::{cylinder_scene, scene};
-use anamorph::internals::engine::Method;
-use anamorph::internals::engine::rival::MULTISAMPLES;
 use crate::bench::case::{Arm, Case, Samples, arms};
 use crate::bench::row::{Moving, Paper};
+use anamorph::internals::engine::Method;
+use anamorph::internals::engine::rival::MULTISAMPLES;
 
 /// Machines of the papers.
 const GTX_8800: &str = "Core 2 Duo 2.13 GHz, GeForce 8800 GTX";

@@ -1,7 +1,7 @@
 //! Where a frame's time goes, in scenes that ask for different kernels.
 
-use anamorph::internals::engine::Method;
 use crate::bench::case::{Arm, Case};
+use anamorph::internals::engine::Method;
 
 const EXAMPLES: [&str; 10] = [
     "city-cross-slit",

@@ -1,9 +1,9 @@
 //! Scenes that grow stiff, by this engine in all its arithmetics and by rivals.
 
-use anamorph::internals::engine::Arithmetic;
 use crate::bench::case::{Arm, Case};
 use crate::bench::row::Stiffness;
 use crate::bench::stiff::{Family, families};
+use anamorph::internals::engine::Arithmetic;
 
 fn case(family: &Family, value: f64) -> Case {
     let single = Arm::ours().arithmetic(Arithmetic::Single, "f32 alone");

@@ -1,10 +1,7 @@
-//! Kernels with f64, for adapters without: every f64 of a module becomes two u32, and every operation on it a call of
-//! `wgsl/shared/soft_f64.wgsl`, which rounds as IEEE 754 says. So rechecks decide alike on every adapter, and
-//! depths differ by the order at most in which a driver takes sums of its own f64.
+//! Lowers `f64` in a naga module to pairs of `u32`: every f64 becomes two words, low word first, and every operation on it a call of a
+//! function in `soft_f64.wgsl`, which rounds as IEEE 754 says.
 //!
-//! What kernels use of f64 is what is lowered; anything else is an error, which a test over all kernels would meet first.
-
-use wgpu::naga;
+//! See the README for what is supported.
 
 use naga::valid::{Capabilities, FunctionInfo, ModuleInfo, ValidationFlags, Validator};
 use naga::{
@@ -13,24 +10,35 @@ use naga::{
 };
 use std::collections::HashMap;
 
-const SOFT_F64: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/wgsl/shared/soft_f64.wgsl"));
-
-/// Functions of kernels between an f64 and its two words, low first: here they are the same.
-const WORDS: [&str; 2] = ["real_to_bits", "real_from_bits"];
+/// The functions that do the arithmetic.
+const SOFT_F64: &str = include_str!("soft_f64.wgsl");
 
 type Result<T> = std::result::Result<T, String>;
 type Value = Handle<Expression>;
 
-/// A kernel's module without f64; the error says what cannot be lowered.
-pub fn lowered(source: &str) -> Result<Module> {
-    let old = naga::front::wgsl::parse_str(source).map_err(|e| e.emit_to_string(source))?;
+/// Lowers the f64 of a module that is written in WGSL; see [`lower`].
+///
+/// # Errors
+/// The error of the parser or the validator, or the f64 operation that is not supported.
+pub fn lower_wgsl(source: &str, identities: &[&str]) -> Result<Module> {
+    let module = naga::front::wgsl::parse_str(source).map_err(|e| e.emit_to_string(source))?;
     let info =
-        Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&old).map_err(|e| format!("{e:?}"))?;
+        Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module).map_err(|e| format!("{e:?}"))?;
+    lower(&module, &info, identities)
+}
+
+/// The module without f64. `identities` names functions of one argument that convert between an f64 and its two words (`vec2<u32>`, low
+/// word first): their bodies are replaced by `return argument`, because both are the same here.
+///
+/// # Errors
+/// The f64 operation that is not supported.
+pub fn lower(module: &Module, info: &ModuleInfo, identities: &[&str]) -> Result<Module> {
     let new = naga::front::wgsl::parse_str(SOFT_F64).map_err(|e| e.emit_to_string(SOFT_F64))?;
     let soft = new.functions.iter().filter_map(|(h, f)| Some((f.name.clone()?, h))).collect();
     let mut lowering = Lowering {
-        old: &old,
-        info: &info,
+        old: module,
+        info,
+        identities,
         new,
         soft,
         types: HashMap::new(),
@@ -48,6 +56,7 @@ pub fn lowered(source: &str) -> Result<Module> {
 struct Lowering<'a> {
     old: &'a Module,
     info: &'a ModuleInfo,
+    identities: &'a [&'a str],
     new: Module,
     /// The functions that do the arithmetic, by their names.
     soft: HashMap<String, Handle<Function>>,
@@ -269,8 +278,9 @@ impl<'a> Lowering<'a> {
         if let Some(result) = &old.result {
             new.result = Some(naga::FunctionResult { ty: self.type_of(result.ty)?, ..result.clone() });
         }
+        let is_identity = old.name.as_deref().is_some_and(|name| self.identities.contains(&name));
         let mut body = Body { lowering: self, old, info, new, values: HashMap::new(), locals: HashMap::new() };
-        if old.name.as_deref().is_some_and(|name| WORDS.contains(&name)) {
+        if is_identity {
             let argument = body.append(Expression::FunctionArgument(0));
             body.new.body = Block::from_vec(vec![Statement::Return { value: Some(argument) }]);
             return Ok(body.new);
@@ -668,5 +678,34 @@ impl Body<'_, '_> {
             ref other => return Err(format!("no way to lower {other:?}")),
         };
         Ok(self.keep(old, new))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOURCE: &str = "
+        @group(0) @binding(0) var<storage, read_write> sums: array<f64>;
+        fn to_words(a: f64) -> vec2<u32> { return bitcast<vec2<u32>>(vec2<f32>(f32(a), 0.0)); }
+        @compute @workgroup_size(1)
+        fn add(@builtin(global_invocation_id) id: vec3<u32>) { sums[id.x] = sqrt(sums[id.x]) / 3.0 + f64(to_words(0.1lf).x); }";
+
+    fn validated(module: &Module, capabilities: Capabilities) -> bool {
+        Validator::new(ValidationFlags::all(), capabilities).validate(module).is_ok()
+    }
+
+    #[test]
+    fn a_lowered_module_is_valid_without_f64() {
+        let module = naga::front::wgsl::parse_str(SOURCE).unwrap();
+        assert!(!validated(&module, Capabilities::empty()) && validated(&module, Capabilities::FLOAT64));
+        assert!(validated(&lower_wgsl(SOURCE, &["to_words"]).unwrap(), Capabilities::empty()));
+    }
+
+    #[test]
+    fn what_is_not_supported_is_an_error() {
+        let error = lower_wgsl("fn f(a: f64) -> f64 { return sin(a); }", &[]).unwrap_err();
+        assert!(error.contains("Sin"), "{error}");
+        assert!(lower_wgsl("fn f(", &[]).is_err());
     }
 }
