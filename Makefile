@@ -15,7 +15,7 @@ PEERS := pycolmap trimesh rtree
 # A virtual environment, and the wheel that it is tested in.
 VENV := $(BUILD)/venv
 TESTED := $(BUILD)/tested-wheel
-CARGO_TEST := cargo test --locked --features internals
+CARGO_TEST := cargo test --locked
 LONG_TESTS := frames kernels
 ALL_TESTS := $(basename $(notdir $(wildcard tests/*.rs))) $(patsubst tests/%/main.rs,%,$(wildcard tests/*/main.rs))
 OTHER_TESTS := $(filter-out $(LONG_TESTS),$(ALL_TESTS))
@@ -32,12 +32,12 @@ demo: rust driver
 
 # Render every scene that is after a figure of a paper, and one contact sheet of all.
 gallery: rust driver
-	@cargo run --release --locked --quiet --features internals --example gallery out
+	@cargo run --release --locked --quiet -p anamorph-lab --example gallery out
 	@echo "the contact sheet is out/gallery.png, the pictures and their scenes are in out/gallery"
 
 # The pages of docs/cameras: one scene through every kind of camera, its rays, its keys.
 camera-pages: rust driver
-	@cargo run --release --locked --quiet --features internals --example camera_pages docs/cameras
+	@cargo run --release --locked --quiet -p anamorph-lab --example camera_pages docs/cameras
 
 # The pages as a book of HTML, into target/book; the first time mdbook is built too.
 docs: rust
@@ -51,12 +51,12 @@ docs: rust
 
 # Compare every camera with the reference on a city of 35,000 triangles and on the models in the folder MODELS: hours on a CPU.
 agreement: rust driver
-	@cargo run --release --locked --quiet --features internals --example agreement -- out/agreement $(MODELS)
+	@cargo run --release --locked --quiet -p anamorph-lab --example agreement -- out/agreement $(MODELS)
 
 # Ten cases of the committed runs again: does each row agree? Ten minutes on a CPU.
 reproduce-quick: rust driver
-	@cargo build --release --locked
-	@status=0; while read -r row; do $(BUILD)/release/anamorph bench reproduce --runs 6 "$$row" || status=1; done <benches/reproduce-quick.txt; \
+	@cargo build --release --locked -p anamorph-lab
+	@status=0; while read -r row; do $(BUILD)/release/anamorph-lab bench reproduce --runs 6 "$$row" || status=1; done <lab/reproduce-quick.txt; \
 	exit $$status
 
 # The Python package as a wheel, into target/wheels.
@@ -92,7 +92,7 @@ test-python: rust driver venv
 # Every example on every software adapter of the machine, also on SwiftShader where chromium is installed: an hour.
 test-adapters: rust driver
 	@cargo build --release --locked
-	@cargo run --release --locked --quiet --features internals --example adapters -- $(BUILD)/release/anamorph out/adapters $(EXAMPLES)
+	@cargo run --release --locked --quiet -p anamorph-lab --example adapters -- $(BUILD)/release/anamorph out/adapters $(EXAMPLES)
 
 # What a change must pass.
 check: rust

@@ -1,5 +1,5 @@
-//! Times gradients beside the frame that they are of, by the triangles' corners and by a number of the camera: `cargo bench --features internals
-//! --bench gradients`, in Markdown, as bench_results/gradients.md. `cargo test --features internals --benches` runs each once, on little.
+//! Times gradients beside the frame that they are of, by the triangles' corners and by a number of the camera: `cargo bench
+//! --bench gradients`, in Markdown, as bench_results/gradients.md. `cargo test --benches` runs each once, on little.
 
 use anamorph::{Channel, RenderOptions, Renderer, Scene};
 use std::time::Instant;

@@ -1,5 +1,4 @@
-//! Times each kernel on the device, in scenes that ask for different ones: `cargo bench --features internals`. `cargo test --features
-//! internals --benches` runs each once, on a small image.
+//! Times each kernel on the device, in scenes that ask for different ones: `cargo bench`. `cargo test --benches` runs each once, on a small image.
 
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Engine, RunOptions};

@@ -1,6 +1,6 @@
 //! Times projection and splatting of many points, kernels beside the CPU, a depth image seen again by another camera, and two ways to the
-//! roots of a cubic: `cargo bench --features internals --bench points`, with the names of cameras behind `--`, if not all; in Markdown, as
-//! bench_results/points.md. `cargo test --features internals --benches` runs each once, on little.
+//! roots of a cubic: `cargo bench --bench points`, with the names of cameras behind `--`, if not all; in Markdown, as
+//! bench_results/points.md. `cargo test --benches` runs each once, on little.
 
 use anamorph::internals::geometry::bernstein::Bernstein;
 use anamorph::{Camera, Channel, Device, RenderOptions, Renderer, Scene, project_many, splat};

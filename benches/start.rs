@@ -1,5 +1,4 @@
-//! Times what comes before frames: reading a large OBJ file, and the whole program from its start to a PNG: `cargo bench --features
-//! internals --bench start`. `cargo test --features internals --benches` runs each once, on little.
+//! Times what comes before frames: reading a large OBJ file, and the whole program from its start to a PNG: `cargo bench --bench start`. `cargo test --benches` runs each once, on little.
 
 use anamorph::internals::geometry::obj;
 use anamorph::internals::geometry::texture::Images;

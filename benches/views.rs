@@ -1,5 +1,5 @@
 //! Times a thousand small images: in one frame, beside one frame of the same rays by a `mesh` camera, one image of as many pixels, and a
-//! call for each: `cargo bench --features internals --bench views`. `cargo test --features internals --benches` runs each once, on little.
+//! call for each: `cargo bench --bench views`. `cargo test --benches` runs each once, on little.
 
 use anamorph::{Camera, Channel, RenderOptions, Renderer, Scene};
 use std::fmt::Write;

@@ -25,7 +25,7 @@ pub use file::whole::{check_writable, clear_up, is_full, write_text};
 #[cfg(feature = "cli")]
 pub use file::whole::{open_to_append, write_lines};
 #[cfg(feature = "cli")]
-pub use npy::put_npy_f64;
+pub use npy::put_npy;
 pub use npy::{
     Grid, read_npy_affines, read_npy_columns, read_npy_grid, read_npy_rows, read_npy_volume, write_npy, write_npy_f64,
 };

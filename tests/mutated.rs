@@ -1,7 +1,7 @@
 //! Runs the program on mutated files: every run ends in time with exit code 0, 1 or 2, without a signal or a panic. An error is one line.
 //! Outputs are whole, and no other files are left.
 //!
-//! `ANAMORPH_FUZZ=20000 cargo test --features internals --test mutated` runs 20,000 mutations. Cases that fail are kept in
+//! `ANAMORPH_FUZZ=20000 cargo test --test mutated` runs 20,000 mutations. Cases that fail are kept in
 //! `target/tmp/mutated`.
 
 #[path = "../fuzz/mutations.rs"]

@@ -204,7 +204,7 @@ fn page(name: &str, help: &str, view: &View, has_diagram: bool) -> Result<String
     let caption = own.map_or(String::new(), |(_, text)| format!("{text}.\n\n"));
     Ok(format!(
         "# {name}\n\n{}.\n\n![A teapot, a ball, a box and two columns through it]({name}.jpg)\n\n{caption}{diagram}\
-         The camera of this picture (its scene: `examples/camera_pages.rs`; its files: `examples/agreement`):\n\n<!-- not run: it may name files of its own -->\n```toml\n{}```\n\n{examples}\
+         The camera of this picture (its scene: `lab/examples/camera_pages.rs`; its files: `lab/examples/agreement`):\n\n<!-- not run: it may name files of its own -->\n```toml\n{}```\n\n{examples}\
          ## Keys and formula\n\nAs `anamorph camera --help {name}` prints them. [To the last bit](../reference/definitions.md#{name}).\n\n\
          ```text\n{}\n```\n",
         capital(title(help)),

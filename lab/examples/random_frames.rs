@@ -1,4 +1,4 @@
-//! Random small scenes against the reference: `cargo run --features internals --release --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving] [spheres]`.
+//! Random small scenes against the reference: `cargo run --release -p anamorph-lab --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving] [spheres]`.
 //! Each is one of `any`'s scenes in 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end. Without 64-bit
 //! atomics, raster bounds t in f32 as it does on GPUs without f64. With `moving` everything moves while the frame is taken, and with `spheres`
 //! there are spheres between the triangles.

@@ -5,7 +5,6 @@ use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
 use glam::DAffine3;
-use npyz::WriterBuilder;
 
 use crate::image::file::whole::write_whole;
 use crate::image::number::NumberType;
@@ -25,37 +24,64 @@ pub fn write_npy_f64(path: &Path, shape: &[u64], data: &[f64]) -> Result<()> {
     }
     write_whole(path, |file| {
         let mut writer = BufWriter::new(file);
-        put_npy_f64(&mut writer, shape, data)?;
+        put_npy(&mut writer, shape, data)?;
         writer.flush()
     })
 }
 
-/// Writes numbers of another type alike, in C order.
+/// A number of an array that is written.
+pub trait NpyNumber {
+    /// NumPy's name of the type: little-endian, kind, bytes.
+    const TYPE: &'static str;
+
+    fn put(&self, writer: &mut impl Write) -> io::Result<()>;
+}
+
+macro_rules! npy_number {
+    ($($number:ident $name:literal),+) => {$(
+        impl NpyNumber for $number {
+            const TYPE: &'static str = $name;
+
+            fn put(&self, writer: &mut impl Write) -> io::Result<()> {
+                writer.write_all(&self.to_le_bytes())
+            }
+        }
+    )+};
+}
+npy_number!(f32 "<f4", f64 "<f8", u32 "<u4");
+
+/// Writes numbers of another type, in C order.
 ///
 /// # Errors
 /// Those of [`write_npy_f64`].
-pub fn write_npy<T: npyz::AutoSerialize>(path: &Path, shape: &[usize], data: &[T]) -> Result<()> {
+pub fn write_npy<T: NpyNumber>(path: &Path, shape: &[usize], data: &[T]) -> Result<()> {
     if shape.iter().product::<usize>() != data.len() {
         return Err(Error::work(format!("{}: {} numbers do not fill {shape:?}", path.display(), data.len())));
     }
     let shape: Vec<u64> = shape.iter().map(|side| *side as u64).collect();
     write_whole(path, |file| {
         let mut writer = BufWriter::new(file);
-        let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut writer).begin_nd()?;
-        array.extend(data)?;
-        array.finish()?;
+        put_npy(&mut writer, &shape, data)?;
         writer.flush()
     })
 }
 
-/// As [`write_npy_f64`], to a writer.
+/// As [`write_npy`], to a writer, which should be buffered.
 ///
 /// # Errors
 /// Those of the writer.
-pub fn put_npy_f64(writer: impl Write, shape: &[u64], data: &[f64]) -> io::Result<()> {
-    let mut array = npyz::WriteOptions::new().default_dtype().shape(shape).writer(writer).begin_nd()?;
-    array.extend(data)?;
-    array.finish()
+pub fn put_npy<T: NpyNumber>(mut writer: impl Write, shape: &[u64], data: &[T]) -> io::Result<()> {
+    let sides: String = shape.iter().map(|side| format!("{side}, ")).collect();
+    let mut header = format!("{{'descr': '{}', 'fortran_order': False, 'shape': ({sides}), }}", T::TYPE);
+    // magic, version and the header's length take 10 bytes; numbers begin at a multiple of 64, after a line break
+    let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
+    header.extend(std::iter::repeat_n(' ', length - 1 - header.len()));
+    header.push('\n');
+    let length = u16::try_from(length).map_err(io::Error::other)?;
+    writer.write_all(b"\x93NUMPY\x01\x00")?;
+    writer.write_all(&length.to_le_bytes())?;
+    writer.write_all(header.as_bytes())?;
+    data.iter().try_for_each(|number| number.put(&mut writer))
 }
 
 /// The header of an array that can be read.
@@ -316,6 +342,7 @@ fn parse_header(text: &str) -> std::result::Result<Header, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use npyz::WriterBuilder;
 
     fn parse(descr: &str, order: &str, shape: &str) -> std::result::Result<Header, String> {
         parse_header(&format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}   \n"))
@@ -368,5 +395,25 @@ mod tests {
         let back = array.into_vec::<f64>().unwrap();
         assert!(back.iter().zip(&data).all(|(a, b)| a.to_bits() == b.to_bits()));
         assert!(matches!(write_npy_f64(&path, &[2, 3], &data[1..]), Err(Error::Work(_))));
+    }
+
+    #[test]
+    fn bytes_are_those_that_npyz_writes() {
+        fn check<T: NpyNumber + npyz::AutoSerialize>(shape: &[u64], data: &[T]) {
+            let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+            put_npy(&mut ours, shape, data).unwrap();
+            let mut array =
+                npyz::WriteOptions::new().default_dtype().shape(shape).writer(&mut theirs).begin_nd().unwrap();
+            array.extend(data).unwrap();
+            array.finish().unwrap();
+            assert_eq!(ours, theirs, "{shape:?}");
+        }
+        // headers of all lengths modulo 64
+        for sides in 0..40 {
+            check::<f64>(&[&vec![1; sides][..], &[0]].concat(), &[]);
+        }
+        check(&[2, 1, 2], &[0.1f64, -0.0, 1e-310, f64::INFINITY]);
+        check(&[3], &[0.1f32, -0.0, 3e38]);
+        check(&[1, 2], &[7u32, u32::MAX]);
     }
 }

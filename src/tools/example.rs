@@ -4,7 +4,7 @@
 mod make;
 mod takes;
 
-use crate::image::{png_bytes, put_npy_f64, write_npy_f64, write_png, write_text};
+use crate::image::{png_bytes, put_npy, write_npy_f64, write_png, write_text};
 use crate::input::Result;
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,7 @@ impl Part {
             Part::Numbers { shape, numbers } => {
                 let mut bytes = Vec::new();
                 // writing to a vector does not fail, and the numbers fill the shape
-                let _ = put_npy_f64(&mut bytes, shape, numbers);
+                let _ = put_npy(&mut bytes, shape, numbers);
                 bytes
             }
             // three bytes a pixel

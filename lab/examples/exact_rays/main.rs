@@ -1,4 +1,4 @@
-//! `cargo run --release --features internals --example exact_rays -- FOLDER RAYS`: casts rays at five closed meshes, a tenth of them exactly
+//! `cargo run --release -p anamorph-lab --example exact_rays -- FOLDER RAYS`: casts rays at five closed meshes, a tenth of them exactly
 //! through vertices and edges, and compares every first hit, and all hits of these, with the truth. The meshes, rays and the truth are
 //! written to FOLDER, where `peers.py` reads them. Fails where a hit is wrong.
 

@@ -143,7 +143,7 @@ mod tests {
     /// Rows that the docs name can be run.
     #[test]
     fn claims_name_cases_that_are_there() {
-        let quick = include_str!("../../../benches/reproduce-quick.txt");
+        let quick = include_str!("../../reproduce-quick.txt");
         assert_eq!(quick.lines().map(|row| find(row).map(|_| row)).collect::<Result<Vec<_>>>().unwrap().len(), 10);
         let claims = include_str!("../../../docs/claims.md");
         let is_row = |text: &&str| SUITES.iter().any(|s| text.strip_prefix(s.name).is_some_and(|t| t.starts_with('/')));
