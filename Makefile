@@ -12,12 +12,16 @@ PYTHON := python3-venv
 MDBOOK := 0.5.4
 # Libraries that the Python package is compared with; its tests skip what is not there.
 PEERS := pycolmap trimesh rtree
-# A virtual environment, and the wheel that it is tested in.
+# A virtual environment, and the Python package that is tested in it.
 VENV := $(BUILD)/venv
-TESTED := $(BUILD)/tested-wheel
-CARGO_TEST := cargo test --locked
+TESTED := $(BUILD)/tested-python
+# Tests always select all packages, so that each is built once, with the same features.
+PACKAGES := -p anamorph -p anamorph-lab -p anamorph-python -p naga-soft-f64
+CARGO_TEST := cargo test --locked $(PACKAGES)
+# An extension module does not link Python.
+export PYO3_BUILD_EXTENSION_MODULE := 1
 LONG_TESTS := frames kernels
-ALL_TESTS := $(basename $(notdir $(wildcard tests/*.rs))) $(patsubst tests/%/main.rs,%,$(wildcard tests/*/main.rs))
+ALL_TESTS := $(basename $(notdir $(wildcard tests/*.rs lab/tests/*.rs))) $(patsubst tests/%/main.rs,%,$(wildcard tests/*/main.rs))
 OTHER_TESTS := $(filter-out $(LONG_TESTS),$(ALL_TESTS))
 # Installs packages, by sudo where that asks for no password.
 install = as=; [ "$$(id -u)" = 0 ] || as="sudo -n"; command -v apt-get >/dev/null && $$as true 2>/dev/null && \
@@ -66,7 +70,7 @@ wheel: rust venv
 # The crate and the wheel as they would be published, into target; what they hold, their size and the licences of all that they build on. The
 # first time cargo-deny is built too. python/tests/test_package.py checks most of it in `make test`.
 package: rust venv wheel
-	@cargo package --locked --quiet
+	@cargo package --locked --quiet -p naga-soft-f64 -p anamorph
 	@[ -x $(BUILD)/deny/bin/cargo-deny ] || cargo install cargo-deny --locked --quiet --root $(BUILD)/deny
 	@$(BUILD)/deny/bin/cargo-deny --locked --all-features check licenses bans sources
 	@ls -l $(BUILD)/package/*.crate $(BUILD)/wheels/*.whl
@@ -74,20 +78,18 @@ package: rust venv wheel
 # All tests; installs a software Vulkan driver first where there is none and apt-get may. The longest programs run beside the others, since
 # tests of one program wait for one another's engine; what they print comes last. Examples are compiled by clippy in .ci/run.
 test: rust driver venv
-	$(CARGO_TEST) --lib --bins --tests --no-run
+	cargo build --locked $(PACKAGES) --lib --bins --tests
 	@$(CARGO_TEST) $(addprefix --test ,$(LONG_TESTS)) >$(BUILD)/long-tests.txt 2>&1 & long=$$!; \
 	$(CARGO_TEST) --lib --bins $(addprefix --test ,$(OTHER_TESTS)) && $(CARGO_TEST) --doc && $(MAKE) test-python; others=$$?; \
 	wait $$long; long=$$?; cat $(BUILD)/long-tests.txt; [ $$others = 0 ] && [ $$long = 0 ]
 
-# Only those of the Python package: a wheel that is built in a hurry, and installed.
+# Tests of the Python package, with the native module that the other tests are built with.
 test-python: rust driver venv
-	@rm -rf $(TESTED)
-	@$(VENV)/bin/maturin build --profile hurried --locked --manifest-path python/Cargo.toml --out $(TESTED)
-	@$(VENV)/bin/maturin generate-stubs --profile hurried --manifest-path python/Cargo.toml --out $(TESTED)
-	@cmp $(TESTED)/anamorph/_native.pyi python/anamorph/_native.pyi || \
-		{ echo "the native module's types have changed: cp $(TESTED)/anamorph/_native.pyi python/anamorph"; exit 1; }
-	@$(VENV)/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps $(TESTED)/*.whl
-	$(VENV)/bin/pytest --quiet -c python/pyproject.toml python/tests
+	@cargo build --locked $(PACKAGES) --lib --bins --tests
+	@rm -rf $(TESTED) && mkdir -p $(TESTED) && cp -r python/anamorph $(TESTED)
+	@cp $(BUILD)/debug/lib_native.so $(TESTED)/anamorph/_native.abi3.so 2>/dev/null || \
+		cp $(BUILD)/debug/lib_native.dylib $(TESTED)/anamorph/_native.abi3.so
+	PYTHONPATH=$(abspath $(TESTED)) $(VENV)/bin/pytest --quiet -c python/pyproject.toml python/tests
 
 # Every example on every software adapter of the machine, also on SwiftShader where chromium is installed: an hour.
 test-adapters: rust driver
