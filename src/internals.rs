@@ -12,6 +12,7 @@ pub mod camera {
     pub mod change {
         pub use crate::camera::change::{PixelRay, Rate, rate};
     }
+    pub use crate::camera::composition;
     pub mod curve {
         pub use crate::camera::curve::{Curve, CurveMap, Curves};
     }

@@ -3,7 +3,7 @@
 use super::renderer::{RenderOptions, Renderer};
 use super::{Camera, Scene};
 use crate::camera::Camera as Rays;
-use crate::camera::stack::{can_stack, stack};
+use crate::camera::stacked::{can_stack, stack};
 use crate::engine::plan::{LeftOut, Wanted};
 use crate::engine::report::{FrameMs, Report};
 use crate::engine::sequence::Sequence;

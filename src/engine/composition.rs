@@ -5,7 +5,7 @@
 use super::combinations::Asked;
 use super::plan::Wanted;
 use super::{Engine, Method, Rendered, RunOptions};
-use crate::camera::kinds::composite::composition::{Composition, Held};
+use crate::camera::composition::{Composition, Held};
 use crate::camera::{Camera, Rays};
 use crate::image::frame::{Channel, Frame, NO_ID, Plane};
 use crate::image::opaque8;

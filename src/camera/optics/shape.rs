@@ -4,7 +4,7 @@ use super::facets::Facets;
 use super::quadric::{Quadric, sag};
 use super::wave::WAVES_MAX;
 use super::{Smooth, Torus, Wave};
-use crate::camera::kinds::values::{direction, length};
+use crate::camera::values::{direction, length};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::DVec3;

@@ -1,7 +1,8 @@
 //! The reference's rays against the camera's: two independent methods.
 
 use super::make::Rng;
-use crate::camera::kinds::calibrated::lens::{Coefficients, Lens, Model, Projection};
+use crate::camera::calibration::{Coefficients, Model, Projection};
+use crate::camera::kinds::calibrated::lens::Lens;
 use crate::reference::lens::{direction, dual};
 use glam::DVec2;
 
