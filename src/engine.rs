@@ -234,9 +234,10 @@ impl Engine {
 
     /// Uploads what was planned. No frame is rendered yet.
     fn upload(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
-        let Planned { given, scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
-        let mut atlas = self.atlas_renderer(&given, &camera, &wanted, run)?;
-        let caustics = if wanted.has_colour() { self.device_caustics(&given)? } else { None };
+        let own_scene = planned.scene_without_optics();
+        let Planned { scene, camera, plan, clustered, wanted, .. } = planned;
+        let mut atlas = self.atlas_renderer(&own_scene, &camera, &wanted, run)?;
+        let caustics = if wanted.has_colour() { self.device_caustics(&own_scene)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
         let after_bounce =
             plan.variant.bounces_rays().then(|| self.stages(plan.variant.after_bounce(), &plan.planes)).transpose()?;
@@ -264,7 +265,6 @@ impl Engine {
             wanted,
             resident,
             caustics,
-            ray_order,
             atlas,
             rival,
             planes_copy: None,
