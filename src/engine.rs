@@ -12,6 +12,7 @@ mod composition;
 mod counts;
 mod encode;
 mod frames;
+pub mod left_out;
 mod medium;
 pub mod pages;
 pub mod plan;
@@ -30,7 +31,8 @@ pub mod surface;
 pub mod tables;
 
 use crate::camera::Camera;
-use crate::engine::plan::{LeftOut, Plan, Wanted};
+use crate::engine::left_out::LeftOut;
+use crate::engine::plan::{Plan, Wanted};
 use crate::engine::rival::{Choice, Setup};
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;

@@ -14,7 +14,8 @@ use super::running::Running;
 use super::{Counts, MethodUsed, Rendered, RunOptions};
 use crate::camera::Camera;
 use crate::engine::clusters::{Clustered, cluster};
-use crate::engine::plan::{LeftOut, Plan, Wanted};
+use crate::engine::left_out::LeftOut;
+use crate::engine::plan::{Plan, Wanted};
 use crate::engine::rival::Rival;
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
@@ -339,8 +340,7 @@ impl Frames {
         let counts = Counts::of(&raw.status);
         let mut left_out = plan.left_out.clone();
         if self.resident.without_area > 0 {
-            let what = format!("{} triangles", self.resident.without_area);
-            left_out.push(LeftOut { what, why: "they have no area".into() });
+            left_out.push(LeftOut::Triangles(self.resident.without_area));
         }
         Rendered {
             frame: Frame { width: self.camera.width, height: plan.rows(), planes: Vec::new() },

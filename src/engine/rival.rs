@@ -8,6 +8,8 @@ use crate::gpu::recorder::Recorder;
 use crate::input::Result;
 use crate::scene::Scene;
 use glam::DVec3;
+use serde::{Serialize, Serializer};
+use std::fmt;
 use std::sync::OnceLock;
 
 /// A technique ready for one scene and camera.
@@ -141,9 +143,35 @@ pub fn parse(text: &str, techniques: &'static [Technique]) -> std::result::Resul
     Ok(Choice { technique, parameter })
 }
 
-impl std::fmt::Debug for Technique {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+impl fmt::Debug for Technique {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.name)
+    }
+}
+
+/// What renders a frame.
+#[derive(Debug, Clone, Copy)]
+pub enum EngineName {
+    Compute,
+    Reference,
+    /// The compute engine with another technique to find what each pixel sees.
+    Rival(Choice),
+}
+
+/// As on the command line and in reports.
+impl fmt::Display for EngineName {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            EngineName::Compute => f.write_str("compute"),
+            EngineName::Reference => f.write_str("reference"),
+            EngineName::Rival(choice) => f.write_str(&choice.label()),
+        }
+    }
+}
+
+impl Serialize for EngineName {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
     }
 }
 
