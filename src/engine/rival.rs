@@ -82,6 +82,7 @@ impl Setup<'_> {
 pub const MULTISAMPLES: u32 = 4;
 
 /// A rival by name.
+#[derive(Clone, Copy)]
 pub struct Technique {
     pub name: &'static str,
     /// What its number is; `None`: it has none.
@@ -96,6 +97,7 @@ pub struct Technique {
 }
 
 /// The number that trades a rival's error for its time.
+#[derive(Clone, Copy)]
 pub struct Parameter {
     pub name: &'static str,
     pub default: u32,
