@@ -11,8 +11,10 @@ pub const TILE: u32 = 8;
 
 mod boxes;
 pub mod bundle;
+pub mod calibration;
 pub mod chain;
 pub mod change;
+pub mod composition;
 pub mod curve;
 pub mod describe;
 pub mod exposure;
@@ -30,15 +32,18 @@ pub mod project;
 pub mod projector;
 pub mod ray_order;
 pub mod recipe;
+pub mod region;
 pub mod spec;
-pub mod stack;
+mod stack;
+pub mod stacked;
 pub mod tessellate;
+pub(crate) mod values;
 pub mod view;
 #[cfg(any(feature = "cli", feature = "view"))]
 pub mod volume;
 
+use crate::camera::composition::Composition;
 use crate::camera::exposure::Sample;
-use crate::camera::kinds::composite::composition::Composition;
 use crate::camera::optics::Optics;
 use crate::camera::spec::CameraSpec;
 use crate::geometry::mesh::Mesh;

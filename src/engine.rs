@@ -12,6 +12,7 @@ mod composition;
 mod counts;
 mod encode;
 mod frames;
+pub mod left_out;
 mod medium;
 pub mod pages;
 pub mod plan;
@@ -30,7 +31,8 @@ pub mod surface;
 pub mod tables;
 
 use crate::camera::Camera;
-use crate::engine::plan::{LeftOut, Plan, Wanted};
+use crate::engine::left_out::LeftOut;
+use crate::engine::plan::{Plan, Wanted};
 use crate::engine::rival::{Choice, Setup};
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
@@ -234,9 +236,10 @@ impl Engine {
 
     /// Uploads what was planned. No frame is rendered yet.
     fn upload(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
-        let Planned { given, scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
-        let mut atlas = self.atlas_renderer(&given, &camera, &wanted, run)?;
-        let caustics = if wanted.has_colour() { self.device_caustics(&given)? } else { None };
+        let own_scene = planned.scene_without_optics();
+        let Planned { scene, camera, plan, clustered, wanted, .. } = planned;
+        let mut atlas = self.atlas_renderer(&own_scene, &camera, &wanted, run)?;
+        let caustics = if wanted.has_colour() { self.device_caustics(&own_scene)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
         let after_bounce =
             plan.variant.bounces_rays().then(|| self.stages(plan.variant.after_bounce(), &plan.planes)).transpose()?;
@@ -264,7 +267,6 @@ impl Engine {
             wanted,
             resident,
             caustics,
-            ray_order,
             atlas,
             rival,
             planes_copy: None,

@@ -12,6 +12,7 @@ pub mod camera {
     pub mod change {
         pub use crate::camera::change::{PixelRay, Rate, rate};
     }
+    pub use crate::camera::composition;
     pub mod curve {
         pub use crate::camera::curve::{Curve, CurveMap, Curves};
     }
@@ -64,6 +65,9 @@ pub mod engine {
     }
     pub mod combinations {
         pub use crate::engine::combinations::{Feature, REFUSALS, Refusal, at_once};
+    }
+    pub mod left_out {
+        pub use crate::engine::left_out::LeftOut;
     }
     pub mod pages {
         pub use crate::engine::pages::PageStore;

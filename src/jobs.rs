@@ -17,10 +17,11 @@ pub mod splat;
 mod strips;
 mod work;
 
+pub use crate::engine::rival::EngineName;
 pub use backend::Backend;
 #[cfg(feature = "cli")]
 pub use files::{CAMERA, named_as};
-pub use job::{Change, EngineName, RenderJob};
+pub use job::{Change, RenderJob};
 #[cfg(feature = "cli")]
 pub use job::{load, load_shape};
 pub use memory::{check as check_memory, need as memory_need};

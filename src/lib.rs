@@ -92,6 +92,8 @@ mod input;
 mod jobs;
 mod reference;
 mod scene;
+#[cfg(test)]
+mod testing;
 #[cfg(feature = "cli")]
 mod tools;
 #[cfg(feature = "view")]

@@ -18,98 +18,152 @@ use anamorph::internals::engine::rival::{self, Choice, MULTISAMPLES, Parameter, 
 use anamorph::internals::engine::stage::Scopes;
 use anamorph::internals::gpu::buffers::Buffers;
 
+/// A rival, and how plots show it.
+pub struct Entry {
+    pub technique: Technique,
+    /// Says its colour.
+    pub family: Family,
+    pub mark: Mark,
+    /// In a legend.
+    pub what: &'static str,
+}
+
+/// Rivals that find what is seen alike, in the order of legends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Family {
+    Trace,
+    Warp,
+    Splat,
+    Bound,
+    Pieces,
+    Cube,
+}
+
+/// The shape of a point in a plot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    Circle,
+    Square,
+    Diamond,
+    Up,
+    Down,
+}
+
+const RAYS: Technique =
+    Technique { name: "", parameter: None, culls: false, draws: false, samples: 1, make: raytrace::rebuilt };
+const RASTER: Technique = Technique { culls: true, draws: true, ..RAYS };
+
 /// All rivals.
-pub const TECHNIQUES: &[Technique] = &[
-    Technique { name: "raytrace", parameter: None, culls: false, draws: false, samples: 1, make: raytrace::rebuilt },
-    Technique {
-        name: "raytrace-refit",
-        parameter: None,
-        culls: false,
-        draws: false,
-        samples: 1,
-        make: raytrace::refitted,
+pub const ENTRIES: [Entry; 12] = [
+    Entry {
+        family: Family::Trace,
+        mark: Mark::Square,
+        what: "rays through a hierarchy",
+        technique: Technique { name: "raytrace", make: raytrace::rebuilt, ..RAYS },
     },
-    Technique {
-        name: "raytrace-brute",
-        parameter: None,
-        culls: false,
-        draws: false,
-        samples: 1,
-        make: raytrace::brute,
+    Entry {
+        family: Family::Trace,
+        mark: Mark::Diamond,
+        what: "its hierarchy refitted",
+        technique: Technique { name: "raytrace-refit", make: raytrace::refitted, ..RAYS },
     },
-    Technique {
-        name: "raymarch-segments",
-        parameter: Some(Parameter { name: "segments", default: 8, least: 1, most: 256 }),
-        culls: false,
-        draws: false,
-        samples: 1,
-        make: raytrace::segments,
+    Entry {
+        family: Family::Trace,
+        mark: Mark::Up,
+        what: "every triangle",
+        technique: Technique { name: "raytrace-brute", make: raytrace::brute, ..RAYS },
     },
-    Technique {
-        name: "raster-warp",
-        parameter: Some(Parameter { name: "levels of subdivision", default: 0, least: 0, most: 4 }),
-        culls: true,
-        draws: true,
-        samples: 1,
-        make: through_pieces::warp,
+    Entry {
+        family: Family::Trace,
+        mark: Mark::Down,
+        what: "curves as segments",
+        technique: Technique {
+            name: "raymarch-segments",
+            parameter: Some(Parameter { name: "segments", default: 8, least: 1, most: 256 }),
+            make: raytrace::segments,
+            ..RAYS
+        },
     },
-    Technique {
-        name: "raster-bound",
-        parameter: None,
-        culls: true,
-        draws: true,
-        samples: 1,
-        make: through_pieces::bound,
+    Entry {
+        family: Family::Warp,
+        mark: Mark::Up,
+        what: "vertices moved, edges straight",
+        technique: Technique {
+            name: "raster-warp",
+            parameter: Some(Parameter { name: "levels of subdivision", default: 0, least: 0, most: 4 }),
+            make: through_pieces::warp,
+            ..RASTER
+        },
     },
-    Technique {
-        name: "raster-bound-passes",
-        parameter: None,
-        culls: true,
-        draws: true,
-        samples: 1,
-        make: through_pieces::bound_passes,
+    Entry {
+        family: Family::Bound,
+        mark: Mark::Diamond,
+        what: "bounding triangles (Hou et al.)",
+        technique: Technique { name: "raster-bound", make: through_pieces::bound, ..RASTER },
     },
-    Technique {
-        name: "raster-splat",
-        parameter: Some(SAMPLES),
-        culls: true,
-        draws: true,
-        samples: 1,
-        make: splat::batched,
+    Entry {
+        family: Family::Bound,
+        mark: Mark::Down,
+        what: "the same, a camera a pass",
+        technique: Technique { name: "raster-bound-passes", make: through_pieces::bound_passes, ..RASTER },
     },
-    Technique {
-        name: "raster-splat-passes",
-        parameter: Some(SAMPLES),
-        culls: true,
-        draws: true,
-        samples: 1,
-        make: splat::each,
+    Entry {
+        family: Family::Splat,
+        mark: Mark::Square,
+        what: "texels moved (Yu et al.)",
+        technique: Technique { name: "raster-splat", parameter: Some(SAMPLES), make: splat::batched, ..RASTER },
     },
-    Technique {
-        name: "raster-pieces",
-        parameter: None,
-        culls: true,
-        draws: true,
-        samples: MULTISAMPLES,
-        make: replicated::replicated,
+    Entry {
+        family: Family::Splat,
+        mark: Mark::Down,
+        what: "the same, a GLC a pass",
+        technique: Technique { name: "raster-splat-passes", parameter: Some(SAMPLES), make: splat::each, ..RASTER },
     },
-    Technique {
-        name: "raster-cubemap",
-        parameter: Some(Parameter { name: "texels a side", default: 2048, least: 16, most: 8192 }),
-        culls: false,
-        draws: true,
-        samples: 1,
-        make: cubemap::cubemap,
+    Entry {
+        family: Family::Pieces,
+        mark: Mark::Square,
+        what: "replicas (Lorenz and Doellner)",
+        technique: Technique { name: "raster-pieces", samples: MULTISAMPLES, make: replicated::replicated, ..RASTER },
     },
-    Technique {
-        name: "raster-image",
-        parameter: Some(Parameter { name: "texels a side", default: 2048, least: 16, most: 8192 }),
-        culls: false,
-        draws: true,
-        samples: 1,
-        make: cubemap::image,
+    Entry {
+        family: Family::Cube,
+        mark: Mark::Square,
+        what: "looked up in a cube map",
+        technique: Technique {
+            name: "raster-cubemap",
+            parameter: Some(FACE),
+            culls: false,
+            make: cubemap::cubemap,
+            ..RASTER
+        },
+    },
+    Entry {
+        family: Family::Cube,
+        mark: Mark::Down,
+        what: "looked up in one picture",
+        technique: Technique {
+            name: "raster-image",
+            parameter: Some(FACE),
+            culls: false,
+            make: cubemap::image,
+            ..RASTER
+        },
     },
 ];
+
+/// All rivals, without their looks.
+pub const TECHNIQUES: &[Technique] = &{
+    let mut all = [ENTRIES[0].technique; ENTRIES.len()];
+    let mut k = 1;
+    while k < all.len() {
+        all[k] = ENTRIES[k].technique;
+        k += 1;
+    }
+    all
+};
+
+/// Texels that a picture has a side.
+const FACE: Parameter = Parameter { name: "texels a side", default: 2048, least: 16, most: 8192 };
 
 /// Texels that a triangle has a side.
 const SAMPLES: Parameter = Parameter { name: "texels a side", default: 10, least: 2, most: 256 };

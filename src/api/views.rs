@@ -3,8 +3,9 @@
 use super::renderer::{RenderOptions, Renderer};
 use super::{Camera, Scene};
 use crate::camera::Camera as Rays;
-use crate::camera::stack::{can_stack, stack};
-use crate::engine::plan::{LeftOut, Wanted};
+use crate::camera::stacked::{can_stack, stack};
+use crate::engine::left_out::LeftOut;
+use crate::engine::plan::Wanted;
 use crate::engine::report::{FrameMs, Report};
 use crate::engine::sequence::Sequence;
 use crate::engine::{Engine, Rendered, RunOptions};
@@ -132,8 +133,7 @@ impl Renderer {
         report.views = Some(cameras.len());
         (report.samples, report.total_ms) = (options.samples, frame_ms.iter().sum());
         report.frame_ms = FrameMs::of(&frame_ms);
-        let one = "one frame for all images".to_owned();
-        report.left_out.extend(why.filter(|_| cameras.len() > 1).map(|why| LeftOut { what: one, why: why.into() }));
+        report.left_out.extend(why.filter(|_| cameras.len() > 1).map(LeftOut::OneFrame));
         report.unmet = cameras.iter().flat_map(|camera| camera.unfulfilled.iter().cloned()).collect();
         report.unmet.sort();
         report.unmet.dedup();

@@ -2,7 +2,7 @@
 
 use super::SAFE_RADIUS_PX;
 use super::bundle::{Bundle, Ray};
-use super::kinds::calibrated::Calibrated;
+use super::calibration::Calibrated;
 use super::stack::Stack;
 use super::tessellate::bend::Bend;
 use crate::image::read_vectors;
@@ -44,7 +44,7 @@ pub trait RayMap: Debug + Send + Sync {
         None
     }
 
-    /// The calibrated lens, if these are the rays of one.
+    /// The numbers of the calibrated camera, if these are the rays of one.
     fn calibrated(&self) -> Option<&Calibrated> {
         None
     }

@@ -153,7 +153,7 @@ fn read_quaternion(field: &Field) -> Result<DMat3> {
 mod tests {
     use super::*;
     use crate::camera::Camera;
-    use crate::camera::spec::read_camera;
+    use crate::camera::kinds::read_camera;
     use crate::input::load::with_tree;
     use proptest::prelude::*;
 

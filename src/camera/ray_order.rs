@@ -8,13 +8,6 @@ use crate::camera::TILE;
 use crate::geometry::interleave::{KEY_BITS, interleaved};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::sync::Arc;
-
-/// The camera's pixels in the order of their rays.
-pub struct RayOrder {
-    /// For each pixel of the reordered image, the index of the camera's pixel.
-    source: Arc<[u32]>,
-}
 
 /// Number of tiles sampled to decide whether rays are incoherent.
 const TILES_SAMPLED: u32 = 64;
@@ -23,54 +16,47 @@ const TILES_SAMPLED: u32 = 64;
 /// whose rays rotate steadily it is some 8 pixels over its width.
 const INCOHERENT: f64 = 0.25;
 
-impl RayOrder {
-    /// Of a camera of one field of incoherent rays, which look at a scene about `centre`; `None` of any other.
-    pub fn of(camera: &Camera, centre: DVec3) -> Option<RayOrder> {
-        incoherent_field(camera).map(|field| RayOrder::new(field, centre))
-    }
+/// The camera with its pixels in the order of their rays ([`Camera::pixel_order`]), if it is one field of incoherent rays, which look at a
+/// scene about `centre`.
+pub fn reordered(camera: &Camera, centre: DVec3) -> Option<Camera> {
+    let field = incoherent_field(camera)?;
+    let order = order(field, centre);
+    let layers = vec![Rays::Field(field.reordered(&order))];
+    Some(Camera { layers, pixel_order: Some(order.into()), ..camera.clone() })
+}
 
-    fn new(field: &Field, centre: DVec3) -> RayOrder {
-        let count = field.width * field.height;
-        let ray = |k: u32| field.ray(k % field.width, k / field.width);
-        let starts: Vec<DVec3> = (0..count).filter_map(|k| ray(k).map(|(p, _)| p)).collect();
-        let far = (centre - starts.iter().sum::<DVec3>() / starts.len().max(1) as f64).length();
-        // where a ray starts, and the vector from there to the distance of the scene's centre: a tile bounds these separately, so
-        // that its rays must be near each other in both
-        let parts = |k: u32| ray(k).map(|(p, d)| [p, far * d.normalize()]);
-        let none = ([DVec3::INFINITY; 2], [DVec3::NEG_INFINITY; 2]);
-        let join = |a: ([DVec3; 2], [DVec3; 2]), b: ([DVec3; 2], [DVec3; 2])| {
-            ([0, 1].map(|k| a.0[k].min(b.0[k])), [0, 1].map(|k| a.1[k].max(b.1[k])))
-        };
-        let (lo, hi) = (0..count).into_par_iter().map(|k| parts(k).map_or(none, |p| (p, p))).reduce(|| none, join);
-        let size = [0, 1].map(|k| (hi[k] - lo[k]).max_element()).into_iter().fold(f64::MIN_POSITIVE, f64::max);
-        let unit = f64::from((1 << KEY_BITS) - 1) / size;
-        // pixels without a ray go last
-        let key = |k: u32| parts(k).map_or(u64::MAX, |p| interleaved([0, 1].map(|k| (p[k] - lo[k]) * unit)));
-        let mut sorted: Vec<(u64, u32)> = (0..count).into_par_iter().map(|k| (key(k), k)).collect();
-        sorted.par_sort_unstable();
-        let mut source = vec![0; count as usize];
-        for (place, (_, k)) in tile_by_tile(field.width, field.height).into_iter().zip(sorted) {
-            source[place as usize] = k;
-        }
-        RayOrder { source: source.into() }
-    }
+/// Values of a reordered image in the camera's own order.
+pub fn restored<T: Copy + Default>(order: &[u32], values: &[T]) -> Vec<T> {
+    let mut own = vec![T::default(); values.len()];
+    order.iter().zip(values).for_each(|(k, v)| own[*k as usize] = *v);
+    own
+}
 
-    /// The camera with its pixels in this order.
-    pub fn camera(&self, camera: &Camera) -> Camera {
-        let reordered = |rays: &Rays| match rays {
-            Rays::Field(field) => Rays::Field(field.reordered(&self.source)),
-            other => other.clone(),
-        };
-        let layers = camera.layers.iter().map(reordered).collect();
-        Camera { layers, pixel_order: Some(self.source.clone()), ..camera.clone() }
+/// For each pixel of the reordered image the index of the field's pixel.
+fn order(field: &Field, centre: DVec3) -> Vec<u32> {
+    let count = field.width * field.height;
+    let ray = |k: u32| field.ray(k % field.width, k / field.width);
+    let starts: Vec<DVec3> = (0..count).filter_map(|k| ray(k).map(|(p, _)| p)).collect();
+    let far = (centre - starts.iter().sum::<DVec3>() / starts.len().max(1) as f64).length();
+    // where a ray starts, and the vector from there to the distance of the scene's centre: a tile bounds these separately, so
+    // that its rays must be near each other in both
+    let parts = |k: u32| ray(k).map(|(p, d)| [p, far * d.normalize()]);
+    let none = ([DVec3::INFINITY; 2], [DVec3::NEG_INFINITY; 2]);
+    let join = |a: ([DVec3; 2], [DVec3; 2]), b: ([DVec3; 2], [DVec3; 2])| {
+        ([0, 1].map(|k| a.0[k].min(b.0[k])), [0, 1].map(|k| a.1[k].max(b.1[k])))
+    };
+    let (lo, hi) = (0..count).into_par_iter().map(|k| parts(k).map_or(none, |p| (p, p))).reduce(|| none, join);
+    let size = [0, 1].map(|k| (hi[k] - lo[k]).max_element()).into_iter().fold(f64::MIN_POSITIVE, f64::max);
+    let unit = f64::from((1 << KEY_BITS) - 1) / size;
+    // pixels without a ray go last
+    let key = |k: u32| parts(k).map_or(u64::MAX, |p| interleaved([0, 1].map(|k| (p[k] - lo[k]) * unit)));
+    let mut sorted: Vec<(u64, u32)> = (0..count).into_par_iter().map(|k| (key(k), k)).collect();
+    sorted.par_sort_unstable();
+    let mut source = vec![0; count as usize];
+    for (place, (_, k)) in tile_by_tile(field.width, field.height).into_iter().zip(sorted) {
+        source[place as usize] = k;
     }
-
-    /// Reorders values from the reordered image to the camera's order.
-    pub fn restored<T: Copy + Default>(&self, values: &[T]) -> Vec<T> {
-        let mut own = vec![T::default(); values.len()];
-        self.source.iter().zip(values).for_each(|(k, v)| own[*k as usize] = *v);
-        own
-    }
+    source
 }
 
 /// Whether the rays are incoherent, or were before sorting.
@@ -154,20 +140,19 @@ mod tests {
     #[test]
     fn every_pixel_is_somewhere_and_comes_back() {
         let field = lenslets(53, 37, 8);
-        let ray_order = RayOrder::new(&field, DVec3::new(3.0, 2.0, 9.0));
-        let mut seen = ray_order.source.to_vec();
-        let there: Vec<u32> = seen.clone();
+        let order = order(&field, DVec3::new(3.0, 2.0, 9.0));
+        let mut seen = order.clone();
         seen.sort_unstable();
         assert!(seen.iter().copied().eq(0..53 * 37));
-        assert!(ray_order.restored(&there).into_iter().eq(0..53 * 37));
+        assert!(restored(&order, &order).into_iter().eq(0..53 * 37));
     }
 
     #[test]
     fn lenslets_are_incoherent_until_they_are_reordered() {
         let field = lenslets(128, 128, 8);
         assert!(has_incoherent_rays(&field));
-        let ray_order = RayOrder::new(&field, DVec3::new(8.0, 8.0, 20.0));
-        assert!(!has_incoherent_rays(&field.reordered(&ray_order.source)));
+        let order = order(&field, DVec3::new(8.0, 8.0, 20.0));
+        assert!(!has_incoherent_rays(&field.reordered(&order)));
         // one lens over all of the image: an ordinary camera
         assert!(!has_incoherent_rays(&lenslets(128, 128, 128)));
     }
@@ -183,8 +168,8 @@ mod tests {
             let (p, d) = list((size.0 * size.1) as usize);
             let field = Field::new(size.0, size.1, &p, &d).unwrap();
             assert!(has_incoherent_rays(&field), "{size:?}");
-            let ray_order = RayOrder::new(&field, DVec3::new(0.0, 0.0, 9.0));
-            assert!(!has_incoherent_rays(&field.reordered(&ray_order.source)), "{size:?}");
+            let order = order(&field, DVec3::new(0.0, 0.0, 9.0));
+            assert!(!has_incoherent_rays(&field.reordered(&order)), "{size:?}");
             let mut sorted = d.clone();
             sorted.sort_by(|a, b| a.x.total_cmp(&b.x));
             // sorted they are an ordinary camera; but each of the four rows of 64 spans a quarter of all directions

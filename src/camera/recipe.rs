@@ -2,7 +2,7 @@
 
 use super::Rays;
 use super::exposure::Lines;
-use crate::camera::kinds::composite::composition::Composition;
+use crate::camera::composition::Composition;
 use crate::camera::optics::Optics;
 use crate::geometry::mesh::{Mesh, joined};
 use crate::input::reader::Table;

@@ -5,7 +5,7 @@
 use super::combinations::Asked;
 use super::plan::Wanted;
 use super::{Engine, Method, Rendered, RunOptions};
-use crate::camera::kinds::composite::composition::{Composition, Held};
+use crate::camera::composition::{Composition, Held};
 use crate::camera::{Camera, Rays};
 use crate::image::frame::{Channel, Frame, NO_ID, Plane};
 use crate::image::opaque8;
@@ -13,6 +13,7 @@ use crate::input::{Error, Result};
 use crate::scene::Scene;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::mem::discriminant;
 use std::sync::Arc;
 
 const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
@@ -230,7 +231,7 @@ const NEWTON_STEPS: u32 = 4;
 fn joined(mut all: Rendered, next: Rendered) -> Rendered {
     all.add_costs(&next);
     all.left_out.extend(next.left_out);
-    all.left_out.dedup_by(|a, b| a.what == b.what);
+    all.left_out.dedup_by(|a, b| discriminant(a) == discriminant(b));
     all
 }
 

@@ -13,9 +13,9 @@ use super::resident::{BvhState, Resident};
 use super::running::Running;
 use super::{Counts, MethodUsed, Rendered, RunOptions};
 use crate::camera::Camera;
-use crate::camera::ray_order::RayOrder;
 use crate::engine::clusters::{Clustered, cluster};
-use crate::engine::plan::{LeftOut, Plan, Wanted};
+use crate::engine::left_out::LeftOut;
+use crate::engine::plan::{Plan, Wanted};
 use crate::engine::rival::Rival;
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
@@ -50,8 +50,6 @@ pub struct Frames {
     pub(super) bind_groups: Mutex<BindGroups>,
     /// The scene's caustics, where the frame shows them.
     pub(super) caustics: Option<Arc<DeviceCaustics>>,
-    /// The order of the camera's pixels, where it is not their own.
-    pub(super) ray_order: Option<Arc<RayOrder>>,
     /// Renders the atlas before each frame.
     pub(super) atlas: Option<AtlasRenderer>,
     /// Finds what is seen instead of the stages from cull to recheck.
@@ -270,7 +268,7 @@ impl Frames {
     /// From the next frame on, renders another planned frame; uploads only what differs. Returns false, with nothing changed, if a new
     /// `Frames` is needed instead.
     pub(super) fn show(&mut self, planned: &Planned) -> Result<bool> {
-        let Planned { scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
+        let Planned { scene, camera, plan, clustered, wanted, .. } = planned;
         let is_plain = self.atlas.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
         let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.slabs.count(), camera.width, plan.rows_max());
         let is_as_large = kind(plan, camera) == kind(&self.plan, &self.camera) && plan.planes == self.plan.planes;
@@ -299,7 +297,7 @@ impl Frames {
             self.resident.upload_appearance(&self.gpu, &self.pages, scene, plan)?;
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
-        (self.plan, self.ray_order, self.wanted) = (plan.clone(), ray_order.clone(), wanted.clone());
+        (self.plan, self.wanted) = (plan.clone(), wanted.clone());
         self.is_partly_uploaded = false;
         self.mark_dirty(changes);
         Ok(true)
@@ -309,7 +307,6 @@ impl Frames {
         FrameLayout {
             camera: self.camera.clone(),
             plan: self.plan.clone(),
-            ray_order: self.ray_order.clone(),
             wanted: self.wanted.clone(),
             labels: self.wanted.has_labels().then(|| Labels::of(&self.scene)),
             depth_range: self.scene.depth_range,
@@ -343,8 +340,7 @@ impl Frames {
         let counts = Counts::of(&raw.status);
         let mut left_out = plan.left_out.clone();
         if self.resident.without_area > 0 {
-            let what = format!("{} triangles", self.resident.without_area);
-            left_out.push(LeftOut { what, why: "they have no area".into() });
+            left_out.push(LeftOut::Triangles(self.resident.without_area));
         }
         Rendered {
             frame: Frame { width: self.camera.width, height: plan.rows(), planes: Vec::new() },

@@ -24,6 +24,7 @@ pub mod variant;
 use crate::camera::perturb::scene_size;
 use crate::camera::ray_order::is_reordered;
 use crate::camera::{Camera, Rays};
+use crate::engine::left_out::LeftOut;
 use crate::geometry::mesh::Material;
 use crate::geometry::time_steps::Moment;
 use crate::gpu::device::AdapterFeatures;
@@ -35,22 +36,7 @@ use crate::scene::light::Light;
 use crate::scene::volume::Mode;
 use curves::{CurveTable, RayTable};
 use glam::{DVec2, DVec3};
-use serde::Serialize;
 use slabs::Slabs;
-
-/// Something that a frame does without.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct LeftOut {
-    pub what: String,
-    pub why: String,
-}
-
-impl LeftOut {
-    /// A line that says so.
-    pub fn line(&self) -> String {
-        format!("[{}] is left out: {}", self.what, self.why)
-    }
-}
 
 /// What there is in a scene, with the camera's optics.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -466,105 +452,47 @@ fn left_out(
     contents: SceneContents,
     has: AdapterFeatures,
 ) -> Vec<LeftOut> {
-    let mut list = Vec::new();
-    let mut say = |what: &str, why: String| list.push(LeftOut { what: what.into(), why });
-    match slabs::kind(camera) {
-        RaysKind::Pieces => say("per-pixel ray table", "every ray follows from its piece".into()),
-        RaysKind::Field => say("edge conics", "the camera is a ray field".into()),
-        RaysKind::Curves { .. } => say("edge conics", "the camera's rays are curved".into()),
-    }
-    match camera.is_curved() {
-        true => say("recheck", "where a curve meets a triangle is found in f64 at once".into()),
-        false => say("curves", "every ray is straight".into()),
-    }
-    if !planes.contains(&Channel::Certified) {
-        say("certify", "not asked what is proven".into());
-    }
-    if slabs.count() == 1 {
-        say("slabs", "the camera has one layer of straight rays".into());
-    }
-    if bands.iter().all(|b| b.nodes.exact) {
-        say("ray residuals", "every node holds one affine piece".into());
-    }
-    if !bands.iter().any(|b| b.nodes.discontinuous) {
-        say("separate bounds per cell", "no rays jump inside a tile".into());
-    }
-    match camera.optics.as_ref().map(|o| o.smooth_count()) {
-        None => say("bounce, fit and meet", "the camera has no mirror or lens".into()),
-        Some(0) => say("meet", "the mirror or lens is made of triangles".into()),
-        Some(_) => {}
-    }
-    if bands.len() == 1 {
-        say("bands", "the whole image fits the adapter's bindings".into());
-    }
+    let rays = slabs::kind(camera);
+    let is_curved = camera.is_curved();
+    let smooth = camera.optics.as_ref().map(|optics| optics.smooth_count());
     let is_absent = |c: &Channel| !planes.contains(c) && !wanted.channels.contains(c);
-    let absent: Vec<&str> = Channel::every().filter(is_absent).map(Channel::name).collect();
-    if !absent.is_empty() {
-        say("channels", format!("not asked for: {}", absent.join(", ")));
-    }
-    if !contents.has_spheres {
-        say("spheres", "the scene has none".into());
-    }
-    if !contents.has_normals {
-        say("smooth normals", "the scene has none".into());
-    }
-    match (contents.has_images, wanted.is_textured(contents)) {
-        (false, false) => say("textures", "no image lies on the scene's triangles".into()),
-        (true, false) => say("textures", "no colour asked for".into()),
-        _ => {}
-    }
-    if contents.has_colors && !wanted.is_colored(contents) {
-        say("vertex colours", "no colour asked for".into());
-    }
-    if !contents.has_alpha_masks {
-        say("alpha masks", "no material has one".into());
-    }
-    if !contents.has_sky {
-        say("sky", "no image lights the scene from all around".into());
-    }
-    if !contents.has_shadows {
-        say("shadows", "no light casts shadows".into());
-    }
-    if !contents.has_pictures {
-        say("pictures", "no projector light throws one onto surfaces".into());
-    }
-    if !contents.has_style {
-        say("styles", "no patterns, wires or strokes are drawn on surfaces".into());
-    }
-    if !contents.has_outlines {
-        say("outline", "no lines are drawn between pixels".into());
-    }
-    if !contents.has_gloss {
-        say("gloss", "all materials are matte".into());
-    }
-    if wanted.samples() == 1 {
-        say("edges, sample and resolve", "one sample a pixel".into());
-    } else if !wanted.analytic {
-        say("areas of triangles in pixels", "samples are counted".into());
-    }
-    if !wanted.srgb8 {
-        say("write", "no 8-bit picture asked for".into());
-    }
-    match (contents.volume, wanted.needs_volume()) {
-        (None, _) => say("volume", "the scene has none".into()),
-        (Some(_), false) => say("volume", "no colour and no coverage asked for".into()),
-        (Some(_), true) => {}
-    }
-    if contents.steps <= 1 {
-        say("time steps", "nothing moves while the frame is taken".into());
-    }
-    if !wanted.counting {
-        say("fragment counters", "no report asked for".into());
-    }
-    if !has.f64 {
-        let why = if has.f64_is_wrong { "it failed a test" } else { "it has none, or no 64-bit integers" };
-        say("the adapter's f64", format!("{why}: f64 is done in 32-bit words"));
-    }
-    if has.atomics64 {
-        say("second depth dispatch", "the adapter has 64-bit atomics".into());
-    }
-    for note in &camera.notes {
-        say("rays", note.clone());
-    }
-    list
+    let absent: Vec<Channel> = Channel::every().filter(is_absent).collect();
+    let is_textured = wanted.is_textured(contents);
+    let has_images = contents.has_images;
+    let has_volume = contents.volume.is_some();
+    let rows = [
+        (rays == RaysKind::Pieces, LeftOut::RayTable),
+        (rays != RaysKind::Pieces, LeftOut::EdgeConics { is_curved: rays != RaysKind::Field }),
+        (is_curved, LeftOut::Recheck),
+        (!is_curved, LeftOut::Curves),
+        (!planes.contains(&Channel::Certified), LeftOut::Certify),
+        (slabs.count() == 1, LeftOut::Slabs),
+        (bands.iter().all(|b| b.nodes.exact), LeftOut::RayResiduals),
+        (!bands.iter().any(|b| b.nodes.discontinuous), LeftOut::BoundsPerCell),
+        (smooth.is_none(), LeftOut::Bounces),
+        (smooth == Some(0), LeftOut::Meet),
+        (bands.len() == 1, LeftOut::Bands),
+        (!absent.is_empty(), LeftOut::Channels(absent)),
+        (!contents.has_spheres, LeftOut::Spheres),
+        (!contents.has_normals, LeftOut::SmoothNormals),
+        (!is_textured, LeftOut::Textures { has_images }),
+        (contents.has_colors && !wanted.is_colored(contents), LeftOut::VertexColors),
+        (!contents.has_alpha_masks, LeftOut::AlphaMasks),
+        (!contents.has_sky, LeftOut::Sky),
+        (!contents.has_shadows, LeftOut::Shadows),
+        (!contents.has_pictures, LeftOut::Pictures),
+        (!contents.has_style, LeftOut::SurfaceStyles),
+        (!contents.has_outlines, LeftOut::Outline),
+        (!contents.has_gloss, LeftOut::Gloss),
+        (wanted.samples() == 1, LeftOut::Samples),
+        (wanted.samples() != 1 && !wanted.analytic, LeftOut::Areas),
+        (!wanted.srgb8, LeftOut::Write),
+        (!(has_volume && wanted.needs_volume()), LeftOut::Volume { has_volume }),
+        (contents.steps <= 1, LeftOut::TimeSteps),
+        (!wanted.counting, LeftOut::FragmentCounters),
+        (!has.f64, LeftOut::AdapterF64 { failed_test: has.f64_is_wrong }),
+        (has.atomics64, LeftOut::SecondDepthDispatch),
+    ];
+    let rows = rows.into_iter().filter_map(|(is_left_out, row)| is_left_out.then_some(row));
+    rows.chain(camera.notes.iter().cloned().map(LeftOut::Rays)).collect()
 }

@@ -4,18 +4,19 @@ use super::RunOptions;
 use super::changes::{PlannedBy, same_clusters};
 use super::combinations::Asked;
 use super::medium::node_bytes;
-use crate::camera::ray_order::RayOrder;
+use crate::camera::ray_order::reordered;
 use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::variant::{method, variant};
 use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
+use crate::geometry::mesh::Mesh;
 use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::Method;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::style::Style;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 /// Plans for an adapter.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,18 +33,24 @@ pub struct Planner {
 /// A frame, planned.
 #[derive(Clone)]
 pub struct Planned {
-    /// The scene that was asked for.
-    pub(super) given: Scene,
-    /// The camera that was asked for.
-    asked: Arc<Camera>,
-    /// With the facets of the camera's optics.
+    /// With the facets of the camera's optics, as the last triangles of its mesh.
     pub(super) scene: Scene,
-    /// With its pixels in another order, where there is one.
+    /// The scene's mesh without these facets.
+    own_mesh: Arc<Mesh>,
+    /// With its pixels in the order of their rays, where these are incoherent.
     pub(super) camera: Arc<Camera>,
-    pub(super) ray_order: Option<Arc<RayOrder>>,
+    /// The camera with its pixels in their own order; only to recognize it.
+    asked: Weak<Camera>,
     pub(super) plan: Arc<Plan>,
     pub(super) clustered: Arc<Clustered>,
     pub(super) wanted: Wanted,
+}
+
+impl Planned {
+    /// The scene that was asked for.
+    pub(super) fn scene_without_optics(&self) -> Scene {
+        Scene { mesh: self.own_mesh.clone(), ..self.scene.clone() }
+    }
 }
 
 /// Bytes that the widest table of a band has a pixel and sample: a ray of a ray map, hi or lo, or by what it differs.
@@ -96,16 +103,13 @@ impl Planner {
     ) -> Result<Planned> {
         let asked: Arc<Camera> = camera.into();
         let centre = SceneExtent::of(&asked, scene.bounds()).centre;
-        let known = last.filter(|l| Arc::ptr_eq(&l.asked, &asked) && l.plan.centre == centre);
-        let (camera, ray_order) = match known {
-            Some(last) => (last.camera.clone(), last.ray_order.clone()),
-            None => match RayOrder::of(&asked, centre).map(Arc::new) {
-                Some(a) => (Arc::new(a.camera(&asked)), Some(a)),
-                None => (asked.clone(), None),
-            },
+        let known = last.filter(|l| l.asked.as_ptr() == Arc::as_ptr(&asked) && l.plan.centre == centre);
+        let camera = match known {
+            Some(last) => last.camera.clone(),
+            None => reordered(&asked, centre).map_or_else(|| asked.clone(), Arc::new),
         };
         let planned = self.plan_in_order(scene, camera, wanted, run, last)?;
-        Ok(Planned { asked, ray_order, ..planned })
+        Ok(Planned { asked: Arc::downgrade(&asked), ..planned })
     }
 
     /// The same by raster, for frames that could not be traced: where tracing was this engine's own choice, and raster can show them.
@@ -114,11 +118,12 @@ impl Planner {
             return None;
         }
         let run = RunOptions { method: Method::Raster, ..run.clone() };
-        let again = self.plan(&planned.given, planned.asked.clone(), &planned.wanted, &run, None).ok()?;
-        (again.plan.variant.method == Method::Raster).then_some(again)
+        let scene = planned.scene_without_optics();
+        let again = self.plan_in_order(&scene, planned.camera.clone(), &planned.wanted, &run, None).ok()?;
+        (again.plan.variant.method == Method::Raster).then(|| Planned { asked: planned.asked.clone(), ..again })
     }
 
-    /// The same with the camera's pixels in their own order.
+    /// The same with the camera's pixels in the order that they are in.
     pub(super) fn plan_in_order(
         &self,
         scene: &Scene,
@@ -127,13 +132,13 @@ impl Planner {
         run: &RunOptions,
         last: Option<&Planned>,
     ) -> Result<Planned> {
-        let given = scene.clone();
+        let own_mesh = scene.mesh.clone();
         let asked_for = Asked {
             rival: run.rival,
             no_cull: run.no_cull,
             moving: run.moving,
             raster: run.method == Method::Raster,
-            ..Asked::new(&given, &camera, wanted)
+            ..Asked::new(scene, &camera, wanted)
         };
         asked_for.check()?;
         let scene = scene.with_optics(&camera).into_owned();
@@ -148,8 +153,8 @@ impl Planner {
             None => Arc::new(cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit)),
         };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
-        let (asked, ray_order, wanted) = (camera.clone(), None, wanted.clone());
-        Ok(Planned { given, asked, scene, camera, ray_order, plan, clustered, wanted })
+        let (asked, wanted) = (Arc::downgrade(&camera), wanted.clone());
+        Ok(Planned { scene, own_mesh, camera, asked, plan, clustered, wanted })
     }
 
     /// Refuses more normals than one binding holds, before any work on the triangles.

@@ -4,7 +4,7 @@ use super::Rendered;
 use super::planned::Planned;
 use super::running::Running;
 use crate::camera::Camera;
-use crate::camera::ray_order::RayOrder;
+use crate::camera::ray_order::restored;
 use crate::engine::plan::{Plan, Wanted};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::PendingRead;
@@ -21,8 +21,6 @@ use std::time::Instant;
 pub(super) struct FrameLayout {
     pub camera: Arc<Camera>,
     pub plan: Arc<Plan>,
-    /// The order of the camera's pixels, where it is not their own.
-    pub ray_order: Option<Arc<RayOrder>>,
     pub wanted: Wanted,
     /// The scene's labels, if they are wanted.
     pub labels: Option<Labels>,
@@ -246,8 +244,8 @@ impl FrameLayout {
     }
 
     fn restored<T: Copy + Default>(&self, values: Vec<T>) -> Vec<T> {
-        match &self.ray_order {
-            Some(a) => a.restored(&values),
+        match &self.camera.pixel_order {
+            Some(order) => restored(order, &values),
             None => values,
         }
     }

@@ -1,7 +1,8 @@
 //! The report of a render, as JSON: `docs/reference/commands.md`, Reports.
 
 use crate::camera::Camera;
-use crate::engine::plan::LeftOut;
+use crate::engine::left_out::LeftOut;
+use crate::engine::rival::EngineName;
 use crate::engine::{Counts, MethodUsed, Rendered};
 use crate::image::compare::Comparison;
 use crate::scene::Scene;
@@ -9,12 +10,11 @@ use crate::scene::caustics::CausticsReport;
 use serde::Serialize;
 
 /// What rendered, and on what.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Device {
     pub adapter: String,
     pub driver: String,
-    /// compute, reference, or a rival and its number.
-    pub engine: String,
+    pub engine: EngineName,
 }
 
 /// Wall times of one frame, from the first submission until its results are complete on the device, ms.
@@ -147,7 +147,7 @@ impl Report {
     /// only a device has.
     pub fn new(device: Device, scene: &Scene, camera: &Camera, rendered: &Rendered, counts: Option<Counts>) -> Report {
         let has_device = counts.is_some();
-        let missing = scene.mesh.missing.iter().map(|m| LeftOut { what: m.what.clone(), why: m.why.clone() });
+        let missing = scene.mesh.missing.iter().cloned().map(LeftOut::Missing);
         Report {
             version: env!("CARGO_PKG_VERSION"),
             device,

@@ -8,6 +8,8 @@ use crate::gpu::recorder::Recorder;
 use crate::input::Result;
 use crate::scene::Scene;
 use glam::DVec3;
+use serde::{Serialize, Serializer};
+use std::fmt;
 use std::sync::OnceLock;
 
 /// A technique ready for one scene and camera.
@@ -80,6 +82,7 @@ impl Setup<'_> {
 pub const MULTISAMPLES: u32 = 4;
 
 /// A rival by name.
+#[derive(Clone, Copy)]
 pub struct Technique {
     pub name: &'static str,
     /// What its number is; `None`: it has none.
@@ -94,6 +97,7 @@ pub struct Technique {
 }
 
 /// The number that trades a rival's error for its time.
+#[derive(Clone, Copy)]
 pub struct Parameter {
     pub name: &'static str,
     pub default: u32,
@@ -141,9 +145,35 @@ pub fn parse(text: &str, techniques: &'static [Technique]) -> std::result::Resul
     Ok(Choice { technique, parameter })
 }
 
-impl std::fmt::Debug for Technique {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+impl fmt::Debug for Technique {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.name)
+    }
+}
+
+/// What renders a frame.
+#[derive(Debug, Clone, Copy)]
+pub enum EngineName {
+    Compute,
+    Reference,
+    /// The compute engine with another technique to find what each pixel sees.
+    Rival(Choice),
+}
+
+/// As on the command line and in reports.
+impl fmt::Display for EngineName {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            EngineName::Compute => f.write_str("compute"),
+            EngineName::Reference => f.write_str("reference"),
+            EngineName::Rival(choice) => f.write_str(&choice.label()),
+        }
+    }
+}
+
+impl Serialize for EngineName {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
     }
 }
 

@@ -407,14 +407,7 @@ impl BoxRay {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Deterministic numbers from -1 to 1.
-    fn numbers(mut state: u64) -> impl FnMut() -> f64 {
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        }
-    }
+    use crate::testing::Rng;
 
     #[test]
     fn every_item_is_in_one_leaf_and_each_box_is_in_the_one_above() {
@@ -453,9 +446,9 @@ mod tests {
     fn no_box_that_a_ray_touches_is_left_out() {
         // sizes and places of scenes whose coordinates f32 cannot tell apart, and rays along axes and nearly so
         for (size, offset) in [(1.0, 0.0), (1.0, 1e9), (1e-25, 3.0), (1e30, 0.0), (1e-30, 0.0), (1e200, 1e200)] {
-            let mut next = numbers(11);
+            let mut rng = Rng(11);
             let centre = DVec3::new(offset, -offset, 0.5 * offset);
-            let mut place = || centre + size * DVec3::new(next(), next(), next());
+            let mut place = || centre + size * rng.vector();
             let points: Vec<DVec3> = (0..500).map(|_| place()).collect();
             let items: Vec<(u32, Aabb)> = (0..).zip(&points).map(|(id, p)| (id, Aabb::around(&[*p]))).collect();
             let bvh = Bvh::build(&items);

@@ -227,19 +227,12 @@ fn nearest_weights(place: DVec3, v: [DVec3; 3]) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::geometry::generate::{cube, icosphere};
-
-    /// Deterministic numbers from -1 to 1.
-    fn numbers(mut state: u64) -> impl FnMut() -> f64 {
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        }
-    }
+    use crate::testing::Rng;
 
     #[test]
     fn no_place_of_a_triangle_is_nearer_than_the_nearest() {
-        let mut next = numbers(3);
-        let mut vector = || DVec3::new(next(), next(), next());
+        let mut rng = Rng(3);
+        let mut vector = || rng.vector();
         for _ in 0..500 {
             let (v, place) = ([vector(), vector(), vector()], 2.0 * vector());
             let at = |[s, t]: [f64; 2]| ((1.0 - s - t) * v[0] + s * v[1] + t * v[2] - place).length();
@@ -263,9 +256,9 @@ mod tests {
     fn a_ball_is_met_on_the_radius_and_is_nearest_there() {
         let ball = icosphere(3);
         let caster = Caster::new(&ball);
-        let mut next = numbers(9);
+        let mut rng = Rng(9);
         for _ in 0..300 {
-            let out = DVec3::new(next(), next(), next()).normalize();
+            let out = rng.direction();
             let outer = |hit: &Hit| {
                 let [a, b, c] = ball.triangles[hit.triangle as usize].map(|k| ball.positions[k as usize]);
                 (b - a).cross(c - a).dot(out) > 0.0

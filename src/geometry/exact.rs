@@ -110,6 +110,7 @@ pub fn sum(a: Exact3, b: &Exact3) -> Exact3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Rng;
 
     #[test]
     fn cancellation_leaves_the_exact_rest() {
@@ -123,11 +124,8 @@ mod tests {
 
     #[test]
     fn integer_determinants_agree_with_integer_arithmetic() {
-        let mut state = 7_u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((state >> 33) as i64 - (1 << 30)) as i128
-        };
+        let mut rng = Rng(7);
+        let mut next = || rng.below(1 << 31) as i128 - (1 << 30);
         for _ in 0..2000 {
             let m: [[i128; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| next()));
             let det = m[2][0] * (m[0][1] * m[1][2] - m[0][2] * m[1][1])

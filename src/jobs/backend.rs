@@ -1,11 +1,12 @@
 //! The renderers: the compute engine on an adapter, and the reference on the CPU.
 
-use super::job::{EngineName, RenderJob};
+use super::job::RenderJob;
 use crate::camera::Camera;
 use crate::engine::combinations::Asked;
-use crate::engine::plan::{LeftOut, Wanted};
+use crate::engine::left_out::LeftOut;
+use crate::engine::plan::Wanted;
 use crate::engine::report::Device;
-use crate::engine::rival::Choice;
+use crate::engine::rival::{Choice, EngineName};
 use crate::engine::{Counts, Engine, MethodUsed, Rendered, RunOptions};
 use crate::gpu::device::NO_ADAPTER;
 use crate::image::frame::Channel;
@@ -59,10 +60,10 @@ impl<'e> Backend<'e> {
             Some(engine) => {
                 let info = &engine.gpu.info;
                 let driver = format!("{} {}", info.driver, info.driver_info).trim().to_owned();
-                let engine = job.rival().map_or("compute".into(), |choice| choice.label());
+                let engine = job.rival().map_or(EngineName::Compute, EngineName::Rival);
                 Device { adapter: info.name.clone(), driver, engine }
             }
-            None => Device { adapter: "cpu".into(), driver: String::new(), engine: "reference".into() },
+            None => Device { adapter: "cpu".into(), driver: String::new(), engine: EngineName::Reference },
         }
     }
 
@@ -128,21 +129,10 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
         draws: None,
         bytes: 0,
         method: MethodUsed::default(),
-        left_out: without_style(scene, wanted).into_iter().collect(),
+        // it does not draw a scene's style
+        left_out: Vec::from_iter((scene.style != Style::default() && wanted.has_colour()).then_some(LeftOut::Style)),
         grown: 0,
         passes: Default::default(),
         caustics: maps.map(|maps| CausticsReport { budget: maps.budget, ms }),
     }
-}
-
-/// The name of a scene's `[style]` in [`LeftOut`].
-pub const STYLE: &str = "style";
-
-/// The reference does not draw a scene's `[style]`.
-fn without_style(scene: &Scene, wanted: &Wanted) -> Option<LeftOut> {
-    if scene.style == Style::default() || !wanted.has_colour() {
-        return None;
-    }
-    let why = "the reference draws no wireframe, outline, borders or hatching";
-    Some(LeftOut { what: STYLE.into(), why: why.into() })
 }

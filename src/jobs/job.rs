@@ -2,7 +2,7 @@
 
 use super::options::{Gradients, Named};
 use crate::camera::Camera;
-use crate::engine::rival::Choice;
+use crate::engine::rival::{Choice, EngineName};
 use crate::engine::{Method, RunOptions};
 use crate::geometry::texture::ImagesRead;
 use crate::input::{Error, Result};
@@ -21,15 +21,6 @@ pub struct Change {
     pub set: Vec<String>,
     /// The frame at which keyframed values are evaluated.
     pub frame: f64,
-}
-
-/// The engine.
-#[derive(Debug, Clone, Copy)]
-pub enum EngineName {
-    Compute,
-    Reference,
-    /// A rival: the compute engine with another visibility algorithm.
-    Rival(Choice),
 }
 
 /// One render: a scene file, changes to it, what to compute and what to write.

@@ -1,9 +1,8 @@
 //! Parsing of option values, on the command line and in lists of jobs.
 
 use super::batch::Shard;
-use super::job::EngineName;
 use crate::engine::Method;
-use crate::engine::rival;
+use crate::engine::rival::{self, EngineName};
 use crate::image::cryptomatte::MatteKind;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;

@@ -3,15 +3,17 @@
 use super::backend::Backend;
 use super::files::{self, Files};
 use super::gradients::gradients_of;
-use super::job::{Change, EngineName, RenderJob, load_from};
+use super::job::{Change, RenderJob, load_from};
 use super::options::{Gradients, Named};
 use super::strips::{self, Strips};
 use super::{judged, memory, points, samples};
 use crate::camera::{Camera, Rays};
 use crate::engine::combinations::{Asked, at_once};
-use crate::engine::plan::{LeftOut, Rows, Wanted};
+use crate::engine::left_out::LeftOut;
+use crate::engine::plan::{Rows, Wanted};
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::report::{Device, FrameMs, Judged, Report};
+use crate::engine::rival::EngineName;
 use crate::engine::{Rendered, RunOptions};
 use crate::geometry::mesh::{Mesh, Missing};
 use crate::geometry::texture::ImagesRead;
@@ -276,9 +278,9 @@ impl Work {
         }
         if let Some(path) = &files.report {
             if extra.is_some() {
-                rendered.left_out.retain(|l| l.what != "fragment counters");
+                rendered.left_out.retain(|left| *left != LeftOut::FragmentCounters);
             }
-            let counts = extra.filter(|_| device.engine == "compute").map(|e| e.counts);
+            let counts = extra.filter(|_| matches!(device.engine, EngineName::Compute)).map(|e| e.counts);
             let mut report = Report::new(device.clone(), scene, camera, &rendered, counts);
             report.samples = job.samples;
             report.error = error.clone();

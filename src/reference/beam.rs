@@ -123,6 +123,7 @@ impl Half {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Rng;
 
     fn ray(p: DVec3, d: DVec3) -> Bundle {
         Bundle { p: [p, DVec3::ZERO, DVec3::ZERO], d: [d, DVec3::ZERO, DVec3::ZERO], h: [1.0, 0.0, 0.0] }
@@ -152,11 +153,8 @@ mod tests {
     /// Fails without the tolerance for rounding in the hull and in the slabs.
     #[test]
     fn a_point_exactly_on_a_ray_is_never_lost_to_rounding() {
-        let mut state = 9_u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((state >> 40) as f64) - f64::from(1 << 23)
-        };
+        let mut rng = Rng(9);
+        let mut next = || rng.below(1 << 24) as f64 - f64::from(1 << 23);
         for _ in 0..20_000 {
             let mut vector = || DVec3::new(next(), next(), next());
             let (p, d, t) = (vector(), vector(), vector().x);

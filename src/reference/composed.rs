@@ -6,7 +6,7 @@ use super::image::{CameraView, Judged, names_near};
 use super::margin::{MARGIN_PX, clears};
 use super::path::Segment;
 use crate::camera::Ray;
-use crate::camera::kinds::composite::composition::Composition;
+use crate::camera::composition::Composition;
 use crate::image::frame::{NO_ID, PixelValues};
 use crate::scene::Scene;
 use std::borrow::Cow;

@@ -6,7 +6,7 @@ use super::lens::own_for_few;
 use super::path::{Path, Segment};
 use super::{Finding, Reference, Seen};
 use crate::camera::Camera;
-use crate::camera::kinds::composite::composition::Composition;
+use crate::camera::composition::Composition;
 use crate::geometry::mesh::Mesh;
 use crate::scene::Scene;
 use glam::DVec3;

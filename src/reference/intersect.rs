@@ -232,6 +232,7 @@ fn depth(b: &Bundle, c: &Corners) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Rng;
 
     fn looking_down_z(x: f64, y: f64) -> Bundle {
         Bundle {
@@ -260,12 +261,8 @@ mod tests {
     /// Notices a bound that is too small, or ten times larger than it need be.
     #[test]
     fn the_error_of_an_edge_value_is_under_its_bound_and_not_far_under() {
-        let mut state = 1_u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
-        let mut vector = || DVec3::new(next(), next(), next());
+        let mut rng = Rng(1);
+        let mut vector = || rng.vector();
         let mut worst = 0.0_f64;
         for _ in 0..20_000 {
             let b = Bundle { p: [vector(); 3], d: [vector(); 3], h: [1.0 + 0.1 * vector().x, 0.0, 0.0] };
@@ -280,17 +277,13 @@ mod tests {
 
     #[test]
     fn depth_is_as_exact_as_promised() {
-        let mut state = 5_u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut rng = Rng(5);
         for k in 0..20_000 {
             // Nearly parallel to the ray, or nearly through its origin, by 2^-10 to 2^-50.
             let tiny = 0.5_f64.powi(10 + k % 41);
-            let (x, y) = (DVec3::new(1.0, next(), next()), DVec3::new(next(), 1.0, next()));
-            let d = x + next() * y + tiny * DVec3::Z;
-            let at = next() * x + next() * y + DVec3::Z * [1.0, tiny][(k % 2) as usize];
+            let (x, y) = (DVec3::new(1.0, rng.signed(), rng.signed()), DVec3::new(rng.signed(), 1.0, rng.signed()));
+            let d = x + rng.signed() * y + tiny * DVec3::Z;
+            let at = rng.signed() * x + rng.signed() * y + DVec3::Z * [1.0, tiny][(k % 2) as usize];
             let c = Corners::new([at, at + x, at + y]);
             let b = Bundle { p: [DVec3::ZERO; 3], d: [d; 3], h: [1.0, 0.0, 0.0] };
             let [v0, v1, v2] = c.v;

@@ -11,8 +11,7 @@ mod projection;
 mod radial;
 mod walk;
 
-use crate::camera::kinds::calibrated::lens::{Coefficients, Model};
-use crate::camera::kinds::calibrated::{Calibrated, Intrinsics};
+use crate::camera::calibration::{Calibrated, Coefficients, Intrinsics, Model};
 use crate::camera::{Camera, Field, Ray, RayMap, Rays};
 use glam::{DQuat, DVec2, DVec3};
 use std::borrow::Cow;

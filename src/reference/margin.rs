@@ -168,6 +168,7 @@ impl Depth {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Rng;
 
     #[test]
     fn a_quadratic_is_within_its_range() {
@@ -186,11 +187,8 @@ mod tests {
     /// Whole numbers, so that the edge meets the ray at the box's corner without rounding.
     #[test]
     fn an_edge_through_a_corner_of_the_box_is_never_beside_it() {
-        let mut state = 2_u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((state >> 44) as f64) - f64::from(1 << 19)
-        };
+        let mut rng = Rng(2);
+        let mut next = || rng.below(1 << 20) as f64 - f64::from(1 << 19);
         for _ in 0..20_000 {
             let mut vector = || DVec3::new(next(), next(), next());
             let (p, d, along, t) = (vector(), vector(), vector(), vector().x);

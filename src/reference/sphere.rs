@@ -132,6 +132,7 @@ fn choose(n: usize, k: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Rng;
 
     /// A parabola and a circle around the same place: closed forms, and a touch.
     #[test]
@@ -181,14 +182,10 @@ mod tests {
     /// The point at t is on the sphere to within the error of t, which is relative; f64 alone is off by a million times as much.
     #[test]
     fn small_spheres_far_away_are_met_as_exactly() {
-        let mut state = 3_u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut rng = Rng(3);
         let mut met = 0;
         for _ in 0..2000 {
-            let mut vector = || DVec3::new(next(), next(), next());
+            let mut vector = || rng.vector();
             let (d, centre, beside) = (vector(), 4.0 * vector(), vector());
             let radius = 1e-7;
             let p = centre - 3.0 * d + radius * beside;

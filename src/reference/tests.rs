@@ -11,8 +11,9 @@ use super::{Hit, Reference, nearer, upright};
 use crate::camera::bundle::Bundle;
 use crate::camera::perturb::scene_size;
 use crate::geometry::mesh::{Material, Mesh};
+use crate::testing::Rng;
 use glam::DVec3;
-use make::{Rng, bundle, icosphere, mesh, soup};
+use make::{bundle, icosphere, mesh, soup};
 use proptest::prelude::*;
 
 const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -47,9 +48,9 @@ proptest! {
     #[test]
     fn the_hierarchy_finds_what_brute_force_finds(seed in any::<u64>()) {
         let mut rng = Rng(seed);
-        let centre = rng.vector() * [0.0, 1.0, 1e3, 1e7][rng.below(4) as usize];
-        let size = [2.0, 0.3, 0.05][rng.below(3) as usize];
-        let count = rng.below(300) as usize;
+        let centre = rng.vector() * [0.0, 1.0, 1e3, 1e7][rng.below(4)];
+        let size = [2.0, 0.3, 0.05][rng.below(3)];
+        let count = rng.below(300);
         let mesh = soup(&mut rng, count, size, centre);
         let reference = Reference::build(&mesh);
         for _ in 0..20 {
@@ -93,7 +94,7 @@ fn fan(rng: &mut Rng, apex: DVec3, axes: [DVec3; 3], scale: f64) -> Mesh {
     let triangles = (0..n as u32)
         .map(|k| {
             let t = [0, k + 1, (k + 1) % n as u32 + 1];
-            [[t[0], t[1], t[2]], [t[1], t[2], t[0]], [t[0], t[2], t[1]]][rng.below(3) as usize]
+            [[t[0], t[1], t[2]], [t[1], t[2], t[0]], [t[0], t[2], t[1]]][rng.below(3)]
         })
         .collect();
     mesh(positions, triangles)
@@ -105,7 +106,7 @@ fn a_fan_about_a_corner_on_the_ray_is_hit_once() {
         let mut rng = Rng(seed);
         let b = bundle(&mut rng, DVec3::ZERO);
         let r = b.ray(0.0, 0.0);
-        let scale = [1.0, 1e-3, 1e3][rng.below(3) as usize];
+        let scale = [1.0, 1e-3, 1e3][rng.below(3)];
         let x = r.direction.normalize().any_orthonormal_vector();
         let axes = [x, r.direction.normalize().cross(x), r.direction];
         // On the ray but for rounding; a step of a few ulp leaves a corner beside it.
@@ -158,14 +159,14 @@ fn an_edge_through_the_ray_belongs_to_one_of_its_two_triangles() {
 fn a_shell_is_hit_once_from_inside() {
     let mut rng = Rng(3);
     for offset in [0.0, 1.0, 1e3, 1e6] {
-        let centre = rng.unit() * offset;
+        let centre = rng.direction() * offset;
         let shell = icosphere(2, centre);
         for k in 0..3000 {
             let p = centre + 0.3 * rng.vector();
-            let t = shell.triangles[rng.below(shell.triangles.len() as u64) as usize];
+            let t = shell.triangles[rng.below(shell.triangles.len())];
             let v = t.map(|i| shell.positions[i as usize]);
             // Anywhere, at a corner, at an edge.
-            let aim = [p + rng.unit(), v[0], v[0] + (v[1] - v[0]) * 0.5][k % 3];
+            let aim = [p + rng.direction(), v[0], v[0] + (v[1] - v[0]) * 0.5][k % 3];
             let mut b = ray(p, aim - p);
             b.p[1] = rng.vector() * 0.01;
             assert_eq!(all_hits(&shell, &b, FORWARD).len(), 1, "offset {offset}, ray {k}");

@@ -1,7 +1,7 @@
 //! The scene as each camera of a composite sees it.
 
 use super::Scene;
-use crate::camera::kinds::composite::composition::Composition;
+use crate::camera::composition::Composition;
 use crate::geometry::mesh::Mesh;
 use std::borrow::Cow;
 use std::sync::Arc;

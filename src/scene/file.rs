@@ -15,7 +15,8 @@ pub use header::CameraKeys;
 pub use pictured::load_header;
 
 use crate::camera::exposure::Exposure;
-use crate::camera::spec::{CameraSpec, read_camera, read_camera_and_readout};
+use crate::camera::kinds::{read_camera, read_camera_and_readout};
+use crate::camera::spec::CameraSpec;
 use crate::geometry::spec::{MeshSpec, read_look, read_mesh, read_radiance, read_spheres};
 use crate::geometry::time_steps::TIMES_MAX;
 use crate::image::size::{MAX_SIDE, check_size};

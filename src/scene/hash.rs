@@ -1,6 +1,6 @@
 //! A hash of everything that decides a frame, for the header of its EXR.
 
-use crate::camera::kinds::composite::composition::Composition;
+use crate::camera::composition::Composition;
 use crate::camera::{Camera, Rays};
 use crate::geometry::texture::{Texels, Texture};
 use crate::scene::Scene;

@@ -1,6 +1,7 @@
 //! `[[projector_light]]`: pictures that are thrown onto surfaces along the rays of the cameras that took them.
 
-use crate::camera::spec::{CameraSpec, read_camera};
+use crate::camera::kinds::read_camera;
+use crate::camera::spec::CameraSpec;
 use crate::camera::{Camera, Rays};
 use crate::geometry::texture::{Texture, Wrap};
 use crate::input::reader::{Field, Table};

@@ -6,6 +6,7 @@ use super::messages::{Header, Quality, Times};
 use super::session::{At, Inspection, Job, Session, Work};
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
+use crate::engine::left_out::LeftOut;
 use crate::engine::plan::Wanted;
 use crate::engine::planned::Planned;
 use crate::engine::sequence::Sequence;
@@ -18,7 +19,6 @@ use crate::gpu::device::GpuOptions;
 use crate::image::png_bytes;
 use crate::image::tone::Tone;
 use crate::input::{Error, Result};
-use crate::jobs::backend::STYLE;
 use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options, samples};
 use crate::reference;
 use crate::scene::labels::Labels;
@@ -414,7 +414,7 @@ fn coloured(shown: Shown, scene: &Scene, camera: &Camera, rendered: &Rendered) -
     let size = (camera.width, camera.height);
     let stages = rendered.stages.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
     // what the engine leaves out is nothing that this picture lacks, but for a style
-    let left_out = rendered.left_out.iter().filter(|left| left.what == STYLE).map(|left| left.line());
+    let left_out = rendered.left_out.iter().filter(|left| **left == LeftOut::Style).map(LeftOut::to_string);
     let notes = left_out.chain(camera.notes.iter().chain(&camera.unfulfilled).cloned()).collect();
     let times = Times { stages, ..Times::default() };
     Ok(Pixels { rgb: colours.rgb, size, whole: size, legend: colours.legend, times, notes })

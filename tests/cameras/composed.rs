@@ -6,7 +6,7 @@ use super::project_named::BOX;
 use crate::common;
 
 use anamorph::internals::camera::Camera;
-use anamorph::internals::camera::kinds::composite::composition::Composition;
+use anamorph::internals::camera::composition::Composition;
 use anamorph::internals::engine::Rendered;
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::Wanted;

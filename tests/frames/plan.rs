@@ -7,6 +7,7 @@ use anamorph::internals::camera::kinds::glc::Glc;
 use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::camera::{Camera, Field, Ray, Rays};
 use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::left_out::LeftOut;
 use anamorph::internals::engine::plan::slabs::Slabs;
 use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::plan::{Band, Plan, SceneContents, SceneExtent, Wanted};
@@ -355,7 +356,7 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
 
 #[test]
 fn what_is_left_out_is_said() {
-    let whats = |camera: &Camera, normals: bool, wanted: &Wanted, has: AdapterFeatures, limit: u64| {
+    let left_out = |camera: &Camera, normals: bool, wanted: &Wanted, has: AdapterFeatures, limit: u64| {
         let all = SceneContents {
             has_normals: true,
             has_uvs: true,
@@ -372,72 +373,73 @@ fn what_is_left_out_is_said() {
         };
         let contents = if normals { all } else { of(9) };
         let plan = new_plan(camera, contents, SceneExtent::point(DVec3::ZERO), wanted, has, limit);
-        plan.left_out.into_iter().map(|l| l.what).collect::<Vec<_>>()
+        plan.left_out
     };
     let (_, kind) = glc_of_each_class().swap_remove(3);
     let glc = camera(kind, SIZE, FORWARD);
     let every: Vec<Channel> = Channel::every().collect();
     let all = Wanted { srgb8: true, counting: true, samples: 4, analytic: true, ..wanted(&every) };
-    let counted = whats(&glc, true, &Wanted { analytic: false, ..all.clone() }, HAS_ALL, LAVAPIPE_BINDING);
-    assert!(counted.contains(&"areas of triangles in pixels".into()));
-    let least = whats(&glc, true, &all, HAS_ALL, LAVAPIPE_BINDING);
+    let counted = left_out(&glc, true, &Wanted { analytic: false, ..all.clone() }, HAS_ALL, LAVAPIPE_BINDING);
+    assert!(counted.contains(&LeftOut::Areas));
+    let least = left_out(&glc, true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert_eq!(
         least,
         [
-            "per-pixel ray table",
-            "curves",
-            "slabs",
-            "ray residuals",
-            "separate bounds per cell",
-            "bounce, fit and meet",
-            "bands",
-            "spheres",
-            "volume",
-            "time steps",
-            "second depth dispatch"
+            LeftOut::RayTable,
+            LeftOut::Curves,
+            LeftOut::Slabs,
+            LeftOut::RayResiduals,
+            LeftOut::BoundsPerCell,
+            LeftOut::Bounces,
+            LeftOut::Bands,
+            LeftOut::Spheres,
+            LeftOut::Volume { has_volume: false },
+            LeftOut::TimeSteps,
+            LeftOut::SecondDepthDispatch
         ]
     );
     let eye = r#"eye = { kind = "pinhole", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }"#;
-    for (facets, left_out) in [("normals", vec!["meet"]), ("exact", vec![])] {
+    for (facets, is_left_out) in [("normals", true), ("exact", false)] {
         let keys = format!("mirror = {{ shape = \"sphere\", radius = 1 }}\nfacets = \"{facets}\"");
         let mirror = camera_of("", SIZE, &format!("kind = \"reflection\"\n{eye}\n{keys}")).unwrap();
-        let whats = whats(&mirror, true, &all, HAS_ALL, LAVAPIPE_BINDING);
-        assert_eq!(whats.iter().filter(|w| w.contains("meet")).collect::<Vec<_>>(), left_out);
+        let left_out = left_out(&mirror, true, &all, HAS_ALL, LAVAPIPE_BINDING);
+        assert!(left_out.contains(&LeftOut::Meet) == is_left_out && !left_out.contains(&LeftOut::Bounces));
     }
-    assert!(!whats(&glc, true, &all, HAS_ALL, 1 << 16).contains(&"bands".into()));
-    let few = whats(&glc, false, &wanted(&[Channel::T]), HAS_NONE, LAVAPIPE_BINDING);
+    assert!(!left_out(&glc, true, &all, HAS_ALL, 1 << 16).contains(&LeftOut::Bands));
+    let few = left_out(&glc, false, &wanted(&[Channel::T]), HAS_NONE, LAVAPIPE_BINDING);
+    assert!(few.iter().any(|left| matches!(left, LeftOut::Channels(_))));
     for what in [
-        "channels",
-        "certify",
-        "smooth normals",
-        "textures",
-        "alpha masks",
-        "gloss",
-        "sky",
-        "shadows",
-        "pictures",
-        "styles",
-        "outline",
-        "write",
-        "fragment counters",
-        "the adapter's f64",
+        LeftOut::Certify,
+        LeftOut::SmoothNormals,
+        LeftOut::Textures { has_images: false },
+        LeftOut::AlphaMasks,
+        LeftOut::Gloss,
+        LeftOut::Sky,
+        LeftOut::Shadows,
+        LeftOut::Pictures,
+        LeftOut::SurfaceStyles,
+        LeftOut::Outline,
+        LeftOut::Write,
+        LeftOut::FragmentCounters,
+        LeftOut::AdapterF64 { failed_test: false },
     ] {
-        assert!(few.contains(&what.into()) && !least.contains(&what.into()), "{what}: {few:?}");
+        assert!(few.contains(&what) && !least.contains(&what), "{what:?}: {few:?}");
     }
-    assert!(!few.contains(&"second depth dispatch".into()));
-    let field = whats(&raymap(SIZE.0, SIZE.1, FORWARD), true, &all, HAS_ALL, LAVAPIPE_BINDING);
-    assert!(field.contains(&"edge conics".into()) && !field.contains(&"per-pixel ray table".into()));
-    assert!(!field.contains(&"ray residuals".into()));
+    assert!(!few.contains(&LeftOut::SecondDepthDispatch));
+    let field = left_out(&raymap(SIZE.0, SIZE.1, FORWARD), true, &all, HAS_ALL, LAVAPIPE_BINDING);
+    assert!(field.contains(&LeftOut::EdgeConics { is_curved: false }) && !field.contains(&LeftOut::RayTable));
+    assert!(!field.contains(&LeftOut::RayResiduals));
     let discontinuous =
         camera(mesh_camera(1, 16, 16, MeshShape { discontinuous: true, ..MeshShape::default() }), SIZE, FORWARD);
-    assert!(!whats(&discontinuous, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"separate bounds per cell".into()));
+    assert!(!left_out(&discontinuous, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&LeftOut::BoundsPerCell));
     let pieces = camera(mesh_camera(1, 4, 4, MeshShape::default()), SIZE, FORWARD);
-    assert!(!whats(&pieces, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"ray residuals".into()));
-    let chain = whats(&layered::chain(1, 2, (2, 2), MeshShape::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
-    assert!(!chain.contains(&"slabs".into()) && chain.contains(&"curves".into()));
-    let curves = whats(&layered::wavy(2, 0.5, false, SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
-    assert!(!curves.contains(&"slabs".into()) && !curves.contains(&"curves".into()));
-    assert!(curves.contains(&"recheck".into()) && !chain.contains(&"recheck".into()));
+    assert!(!left_out(&pieces, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&LeftOut::RayResiduals));
+    let chain =
+        left_out(&layered::chain(1, 2, (2, 2), MeshShape::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
+    assert!(!chain.contains(&LeftOut::Slabs) && chain.contains(&LeftOut::Curves));
+    let curves = left_out(&layered::wavy(2, 0.5, false, SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
+    assert!(!curves.contains(&LeftOut::Slabs) && !curves.contains(&LeftOut::Curves));
+    assert!(curves.contains(&LeftOut::Recheck) && !chain.contains(&LeftOut::Recheck));
 }
 
 #[test]

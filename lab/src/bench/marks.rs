@@ -1,16 +1,8 @@
 //! How each technique is drawn, in every plot alike: a colour by its family, and a mark of its own.
 
+use crate::rivals::{ENTRIES, Family, Mark};
 use std::fmt::Write;
-
-/// The shape of a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Mark {
-    Circle,
-    Square,
-    Diamond,
-    Up,
-    Down,
-}
+use std::sync::LazyLock;
 
 struct Technique {
     name: &'static str,
@@ -20,12 +12,16 @@ struct Technique {
     what: &'static str,
 }
 
-const TRACE: [&str; 2] = ["#c45a00", "#ff9a3d"];
-const WARP: [&str; 2] = ["#00785a", "#2fc79b"];
-const SPLAT: [&str; 2] = ["#b3245e", "#ff6fa5"];
-const BOUND: [&str; 2] = ["#7a3fa8", "#c48cf0"];
-const PIECES: [&str; 2] = ["#8a6d00", "#e3c130"];
-const CUBE: [&str; 2] = ["#555555", "#aaaaaa"];
+fn colours(family: Family) -> [&'static str; 2] {
+    match family {
+        Family::Trace => ["#c45a00", "#ff9a3d"],
+        Family::Warp => ["#00785a", "#2fc79b"],
+        Family::Splat => ["#b3245e", "#ff6fa5"],
+        Family::Bound => ["#7a3fa8", "#c48cf0"],
+        Family::Pieces => ["#8a6d00", "#e3c130"],
+        Family::Cube => ["#555555", "#aaaaaa"],
+    }
+}
 
 /// What is none of these: a program that runs beside.
 const OTHER: Technique = Technique {
@@ -35,21 +31,22 @@ const OTHER: Technique = Technique {
     what: "a program beside, here Embree: it finds t and ids alone",
 };
 
-const TECHNIQUES: [Technique; 13] = [
-    Technique { name: "anamorph", colours: ["#0062b8", "#5fb0ff"], mark: Mark::Circle, what: "this engine" },
-    Technique { name: "raytrace", colours: TRACE, mark: Mark::Square, what: "rays through a hierarchy" },
-    Technique { name: "raytrace-refit", colours: TRACE, mark: Mark::Diamond, what: "its hierarchy refitted" },
-    Technique { name: "raytrace-brute", colours: TRACE, mark: Mark::Up, what: "every triangle" },
-    Technique { name: "raymarch-segments", colours: TRACE, mark: Mark::Down, what: "curves as segments" },
-    Technique { name: "raster-warp", colours: WARP, mark: Mark::Up, what: "vertices moved, edges straight" },
-    Technique { name: "raster-splat", colours: SPLAT, mark: Mark::Square, what: "texels moved (Yu et al.)" },
-    Technique { name: "raster-splat-passes", colours: SPLAT, mark: Mark::Down, what: "the same, a GLC a pass" },
-    Technique { name: "raster-bound", colours: BOUND, mark: Mark::Diamond, what: "bounding triangles (Hou et al.)" },
-    Technique { name: "raster-bound-passes", colours: BOUND, mark: Mark::Down, what: "the same, a camera a pass" },
-    Technique { name: "raster-pieces", colours: PIECES, mark: Mark::Square, what: "replicas (Lorenz and Doellner)" },
-    Technique { name: "raster-cubemap", colours: CUBE, mark: Mark::Square, what: "looked up in a cube map" },
-    Technique { name: "raster-image", colours: CUBE, mark: Mark::Down, what: "looked up in one picture" },
-];
+const OWN: Technique =
+    Technique { name: "anamorph", colours: ["#0062b8", "#5fb0ff"], mark: Mark::Circle, what: "this engine" };
+
+/// The engine, and the rivals by family.
+static TECHNIQUES: LazyLock<Vec<Technique>> = LazyLock::new(|| {
+    let mut entries: Vec<_> = ENTRIES.iter().collect();
+    // stable: those of a family stay in their order
+    entries.sort_by_key(|entry| entry.family);
+    let rivals = entries.into_iter().map(|entry| Technique {
+        name: entry.technique.name,
+        colours: colours(entry.family),
+        mark: entry.mark,
+        what: entry.what,
+    });
+    std::iter::once(OWN).chain(rivals).collect()
+});
 
 /// Where a technique stands in lists: those that are none of these stand last.
 pub fn place(name: &str) -> usize {
@@ -117,13 +114,9 @@ pub fn legend<'a>(techniques: impl Iterator<Item = &'a str>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rivals;
 
     #[test]
     fn every_rival_has_a_mark_of_its_own() {
-        for rival in rivals::TECHNIQUES {
-            assert_ne!(class(rival.name), "tx", "{}", rival.name);
-        }
         let mut looks: Vec<String> = TECHNIQUES.iter().map(|t| format!("{:?} {:?}", t.colours, t.mark)).collect();
         looks.sort();
         looks.dedup();

@@ -22,17 +22,14 @@ pub fn corners(place: &[f64]) -> Vec<(Vec<i64>, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Rng;
 
     #[test]
     fn corners_have_the_place_as_their_mean_and_weights_change_with_it_alone() {
-        let mut state = 1u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as f64 / (1u64 << 31) as f64
-        };
+        let mut rng = Rng(1);
         for n in 1..=9 {
             for _ in 0..100 {
-                let place: Vec<f64> = (0..n).map(|_| 8.0 * next() - 4.0).collect();
+                let place: Vec<f64> = (0..n).map(|_| 8.0 * rng.unit() - 4.0).collect();
                 let all = corners(&place);
                 assert!(all.len() <= n + 1 && all.iter().all(|(_, w)| *w > 0.0));
                 for (k, x) in place.iter().enumerate() {
@@ -44,7 +41,7 @@ mod tests {
                 let value = |place: &[f64]| -> f64 {
                     corners(place).iter().map(|(c, w)| w * (of(c) >> 11) as f64 / (1u64 << 53) as f64).sum()
                 };
-                let moved: Vec<f64> = place.iter().map(|x| x + 1e-6 * (next() - 0.5)).collect();
+                let moved: Vec<f64> = place.iter().map(|x| x + 1e-6 * (rng.unit() - 0.5)).collect();
                 assert!((value(&moved) - value(&place)).abs() <= n as f64 * 1e-6, "{place:?}");
             }
         }

@@ -11,7 +11,7 @@
 use super::blend::{GUARD, MARGIN_PX, Seen, Target, before, graphs};
 use super::path::{self, Candidates, Detour, EDGE_DEPTH, Occluders, Paths, SightLines};
 use super::view::View;
-use super::{Bend, Graph, lattice};
+use super::{Graph, lattice};
 use crate::camera::LAYERS_MAX;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -79,13 +79,7 @@ pub fn is_behind(view: &View, seen: &[Seen], s: &Seen) -> bool {
 
 /// What is searched for detours, and how.
 pub struct Search<'a> {
-    pub view: &'a View,
-    pub occluders: &'a Occluders<'a>,
-    /// Unit, parallel to the image.
-    pub directions: &'a [DVec3],
-    pub bend: Bend,
-    /// The largest shift that is tried.
-    pub largest: f64,
+    pub paths: Paths<'a>,
     pub size: (u32, u32),
     /// Where the rays of graphs end.
     pub far: f64,
@@ -93,6 +87,11 @@ pub struct Search<'a> {
     /// The distance between two points of the lattice along the picture, in parts of the image's height; 0: detours are those of the
     /// targets' own places.
     pub smooth: f64,
+}
+
+/// [`Paths::steep`] for [`Search::smooth`].
+pub fn steep(smooth: f64) -> f64 {
+    if smooth > 0.0 { STEEP_SMOOTH } else { STEEP }
 }
 
 /// A target at a point of the lattice.
@@ -130,7 +129,7 @@ impl Search<'_> {
             // no other target's place changes that it cannot be reached
             if found.iter().all(Prospect::is_unreachable) {
                 s.presence = 0.0;
-                unfulfilled.extend(s.is_inside.then(|| no_path(s.index, self.largest)));
+                unfulfilled.extend(s.is_inside.then(|| no_path(s.index, self.paths.largest)));
             }
             prospects.extend(own.into_iter().map(|at| (k, at)).zip(found));
         }
@@ -156,31 +155,27 @@ impl Search<'_> {
         }
     }
 
-    fn paths(&self) -> Paths<'_> {
-        let Search { view, occluders, directions, bend, largest, smooth, .. } = *self;
-        Paths { view, occluders, directions, bend, largest, steep: if smooth > 0.0 { STEEP_SMOOTH } else { STEEP } }
-    }
-
     /// A target at a point of the lattice, or, without one, where it is.
     fn prospect(&self, s: &Seen, step_px: f64, at: &[i64]) -> Prospect {
         let radius = s.target.radius;
         let at = match at {
             &[x, y, z] => {
                 let depth = (z as f64 * STEP_DEPTH).exp() + radius;
-                self.view.point(step_px * DVec2::new(x as f64, y as f64), depth)
+                self.paths.view.point(step_px * DVec2::new(x as f64, y as f64), depth)
             }
             _ => s.target.at,
         };
         let target = Target { at, radius };
         // all points around a place are in one cell with it
         let beside_px = std::f64::consts::SQRT_2 * step_px;
-        let seen = Seen::new(self.view, self.end(), s.index, target, beside_px).unwrap_or_else(|| s.clone());
+        let seen = Seen::new(self.paths.view, self.end(), s.index, target, beside_px).unwrap_or_else(|| s.clone());
         let lines = &seen.sight_lines;
-        let is_before_front = lines.hidden(self.view, self.occluders).is_some();
+        let is_before_front = lines.hidden(self.paths.view, self.paths.occluders).is_some();
         // what is between a ball's front and its middle leaves no depth to return
-        let is_hidden = is_before_front || !reaches(self.view, self.occluders, &[self.view.eye(), at], &target);
-        let candidates = (!is_hidden || is_before_front).then(|| lines.candidates(&self.paths())).flatten();
-        let candidates = candidates.filter(|c| (0..self.directions.len()).any(|d| c.flattest(d).is_finite()));
+        let is_hidden =
+            is_before_front || !reaches(self.paths.view, self.paths.occluders, &[self.paths.view.eye(), at], &target);
+        let candidates = (!is_hidden || is_before_front).then(|| lines.candidates(&self.paths)).flatten();
+        let candidates = candidates.filter(|c| (0..self.paths.directions.len()).any(|d| c.flattest(d).is_finite()));
         Prospect { seen, is_hidden, candidates }
     }
 
@@ -193,7 +188,7 @@ impl Search<'_> {
     fn outcomes(&self, prospects: &[&Prospect]) -> Vec<Outcome> {
         let mut outcomes: Vec<Outcome> = prospects
             .iter()
-            .map(|p| if p.is_unreachable() { Err(no_path(p.seen.index, self.largest)) } else { Ok(None) })
+            .map(|p| if p.is_unreachable() { Err(no_path(p.seen.index, self.paths.largest)) } else { Ok(None) })
             .collect();
         let reachable = || (0..prospects.len()).filter(|k| !prospects[*k].is_unreachable());
         // indices are those in `prospects` here
@@ -202,7 +197,7 @@ impl Search<'_> {
         let found: Vec<(usize, &Candidates)> = reachable().enumerate().filter_map(of).collect();
         self.choose(&mut seen, &found);
         let (mut seen, apart): (Vec<Seen>, Vec<Seen>) = seen.into_iter().partition(|s| {
-            s.is_inside || ((self.smooth > 0.0 || s.detour.is_some()) && s.meets(self.view, self.end()))
+            s.is_inside || ((self.smooth > 0.0 || s.detour.is_some()) && s.meets(self.paths.view, self.end()))
         });
         let index = |k: usize| prospects[k].seen.index;
         while seen.iter().any(|s| s.detour.is_some()) {
@@ -231,9 +226,8 @@ impl Search<'_> {
 
     /// Gives every target with candidates its detour.
     fn choose(&self, seen: &mut [Seen], found: &[(usize, &Candidates)]) {
-        let paths = self.paths();
         let weights = |cost: &dyn Fn(usize) -> f64| -> Option<Vec<f64>> {
-            let costs: Vec<f64> = (0..self.directions.len()).map(cost).collect();
+            let costs: Vec<f64> = (0..self.paths.directions.len()).map(cost).collect();
             let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
             least.is_finite().then(|| costs.iter().map(|c| path::weight(*c, least)).collect())
         };
@@ -241,13 +235,13 @@ impl Search<'_> {
         for (k, candidates) in found {
             let own = || weights(&|d| candidates.flattest(d));
             let Some(weights) = common.clone().or_else(own) else { continue };
-            seen[*k].detour = seen[*k].sight_lines.chosen(&paths, candidates, &weights);
+            seen[*k].detour = seen[*k].sight_lines.chosen(&self.paths, candidates, &weights);
         }
     }
 
     /// The graph in which rays make the targets' detours, and the plain one.
     pub fn graphs(&self, seen: &[Seen]) -> [Graph; 2] {
-        graphs(self.view, seen, self.size, self.far, self.segments)
+        graphs(self.paths.view, seen, self.size, self.far, self.segments)
     }
 
     /// The index of the last target with a detour, and how many segments rays have, if there are others and these are more than layers.
@@ -256,14 +250,14 @@ impl Search<'_> {
         if seen.iter().filter(|s| s.detour.is_some()).count() == 1 {
             return None;
         }
-        let segments = self.graphs(seen)[0].legs.iter().map(|leg| leg.bent(self.bend).len()).sum::<usize>();
+        let segments = self.graphs(seen)[0].legs.iter().map(|leg| leg.bent(self.paths.bend).len()).sum::<usize>();
         (segments > LAYERS_MAX).then_some((last, segments))
     }
 
     /// Whether the rays of the graph at a target's place reach its centre.
     pub fn is_reached(&self, graph: &Graph, s: &Seen) -> bool {
-        let line = graph.line(s.place_px, self.bend);
-        line.is_some_and(|line| reaches(self.view, self.occluders, &line, &s.target))
+        let line = graph.line(s.place_px, self.paths.bend);
+        line.is_some_and(|line| reaches(self.paths.view, self.paths.occluders, &line, &s.target))
     }
 
     /// The targets with detours so wide that none is hidden but those behind others; the error is the index of a target that
@@ -271,7 +265,8 @@ impl Search<'_> {
     fn widened(&self, mut seen: Vec<Seen>) -> std::result::Result<Vec<Seen>, usize> {
         let blocked = |seen: &[Seen]| {
             let [graph, _] = self.graphs(seen);
-            let is_blocked = |s: &Seen| s.is_inside && !self.is_reached(&graph, s) && !is_behind(self.view, seen, s);
+            let is_blocked =
+                |s: &Seen| s.is_inside && !self.is_reached(&graph, s) && !is_behind(self.paths.view, seen, s);
             (0..seen.len()).filter(|k| is_blocked(&seen[*k])).collect::<Vec<usize>>()
         };
         let mut narrower: Option<Vec<Seen>> = None;

@@ -13,8 +13,8 @@
 
 use super::blend::{Seen, Target};
 use super::connect::JoinOptions;
-use super::moving::{Search, is_behind, no_room};
-use super::path::Occluders;
+use super::moving::{Search, is_behind, no_room, steep};
+use super::path::{Occluders, Paths};
 use super::top_down::{far_note, fold_note};
 use super::view::{Pinhole, View, beyond};
 use super::{Graph, coarse, legs};
@@ -109,7 +109,8 @@ impl Recipe for Track {
         notes.extend(far_note(self.far, far));
         let (bend, segments, smooth) = (self.join.bend, self.segments, self.smooth);
         let (view, occluders, directions) = (&view, &occluders, &directions[..]);
-        let search = Search { view, occluders, directions, bend, largest, size, far, segments, smooth };
+        let paths = Paths { view, occluders, directions, bend, largest, steep: steep(smooth) };
+        let search = Search { paths, size, far, segments, smooth };
         search.set_detours(&mut seen, &mut unfulfilled);
         let end = DVec2::new(size.0 as f64, size.1 as f64);
         // one that needs no detour leaves the picture by degrees too, if it is asked for

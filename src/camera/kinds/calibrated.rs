@@ -10,16 +10,16 @@ mod roots;
 mod tilt;
 
 use super::central::{POSE, Pose};
+use crate::camera::calibration::{Calibrated, Intrinsics, Model, Shutter};
 use crate::camera::exposure::{LineOrder, Lines};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
-use crate::camera::view::View;
 use crate::camera::{Ray, RayMap};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use file::{Calibration, Which};
-use glam::{DMat2, DQuat, DVec2, DVec3};
-use lens::{Lens, Model};
+use glam::{DQuat, DVec2, DVec3};
+use lens::Lens;
 use std::sync::Arc;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -32,44 +32,6 @@ struct FromFile {
     tessellation: Tessellation,
     /// What the file leaves open.
     note: Option<String>,
-}
-
-/// Where the plane of a lens model lies in the image.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Intrinsics {
-    /// Width and height of the calibrated image, px.
-    pub size: (u32, u32),
-    /// From the plane to pixels: the focal lengths, px, on the diagonal.
-    pub scale: DMat2,
-    /// `cx`, `cy`, px; the centre of the first pixel is at (0, 0), as OpenCV counts.
-    pub centre: DVec2,
-}
-
-/// Everything that defines the rays. The reference computes its own rays from this alone.
-#[derive(Debug, Clone)]
-pub struct Calibrated {
-    pub eye: DVec3,
-    pub view: View,
-    pub intrinsics: Intrinsics,
-    pub model: Model,
-    pub shutter: Shutter,
-}
-
-/// How the camera moves while its rows are read, top to bottom.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shutter {
-    /// Seconds from one row to the next.
-    pub line_time: f64,
-    /// World units a second.
-    pub velocity: DVec3,
-    /// Radians a second about the world's axes through the eye, right-handed.
-    pub angular: DVec3,
-}
-
-impl Shutter {
-    fn is_still(&self) -> bool {
-        self.line_time == 0.0 || (self.velocity, self.angular) == (DVec3::ZERO, DVec3::ZERO)
-    }
 }
 
 const SHUTTER: [&str; 3] = ["line_time", "velocity", "angular_velocity"];

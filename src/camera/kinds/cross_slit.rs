@@ -4,9 +4,9 @@
 //! that meets the slits `p1 + s d1` and `p2 + s d2`: the planes of X with each slit cut each other in it.
 
 use super::central::{POSE, Pose};
-use super::values::{direction, length};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};
+use crate::camera::values::{direction, length};
 use crate::camera::{Bundle, Pieces, Ray, RayMap, Rays};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};

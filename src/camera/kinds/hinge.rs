@@ -4,9 +4,9 @@
 //! picture stays continuous.
 
 use super::central::{POSE, Pose};
-use super::values::{angle_within, half_tangent, length};
 use crate::camera::mesh::triangle;
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::values::{angle_within, half_tangent, length};
 use crate::camera::{Pieces, Ray, Rays};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};

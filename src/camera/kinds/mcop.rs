@@ -3,9 +3,9 @@
 //! Rademacher and Bishop 1998, sections 3 and 4.
 
 use super::central::{POSE, Pose};
-use super::values::{direction, half_tangent, length};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};
+use crate::camera::values::{direction, half_tangent, length};
 use crate::camera::view::view;
 use crate::camera::{Ray, RayMap};
 use crate::input::Result;

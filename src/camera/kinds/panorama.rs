@@ -3,9 +3,9 @@
 //! Yu, Yu and McMillan 2009, section 5.1: all share a slit through the circle's centre, its axis; the other slits are segments of
 //! the circle. The limit of many segments is the exact map: each column is seen from its own place of the circle.
 
-use super::values::{direction, length};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};
+use crate::camera::values::{direction, length};
 use crate::camera::view::view;
 use crate::camera::{Ray, RayMap};
 use crate::input::Result;

@@ -4,8 +4,8 @@
 //! characteristic equation has a double root, or none, and is no multiple of the identity there.
 
 use super::central::{POSE, Pose};
-use super::values::{angle_within, half_tangent, length};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::values::{angle_within, half_tangent, length};
 use crate::camera::{Bundle, Pieces, Rays};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};

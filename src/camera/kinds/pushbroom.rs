@@ -2,8 +2,8 @@
 //!
 //! Gupta and Hartley 1997 (the linear pushbroom); Yu, Yu and McMillan 2009, section 3.1. Its path is a slit at t = 0.
 
-use super::values::{direction, half_tangent, length};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::values::{direction, half_tangent, length};
 use crate::camera::view::view;
 use crate::camera::{Bundle, Pieces, Rays};
 use crate::input::reader::{Field, Table};

@@ -9,12 +9,12 @@
 //! the projectors cross, hidden by the facades. The far surface is a cubic B-spline along the street, so the moves are those
 //! of its control points.
 
-use super::values::{half_tangent, length};
 use crate::camera::projector::Volume;
 use crate::camera::projector::patch::Patch;
 use crate::camera::projector::surface::{Plane, Surface};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::Tessellation;
+use crate::camera::values::{half_tangent, length};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::DVec3;

@@ -3,9 +3,9 @@
 //! Hou, Wei, Shum and Guo 2006, sections 2 and 3.4: each triangle of the mesh is a camera with a ray at each corner, and has a
 //! right-angled triangle of one size in the image (their joint texture atlas), so that the packing wastes nothing.
 
-use super::values::length;
 use crate::camera::mesh::triangle;
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::values::{direction, length};
 use crate::camera::{Pieces, Ray, Rays};
 use crate::geometry::generate::icosphere;
 use crate::geometry::obj;
@@ -37,7 +37,7 @@ struct Surround {
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let center = table.or("center", DVec3::ZERO, Field::vec3)?;
-    let up = table.or("up", DVec3::Y, super::values::direction)?;
+    let up = table.or("up", DVec3::Y, direction)?;
     let (field, mesh, scale) = match table.get("file") {
         Some(file) => {
             table.allow(&["kind", "t_range", "file", "center", "scale", "up", "columns"])?;

@@ -1,8 +1,8 @@
 //! A viewer, and planes across the view at given depths: the parts of the viewing volumes of Brosz et al.
 
 use super::central::{POSE, Pose};
-use super::values::half_tangent;
 use crate::camera::projector::surface::Plane;
+use crate::camera::values::half_tangent;
 use crate::camera::view::View;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};

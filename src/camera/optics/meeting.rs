@@ -171,28 +171,15 @@ impl Over<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Rng;
 
-    /// Numbers from -1 to 1.
-    struct Dice(u64);
-
-    impl Dice {
-        fn roll(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        }
-
-        fn vector(&mut self) -> DVec3 {
-            DVec3::new(self.roll(), self.roll(), self.roll())
-        }
-    }
-
-    fn surfaces(dice: &mut Dice) -> [Smooth; 2] {
-        let axis = dice.vector().normalize();
-        let tube = 0.01 + 0.7 * dice.roll().abs();
-        let (amplitude, wavelength) = (0.02 + 0.3 * dice.roll().abs(), 0.4 + dice.roll().abs());
+    fn surfaces(rng: &mut Rng) -> [Smooth; 2] {
+        let axis = rng.vector().normalize();
+        let tube = 0.01 + 0.7 * rng.signed().abs();
+        let (amplitude, wavelength) = (0.02 + 0.3 * rng.signed().abs(), 0.4 + rng.signed().abs());
         [
-            Smooth::Torus(Torus { centre: dice.vector(), axis, radius: 0.6, tube }),
-            Smooth::Wave(Wave { centre: dice.vector(), size: 3.0, amplitude, wavelength }),
+            Smooth::Torus(Torus { centre: rng.vector(), axis, radius: 0.6, tube }),
+            Smooth::Wave(Wave { centre: rng.vector(), size: 3.0, amplitude, wavelength }),
         ]
     }
 
@@ -219,15 +206,15 @@ mod tests {
     /// However far from the world's origin it is, and from however far it is seen.
     #[test]
     fn a_flat_disc_has_no_holes() {
-        let mut dice = Dice(3);
+        let mut rng = Rng(3);
         for (away, distance) in [(0.0, 5.0), (0.0, 1e4), (1e4, 1e4), (1e5, 5.0), (1e6, 5.0)] {
-            let axis = dice.vector().normalize();
-            let vertex = away * dice.vector().normalize();
+            let axis = rng.vector().normalize();
+            let vertex = away * rng.vector().normalize();
             let disc = Quadric::cap(vertex, axis, 0.0, 0.0, 1.0, false).unwrap();
             let (e1, e2) = axis.any_orthonormal_pair();
             for _ in 0..1000 {
-                let origin = vertex + distance * (dice.vector() - 1.5 * axis);
-                let aim = vertex + 0.7 * (dice.roll() * e1 + dice.roll() * e2);
+                let origin = vertex + distance * (rng.vector() - 1.5 * axis);
+                let aim = vertex + 0.7 * (rng.signed() * e1 + rng.signed() * e2);
                 let ray = Ray { origin, direction: (aim - origin).normalize() };
                 let met = on_quadric(&disc, &ray, false, [0.0, f64::INFINITY]);
                 assert!(met.is_some(), "{ray:?} misses {disc:?}");
@@ -239,11 +226,11 @@ mod tests {
     /// and there it does, or touches.
     #[test]
     fn nothing_is_met_before_the_first_meeting() {
-        let mut dice = Dice(7);
+        let mut rng = Rng(7);
         let (mut met, mut again) = ([0, 0], [0, 0]);
         for _ in 0..3000 {
-            for (k, smooth) in surfaces(&mut dice).into_iter().enumerate() {
-                let mut ray = Ray { origin: 4.0 * dice.vector(), direction: dice.vector() };
+            for (k, smooth) in surfaces(&mut rng).into_iter().enumerate() {
+                let mut ray = Ray { origin: 4.0 * rng.vector(), direction: rng.vector() };
                 ray.direction = 0.3 * ray.direction - ray.origin;
                 let mut starts = false;
                 for hit in 0..3 {

@@ -4,7 +4,7 @@ use super::facets::Facets;
 use super::quadric::{Quadric, sag};
 use super::wave::WAVES_MAX;
 use super::{Smooth, Torus, Wave};
-use crate::camera::kinds::values::{direction, length};
+use crate::camera::values::{direction, length};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::DVec3;
@@ -330,23 +330,24 @@ fn joined(list: &[Facets]) -> Facets {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
+    /// A cap of a sphere about the z axis.
+    pub fn cap(z: f64, curvature: f64, rim: f64, flipped: bool) -> Cap {
+        Cap { vertex: DVec3::Z * z, axis: DVec3::Z, curvature, conic: 0.0, rim, flipped }
+    }
+
+    pub fn torus() -> Shape {
+        Shape::Torus(Torus { centre: DVec3::ONE, axis: DVec3::X, radius: 2.0, tube: 0.5 })
+    }
+
     fn shapes() -> Vec<Shape> {
-        let cap = |z: f64, curvature: f64, flipped: bool| Cap {
-            vertex: DVec3::Z * z,
-            axis: DVec3::Z,
-            curvature,
-            conic: 0.0,
-            rim: 1.0,
-            flipped,
-        };
         vec![
             Shape::Sphere { center: DVec3::ONE, radius: 2.0 },
-            Shape::Torus(Torus { centre: DVec3::ONE, axis: DVec3::X, radius: 2.0, tube: 0.5 }),
-            Shape::Quadric { cap: cap(0.0, 0.5, false) },
-            Shape::Lens { caps: [cap(-0.4, 0.5, false), cap(0.4, -0.5, true)] },
+            torus(),
+            Shape::Quadric { cap: cap(0.0, 0.5, 1.0, false) },
+            Shape::Lens { caps: [cap(-0.4, 0.5, 1.0, false), cap(0.4, -0.5, 1.0, true)] },
             Shape::Wave(Wave { centre: DVec3::ONE, size: 4.0, amplitude: 0.2, wavelength: 2.0 }),
         ]
     }

@@ -123,8 +123,9 @@ impl Target<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::optics::Wave;
+    use crate::camera::optics::shape::tests::{cap, torus};
     use crate::camera::optics::shape::{Cap, Shape};
-    use crate::camera::optics::{Torus, Wave};
     use crate::geometry::generate::teapot;
 
     fn ball() -> Shape {
@@ -132,24 +133,12 @@ mod tests {
     }
 
     fn lens() -> Shape {
-        let cap = |z: f64, curvature: f64, flipped: bool| Cap {
-            vertex: DVec3::Z * z,
-            axis: DVec3::Z,
-            curvature,
-            conic: 0.0,
-            rim: 0.9,
-            flipped,
-        };
-        Shape::Lens { caps: [cap(-0.4, 0.5, false), cap(0.4, -0.6, true)] }
+        Shape::Lens { caps: [cap(-0.4, 0.5, 0.9, false), cap(0.4, -0.6, 0.9, true)] }
     }
 
     fn bowl() -> Shape {
         let cap = Cap { vertex: DVec3::ZERO, axis: DVec3::Y, curvature: 0.9, conic: -1.0, rim: 2.0, flipped: false };
         Shape::Quadric { cap }
-    }
-
-    fn torus() -> Shape {
-        Shape::Torus(Torus { centre: DVec3::ONE, axis: DVec3::X, radius: 2.0, tube: 0.5 })
     }
 
     /// The largest distance between the normals of two corners.

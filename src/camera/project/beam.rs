@@ -75,31 +75,23 @@ impl Beam {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn unit(state: &mut u64) -> f64 {
-        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*state >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn vector(state: &mut u64) -> DVec3 {
-        DVec3::from_array(std::array::from_fn(|_| 2.0 * unit(state) - 1.0))
-    }
+    use crate::testing::Rng;
 
     #[test]
     fn a_beam_meets_every_point_of_its_rays_and_few_others() {
-        let mut state = 5;
+        let mut rng = Rng(5);
         let mut others = 0;
         for _ in 0..20_000 {
-            let (p, d) = (vector(&mut state), vector(&mut state));
-            let (p_error, d_error) = (0.1 * unit(&mut state), 0.1 * unit(&mut state));
+            let (p, d) = (rng.vector(), rng.vector());
+            let (p_error, d_error) = (0.1 * rng.unit(), 0.1 * rng.unit());
             let beam = Beam::about(p, d, p_error, d_error);
-            let t = 4.0 * unit(&mut state) - 2.0;
-            let x = p + p_error * vector(&mut state) + t * (d + d_error * vector(&mut state));
-            let range = [t - unit(&mut state), t + unit(&mut state)];
+            let t = 4.0 * rng.unit() - 2.0;
+            let x = p + p_error * rng.vector() + t * (d + d_error * rng.vector());
+            let range = [t - rng.unit(), t + rng.unit()];
             assert!(beam.may_meet(x, range) && beam.may_meet(x, [t, t]), "{beam:?} {x} {t}");
-            assert!(beam.joined(&Beam::about(vector(&mut state), d, 0.1, 0.0)).may_meet(x, range));
+            assert!(beam.joined(&Beam::about(rng.vector(), d, 0.1, 0.0)).may_meet(x, range));
             // where it says yes, some ray is there: t for all components alike, so P and D can be chosen
-            let y = 2.0 * vector(&mut state);
+            let y = 2.0 * rng.vector();
             let sure = (0..=4000).any(|s| {
                 let t = f64::from(s) / 1000.0 - 2.0;
                 ((y - p - t * d).abs() - (p_error + t.abs() * d_error)).max_element() <= 0.0

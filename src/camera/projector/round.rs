@@ -1,7 +1,7 @@
 //! Round control surfaces: cylinder, sphere, disc. The formulas are those of the `projector` camera's description.
 
 use crate::camera::curve::Bend;
-use crate::camera::kinds::values::direction;
+use crate::camera::values::direction;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};

@@ -6,7 +6,7 @@ use super::super::planned::{outlined_by, written};
 use super::super::{RunOptions, setup};
 use super::{Frames, moved};
 use crate::camera::Camera;
-use crate::camera::ray_order::RayOrder;
+use crate::camera::ray_order::reordered;
 use crate::engine::plan::{Plan, SceneContents, SceneExtent};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -23,8 +23,7 @@ impl Frames {
         asked.check()?;
         let Plan { anchor, centre, scene_size, .. } = *self.plan;
         let extent = SceneExtent { anchor, centre, scene_size };
-        let ray_order = RayOrder::of(camera, extent.centre).map(Arc::new);
-        let shown = Arc::new(ray_order.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
+        let shown = Arc::new(reordered(camera, extent.centre).unwrap_or_else(|| camera.clone()));
         let wanted = written(&self.scene, &shown, &self.wanted);
         let plan = self.planner.plan_by(&self.run, &shown, SceneContents::of(&self.scene), extent, &wanted);
         Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;
@@ -46,7 +45,7 @@ impl Frames {
         if let Some(rival) = &mut self.rival {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
-        (self.camera, self.plan, self.ray_order, self.is_aimed) = (camera, Arc::new(plan), ray_order, true);
+        (self.camera, self.plan, self.is_aimed) = (camera, Arc::new(plan), true);
         self.is_partly_uploaded = was_partly_uploaded;
         self.mark_dirty(Changes { plan: true, ..Changes::default() });
         Ok(())

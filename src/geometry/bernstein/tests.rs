@@ -1,4 +1,5 @@
 use super::*;
+use crate::testing::Rng;
 
 /// Bernstein coefficients of `(t - r0) (t - r1) (t - r2)`, by its blossom.
 fn cubic(r: [f64; 3]) -> Bernstein {
@@ -15,14 +16,10 @@ fn found(p: &Bernstein) -> Vec<(f64, i8)> {
 
 #[test]
 fn all_roots_of_a_cubic_and_how_it_passes_them() {
-    let mut state = 3_u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut rng = Rng(3);
     let mut three = 0;
     for _ in 0..100_000 {
-        let mut r = [0, 1, 2].map(|_| 1.6 * next() - 0.3);
+        let mut r = [0, 1, 2].map(|_| 1.6 * rng.unit() - 0.3);
         r.sort_unstable_by(f64::total_cmp);
         // a root at 1e-6 from another or from an end may be distinguished or not
         let separate = r[1] - r[0] > 1e-6 && r[2] - r[1] > 1e-6;
@@ -43,16 +40,12 @@ fn all_roots_of_a_cubic_and_how_it_passes_them() {
 
 #[test]
 fn all_roots_of_a_quartic_from_its_powers() {
-    let mut state = 5_u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut rng = Rng(5);
     let mut four = 0;
     for _ in 0..20_000 {
-        let mut r = [0, 1, 2, 3].map(|_| 2.0 * next() - 1.0);
+        let mut r = [0, 1, 2, 3].map(|_| 2.0 * rng.unit() - 1.0);
         r.sort_unstable_by(f64::total_cmp);
-        let (from, to) = (-next(), next());
+        let (from, to) = (-rng.unit(), rng.unit());
         let separate = r.windows(2).all(|r| r[1] - r[0] > 1e-3);
         if !separate || to - from < 0.1 || r.iter().any(|r| (r - from).abs() < 1e-3 || (r - to).abs() < 1e-3) {
             continue;

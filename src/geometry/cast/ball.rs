@@ -140,6 +140,7 @@ fn scaled(ray: &Ray) -> (Ray, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Rng;
 
     const ROUNDING: f64 = 1.0 / (1_u64 << 40) as f64;
 
@@ -169,14 +170,10 @@ mod tests {
     /// Each t has the relative error that is asked for, where f64 alone is off by a million times as much.
     #[test]
     fn small_spheres_far_away_are_met_as_exactly() {
-        let mut state = 5_u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut rng = Rng(5);
         let mut met = 0;
         for n in 0..2000 {
-            let mut vector = || DVec3::new(next(), next(), next());
+            let mut vector = || rng.vector();
             let (d, centre, beside) = (vector(), 4.0 * vector(), vector());
             let radius = 1e-7;
             // every other ray starts on the sphere or about it

@@ -67,6 +67,7 @@ fn with_roots(p: &Exact, (one, first): &(i8, Exact), (two, second): &(i8, Exact)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Rng;
 
     fn exact(x: f64) -> Exact {
         Exact::product(x, 1.0)
@@ -75,11 +76,8 @@ mod tests {
     /// Small whole numbers, whose order f64 tells unless they are equal, which squares decide in whole numbers.
     #[test]
     fn depths_with_and_without_roots_are_ordered() {
-        let mut state = 1_u64;
-        let mut below = |n: u64| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((state >> 33) % n) as i64
-        };
+        let mut rng = Rng(1);
+        let mut below = |n: usize| rng.below(n) as i64;
         let mut equal = [0; 3];
         for _ in 0..20_000 {
             let whole = (1 + below(4)) as f64;

@@ -157,11 +157,11 @@ fn normal(patch: &Patch, u: f64, v: f64) -> DVec3 {
 mod tests {
     use crate::geometry::texture::Images;
     use std::collections::HashSet;
-    use std::path::Path;
 
     use super::super::testing::{assert_sound, bounds, six_volumes};
     use super::*;
     use crate::geometry::obj;
+    use crate::testing::model;
 
     fn bits(p: DVec3) -> [u64; 3] {
         // Adding 0 makes one of the two zeros.
@@ -215,11 +215,7 @@ mod tests {
 
     #[test]
     fn every_vertex_of_a_published_teapot_is_one_of_ours() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models/teapot.obj");
-        if !path.exists() {
-            println!("skipped: the collection of models is not here");
-            return;
-        }
+        let Some(path) = model("teapot.obj") else { return };
         let ours = teapot(10).positions;
         // The file has six digits or so.
         const ROUNDED: f64 = 1e-5;

@@ -1,10 +1,9 @@
-use std::path::PathBuf;
-
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 
 use super::*;
 use crate::geometry::spec::AnimationSpec;
+use crate::testing::model;
 
 fn here() -> FileAccess<'static> {
     FileAccess { folder: Path::new(""), files: Files::Below }
@@ -232,16 +231,6 @@ fn a_file_without_scenes_shows_its_root_nodes() {
         json["nodes"] = serde_json::json!([{"mesh": 0}, {"children": [0]}, {"mesh": 0}]);
     });
     assert_eq!(mesh.unwrap().triangles.len(), 4);
-}
-
-/// The path of a development model, if the collection is there.
-fn model(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models").join(name);
-    if !path.exists() {
-        println!("skipped {name}: the collection of models is not here");
-        return None;
-    }
-    Some(path)
 }
 
 /// A PNG of two texels beside each other: red, and blue that is hardly there.

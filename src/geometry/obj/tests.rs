@@ -1,10 +1,10 @@
 use std::io::Cursor;
-use std::path::PathBuf;
 
 use glam::DVec3;
 use proptest::prelude::*;
 
 use super::*;
+use crate::testing::model;
 
 fn parse_text(text: &str) -> Result<Mesh> {
     parse(text.as_bytes(), "cow.obj", |_| Ok(Vec::new())).map(|(mesh, _)| mesh)
@@ -314,16 +314,6 @@ fn tobj_reads_the_same() {
     let plain =
         format!("mtllib a.mtl\n{QUAD}vt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1 4/1/1\nf -1 -2 -3\nf 1//1 3//1 4//1");
     assert_agrees_with_tobj(plain.as_bytes(), GROUPED_MTL);
-}
-
-/// The path of a development model, if the collection is there.
-fn model(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models").join(name);
-    if !path.exists() {
-        println!("skipped {name}: the collection of models is not here");
-        return None;
-    }
-    Some(path)
 }
 
 #[test]

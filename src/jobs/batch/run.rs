@@ -7,10 +7,9 @@ use super::slots::Slots;
 use super::worker::{Picture, Taken, Worker};
 use super::{BatchOptions, Counts, Event, FAILURES_MAX, Watch, lock, taken};
 use crate::engine::Rendered;
-use crate::engine::plan::LeftOut;
+use crate::engine::left_out::LeftOut;
 use crate::geometry::mesh::Missing;
 use crate::input::{Error, Result};
-use crate::jobs::backend::STYLE;
 use crate::scene::library::Library;
 use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -207,7 +206,7 @@ impl<'a> Run<'a> {
 
     /// Reports once that scenes use a style that the reference does not draw.
     fn tell_left_out(&self, left_out: &[LeftOut]) {
-        for line in left_out.iter().filter(|left| left.what == STYLE).map(LeftOut::line) {
+        for line in left_out.iter().filter(|left| **left == LeftOut::Style).map(LeftOut::to_string) {
             if lock(&self.reported).insert(line.clone()) {
                 self.note(&line);
             }

@@ -1,6 +1,6 @@
 //! Brown's model with its derivatives, by dual numbers: value, d/dx and d/dy.
 
-use crate::camera::kinds::calibrated::lens::Coefficients;
+use crate::camera::calibration::Coefficients;
 use std::ops::{Add, Div, Mul, Sub};
 
 #[derive(Debug, Clone, Copy)]

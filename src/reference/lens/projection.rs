@@ -1,7 +1,7 @@
 //! Projections of calibrated models, inverted by bisection of the forward formulas over the angles that each is defined for.
 
 use super::radial::{self, Range};
-use crate::camera::kinds::calibrated::lens::Projection;
+use crate::camera::calibration::Projection;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 

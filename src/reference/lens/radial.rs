@@ -1,6 +1,6 @@
 //! Radial models: the radius that is seen at a given one, on the branch from the middle to where the model first stops growing.
 
-use crate::camera::kinds::calibrated::lens::Coefficients;
+use crate::camera::calibration::Coefficients;
 use std::ops::{Add, Div, Mul};
 
 /// The numbers from the first to the second.

@@ -2,7 +2,7 @@
 
 use super::dual::seen;
 use super::radial;
-use crate::camera::kinds::calibrated::lens::Coefficients;
+use crate::camera::calibration::Coefficients;
 use glam::DVec2;
 
 /// A point of the preimage: where it is seen along the line and across it, in units of the line's length, each with its derivative.

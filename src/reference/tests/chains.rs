@@ -1,11 +1,12 @@
 //! Chains of layers: straight ones in line against one straight camera, surfaces in and about the shared faces, bends,
 //! gaps, curved layers.
 
-use super::make::{Rng, icosphere, mesh, soup};
+use super::make::{icosphere, mesh, soup};
 use crate::camera::curve::{Curve, CurveMap, Curves};
 use crate::camera::{Bundle, Camera, Pieces, Rays};
 use crate::geometry::mesh::Mesh;
 use crate::reference::{Finding, Path, Reference, Segment};
+use crate::testing::Rng;
 use glam::DVec3;
 use std::sync::Arc;
 

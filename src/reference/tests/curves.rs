@@ -1,12 +1,13 @@
 //! Curves against dense samples, against rays, against surfaces with known roots; whole findings.
 
-use super::make::{Rng, icosphere, mesh, soup};
+use super::make::{icosphere, mesh, soup};
 use crate::camera::curve::{Curve, CurveMap, Curves};
 use crate::camera::{Bundle, Camera, Rays};
 use crate::geometry::mesh::Mesh;
 use crate::reference::curve::meetings;
 use crate::reference::intersect::Corners;
 use crate::reference::{Finding, Hit, Path, Reference, Seen, Segment};
+use crate::testing::Rng;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -16,7 +17,7 @@ fn first(reference: &Reference, curve: Curve) -> Option<Hit> {
 
 fn random_curve(rng: &mut Rng) -> Curve {
     let points = [0; 4].map(|_| 1.5 * rng.vector());
-    Curve::new(&points[..2 + rng.below(3) as usize])
+    Curve::new(&points[..2 + rng.below(3)])
 }
 
 /// The place that the weights of a hit stand for.
@@ -106,8 +107,8 @@ fn the_hierarchy_finds_what_brute_force_finds() {
     let mut hits = 0;
     for seed in 0..300 {
         let mut rng = Rng(seed);
-        let centre = rng.vector() * [0.0, 1.0, 1e4][rng.below(3) as usize];
-        let (count, size) = (rng.below(300) as usize, [2.0, 0.3, 0.05][rng.below(3) as usize]);
+        let centre = rng.vector() * [0.0, 1.0, 1e4][rng.below(3)];
+        let (count, size) = (rng.below(300), [2.0, 0.3, 0.05][rng.below(3)]);
         let mesh = soup(&mut rng, count, size, centre);
         let reference = Reference::build(&mesh);
         for _ in 0..20 {
@@ -156,8 +157,8 @@ fn a_closed_shell_is_left_once_more_than_it_is_entered() {
     let mut rng = Rng(4);
     for case in 0..20_000 {
         // From inside to outside, at random or through a corner or the middle of an edge.
-        let t = shell.triangles[rng.below(320) as usize].map(|k| shell.positions[k as usize]);
-        let aim = [2.0 * rng.unit(), 1.7 * t[0], 0.8 * (t[0] + t[1])][case % 3];
+        let t = shell.triangles[rng.below(320)].map(|k| shell.positions[k as usize]);
+        let aim = [2.0 * rng.direction(), 1.7 * t[0], 0.8 * (t[0] + t[1])][case % 3];
         let from = 0.3 * rng.vector();
         let line = Curve::new(&[from, from + 3.0 * (aim - from).normalize()]);
         let curve = if case % 2 == 0 { line.elevated(3) } else { Curve::new(&[from, 0.5 * rng.vector(), 2.0 * aim]) };

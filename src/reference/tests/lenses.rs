@@ -1,8 +1,9 @@
 //! The reference's rays against the camera's: two independent methods.
 
-use super::make::Rng;
-use crate::camera::kinds::calibrated::lens::{Coefficients, Lens, Model, Projection};
+use crate::camera::calibration::{Coefficients, Model, Projection};
+use crate::camera::kinds::calibrated::lens::Lens;
 use crate::reference::lens::{direction, dual};
+use crate::testing::Rng;
 use glam::DVec2;
 
 /// Largest sizes of k1, k2, k3, of k4 to k6, of p1 and p2, of s1 to s4, and of the tilt.

@@ -2,41 +2,8 @@
 
 use crate::camera::bundle::Bundle;
 use crate::geometry::mesh::{Material, Mesh};
+use crate::testing::Rng;
 use glam::DVec3;
-
-/// SplitMix64.
-pub struct Rng(pub u64);
-
-impl Rng {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// In [-1, 1).
-    pub fn signed(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    pub fn below(&mut self, n: u64) -> u64 {
-        self.next() % n
-    }
-
-    pub fn vector(&mut self) -> DVec3 {
-        DVec3::new(self.signed(), self.signed(), self.signed())
-    }
-
-    pub fn unit(&mut self) -> DVec3 {
-        loop {
-            let v = self.vector();
-            if v.length() > 0.1 && v.length() < 1.0 {
-                return v.normalize();
-            }
-        }
-    }
-}
 
 /// A mesh of its own two-sided material over these triangles.
 pub fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {
@@ -50,11 +17,11 @@ pub fn soup(rng: &mut Rng, n: usize, size: f64, centre: DVec3) -> Mesh {
     let mut positions = Vec::new();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     for _ in 0..n {
-        let old = |rng: &mut Rng| triangles[rng.below(triangles.len() as u64) as usize];
+        let old = |rng: &mut Rng| triangles[rng.below(triangles.len())];
         let t = match rng.below(16) {
             0 if !triangles.is_empty() => {
                 let [a, b, c] = old(rng);
-                [[b, a, c], [b, c, a], [a, b, c]][rng.below(3) as usize]
+                [[b, a, c], [b, c, a], [a, b, c]][rng.below(3)]
             }
             1 if !triangles.is_empty() => {
                 let [a, b, _] = old(rng);
@@ -84,8 +51,8 @@ pub fn soup(rng: &mut Rng, n: usize, size: f64, centre: DVec3) -> Mesh {
 /// A random bundle that looks at the cube of half-size 1 about `centre`, about 1/64 of it a pixel: pinhole,
 /// orthographic, cross-slit or any affine one; a third of them projective.
 pub fn bundle(rng: &mut Rng, centre: DVec3) -> Bundle {
-    let forward = rng.unit();
-    let right = forward.cross(rng.unit()).normalize_or(forward.any_orthonormal_vector());
+    let forward = rng.direction();
+    let right = forward.cross(rng.direction()).normalize_or(forward.any_orthonormal_vector());
     let down = forward.cross(right);
     let px = 1.0 / 64.0;
     let (x, y) = (rng.signed() * 40.0, rng.signed() * 40.0);

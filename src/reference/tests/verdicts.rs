@@ -1,10 +1,11 @@
 //! Verdicts against dense samples of the box, and against cases whose answer is plain.
 
-use super::make::{Rng, bundle, icosphere, mesh, soup};
+use super::make::{bundle, icosphere, mesh, soup};
 use super::{ALL, FORWARD, ray};
 use crate::camera::bundle::Bundle;
 use crate::geometry::mesh::Mesh;
 use crate::reference::{MARGIN_PX, Reference};
+use crate::testing::Rng;
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -41,9 +42,9 @@ proptest! {
     #[test]
     fn a_verdict_holds_all_over_the_box(seed in any::<u64>()) {
         let mut rng = Rng(seed);
-        let centre = rng.vector() * [0.0, 1.0, 1e4][rng.below(3) as usize];
-        let size = [2.0, 0.2, 0.01][rng.below(3) as usize];
-        let count = 1 + rng.below(300) as usize;
+        let centre = rng.vector() * [0.0, 1.0, 1e4][rng.below(3)];
+        let size = [2.0, 0.2, 0.01][rng.below(3)];
+        let count = 1 + rng.below(300);
         let mesh = soup(&mut rng, count, size, centre);
         for _ in 0..6 {
             let b = bundle(&mut rng, centre);
@@ -60,8 +61,8 @@ proptest! {
         let b = bundle(&mut rng, DVec3::ZERO);
         let r = b.ray(0.0, 0.0);
         // Moves the sphere so that a corner or an edge comes within a tenth of a pixel.
-        let t = mesh.triangles[rng.below(320) as usize].map(|k| mesh.positions[k as usize]);
-        let feature = t[0] + (t[1] - t[0]) * [0.0, 0.5][rng.below(2) as usize];
+        let t = mesh.triangles[rng.below(320)].map(|k| mesh.positions[k as usize]);
+        let feature = t[0] + (t[1] - t[0]) * [0.0, 0.5][rng.below(2)];
         let to = r.origin + r.direction * (3.0 - feature.dot(r.direction.normalize()));
         let shift = to - feature + rng.vector() * 0.002;
         let moved = Mesh { positions: mesh.positions.iter().map(|v| *v + shift).collect(), ..mesh };
@@ -200,7 +201,7 @@ fn nearly_all_pixels_beside_edges_of_a_closed_sphere_are_proven_not_to_miss() {
     let mut rng = Rng(5);
     for _ in 0..4000 {
         // Within the disc of the sphere: no silhouette, all edges inner ones.
-        let eye = rng.unit() * 3.0;
+        let eye = rng.direction() * 3.0;
         let x = eye.normalize().any_orthonormal_vector();
         let y = eye.normalize().cross(x);
         let d = -eye + 0.5 * (x * rng.signed() + y * rng.signed());

@@ -1,6 +1,7 @@
 //! `[caustics]`: a light before a mirror or a lens, and the planes on which its caustics fall.
 
-use crate::camera::spec::{CameraSpec, read_camera};
+use crate::camera::kinds::read_camera;
+use crate::camera::spec::CameraSpec;
 use crate::input::Result;
 use crate::input::reader::Field;
 use crate::scene::caustics::{Method, Receiver};

@@ -1,7 +1,8 @@
 //! A camera's keys in the header of a picture, which make the same rays without the scene file.
 
+use crate::camera::kinds::read_camera_of_scene;
 use crate::camera::pose::Pose;
-use crate::camera::spec::{CameraKind, CameraSpec, read_camera_of_scene};
+use crate::camera::spec::{CameraKind, CameraSpec};
 use crate::input::reader::{Field, Source};
 use crate::input::tree::{Entry, Node, Value};
 use crate::input::{Error, Result};

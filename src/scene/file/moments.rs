@@ -1,7 +1,8 @@
 //! The times of a frame at which a scene file is read: those between which everything moves straight.
 
 use super::{FileStep, SceneFile, read_all_spheres, read_meshes};
-use crate::camera::spec::{CameraSpec, read_camera_and_readout};
+use crate::camera::kinds::read_camera_and_readout;
+use crate::camera::spec::CameraSpec;
 use crate::geometry::spec::{MeshSource, MeshSpec};
 use crate::geometry::time_steps::TIMES_MAX;
 use crate::input::keyframes;

@@ -362,7 +362,25 @@ pub struct CameraArgs {
     pub caps: Caps,
 }
 
+/// What projects points.
 #[derive(Debug, Args)]
+pub struct DeviceArgs {
+    // the command says what it does there
+    #[arg(long, value_name = "NAME", value_parser = sifting_engine)]
+    pub engine: Option<EngineName>,
+    /// Adapter to use: a part of its name
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+fn device_help(work: &str) -> String {
+    format!(
+        "{work}: compute (GPU) or reference (CPU); same output [default: compute from 65,536 points on with a hardware GPU, else reference]"
+    )
+}
+
+#[derive(Debug, Args)]
+#[command(mut_arg("engine", |arg| arg.help(device_help("Where candidates are searched"))))]
 pub struct ProjectArgs {
     /// Scene file, .toml or .json
     pub scene: PathBuf,
@@ -374,18 +392,14 @@ pub struct ProjectArgs {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub change: Change,
-    /// Where candidates are searched: compute (GPU) or reference (CPU); same output [default: compute from 65,536 points on with a
-    /// hardware GPU, else reference]
-    #[arg(long, value_name = "NAME", value_parser = sifting_engine)]
-    pub engine: Option<EngineName>,
-    /// Adapter to use: a part of its name
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
+    #[command(flatten)]
+    pub device: DeviceArgs,
     #[command(flatten)]
     pub caps: Caps,
 }
 
 #[derive(Debug, Args)]
+#[command(mut_arg("engine", |arg| arg.help(device_help("Where hidden points are left out"))))]
 pub struct SplatArgs {
     /// Scene file, .toml or .json
     pub scene: PathBuf,
@@ -406,13 +420,8 @@ pub struct SplatArgs {
     pub index: Option<PathBuf>,
     #[command(flatten)]
     pub change: Change,
-    /// Where hidden points are left out: compute (GPU) or reference (CPU); same output [default: compute from 65,536 points on with a
-    /// hardware GPU, else reference]
-    #[arg(long, value_name = "NAME", value_parser = sifting_engine)]
-    pub engine: Option<EngineName>,
-    /// Adapter to use: a part of its name
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
+    #[command(flatten)]
+    pub device: DeviceArgs,
     #[command(flatten)]
     pub caps: Caps,
 }

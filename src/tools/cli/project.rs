@@ -3,7 +3,7 @@
 //! Places are always computed in f64 on the CPU, so the lines are the same with or without a GPU. The GPU proves, one chunk ahead, which parts
 //! of the image do not show a point; the host searches the others.
 
-use super::args::ProjectArgs;
+use super::args::{DeviceArgs, ProjectArgs};
 use super::progress::Progress;
 use super::say::{note, print};
 use crate::camera::Camera;
@@ -36,9 +36,7 @@ struct Line {
 }
 
 pub fn run(args: &ProjectArgs) -> Result<()> {
-    if let (Some(EngineName::Reference), Some(_)) = (args.engine, &args.adapter) {
-        return Err(Error::input("--adapter needs --engine compute; --engine reference runs on the CPU"));
-    }
+    args.device.check()?;
     let progress = Progress::start("building the camera");
     let read = || Ok::<_, Error>((read_points(&args.points)?, load_shape(&args.scene, &(&args.change).into())?));
     let (read, inputs) = noted(read);
@@ -46,7 +44,7 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
     drop(progress);
     refuse_optics(&camera)?;
     outputs::check(&inputs, args.output.iter().map(|path| (path.as_path(), outputs::IMAGES)))?;
-    let gpu = open(args.engine, args.adapter.as_deref(), points.len())?;
+    let gpu = args.device.open(points.len())?;
     let projector = Projector::new(&camera);
     let mut whole = String::new();
     let mut put = |lines: String| match &args.output {
@@ -80,18 +78,30 @@ pub(super) fn refuse_optics(camera: &Camera) -> Result<()> {
     )))
 }
 
-/// The adapter to use, if any: the one asked for; unasked for many points one that is no software.
-pub(super) fn open(engine: Option<EngineName>, adapter: Option<&str>, points: usize) -> Result<Option<Gpu>> {
-    let asked = adapter.is_some() || matches!(engine, Some(EngineName::Compute));
-    let hardware = || adapters().first().is_some_and(|a| a.get_info().device_type != wgpu::DeviceType::Cpu);
-    if matches!(engine, Some(EngineName::Reference)) || (!asked && (points < MANY || !hardware())) {
-        return Ok(None);
+impl DeviceArgs {
+    /// Refuses an adapter for the reference.
+    pub(super) fn check(&self) -> Result<()> {
+        match (self.engine, &self.adapter) {
+            (Some(EngineName::Reference), Some(_)) => {
+                Err(Error::input("--adapter needs --engine compute; --engine reference runs on the CPU"))
+            }
+            _ => Ok(()),
+        }
     }
-    let gpu = Gpu::open(&GpuOptions { adapter: adapter.map(str::to_owned), ..Default::default() })?;
-    if gpu.is_none() {
-        note(format_args!("{NO_ADAPTER}; projecting on the CPU as --engine reference does"));
+
+    /// The adapter to use, if any: the one asked for; unasked for many points one that is no software.
+    pub(super) fn open(&self, points: usize) -> Result<Option<Gpu>> {
+        let asked = self.adapter.is_some() || matches!(self.engine, Some(EngineName::Compute));
+        let hardware = || adapters().first().is_some_and(|a| a.get_info().device_type != wgpu::DeviceType::Cpu);
+        if matches!(self.engine, Some(EngineName::Reference)) || (!asked && (points < MANY || !hardware())) {
+            return Ok(None);
+        }
+        let gpu = Gpu::open(&GpuOptions { adapter: self.adapter.clone(), ..Default::default() })?;
+        if gpu.is_none() {
+            note(format_args!("{NO_ADAPTER}; projecting on the CPU as --engine reference does"));
+        }
+        Ok(gpu)
     }
-    Ok(gpu)
 }
 
 /// A line for each point, by its number in the chunk.

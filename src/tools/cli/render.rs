@@ -5,11 +5,10 @@ use super::progress::Progress;
 use super::say::{note, print};
 use crate::camera::Camera;
 use crate::engine::Engine;
-use crate::engine::plan::LeftOut;
+use crate::engine::left_out::LeftOut;
 use crate::geometry::mesh::Missing;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER};
 use crate::input::{Error, Result};
-use crate::jobs::backend::STYLE;
 use crate::jobs::job::of_compute_only;
 use crate::jobs::{Backend, EngineName, Work, load_shape, refuse_missing};
 use crate::reference;
@@ -50,7 +49,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     let device = Backend::device_of(engine.as_ref(), work.job());
     let written = work.write(seen, &device, started, |doing| progress.now(doing))?;
     drop(progress);
-    written.left_out.iter().filter(|left| left.what == STYLE).map(LeftOut::line).for_each(note);
+    written.left_out.iter().filter(|left| **left == LeftOut::Style).for_each(note);
     if let Some(line) = Missing::line(work.missing()) {
         note(line);
     }

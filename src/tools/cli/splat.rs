@@ -2,21 +2,19 @@
 
 use super::args::SplatArgs;
 use super::progress::Progress;
-use super::project::{open, refuse_optics};
+use super::project::refuse_optics;
 use super::say::note;
 use crate::geometry::ply::load_points;
 use crate::image::{read_points, write_exr, write_npy, write_npy_f64, write_png};
 use crate::input::files::noted;
 use crate::input::{Error, Result};
 use crate::jobs::splat::splat;
-use crate::jobs::{EngineName, load_shape, named_as, outputs};
+use crate::jobs::{load_shape, named_as, outputs};
 use glam::DVec3;
 use std::path::Path;
 
 pub fn run(args: &SplatArgs) -> Result<()> {
-    if let (Some(EngineName::Reference), Some(_)) = (args.engine, &args.adapter) {
-        return Err(Error::input("--adapter needs --engine compute; --engine reference runs on the CPU"));
-    }
+    args.device.check()?;
     let files = [
         (&args.output, outputs::PICTURE),
         (&args.exr, outputs::EXR),
@@ -37,7 +35,7 @@ pub fn run(args: &SplatArgs) -> Result<()> {
     drop(progress);
     refuse_optics(&camera)?;
     outputs::check(&inputs, files.iter().filter_map(|(path, kind)| Some((path.as_deref()?, *kind))))?;
-    let gpu = open(args.engine, args.adapter.as_deref(), points.len())?;
+    let gpu = args.device.open(points.len())?;
     let progress = Progress::start("splatting");
     let all = splat(&camera, &points, gpu.as_ref())?;
     drop(progress);

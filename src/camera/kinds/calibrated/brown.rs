@@ -5,9 +5,9 @@
 //! `g = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)`, then [`Tilt`]. Other models have up to six terms above the
 //! fraction line. [`super::inverse`] inverts it.
 
-use super::lens::Coefficients;
 use super::roots;
 use super::tilt::Tilt;
+use crate::camera::calibration::Coefficients;
 use glam::{DMat2, DVec2};
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,8 +6,7 @@ pub mod opencv;
 mod rig;
 mod xml;
 
-use super::Intrinsics;
-use super::lens::Model;
+use crate::camera::calibration::{Intrinsics, Model};
 use crate::input::{Error, Result, files};
 use glam::{DMat2, DQuat, DVec2, DVec3};
 use std::path::Path;

@@ -117,8 +117,8 @@ impl Brown {
 
 #[cfg(test)]
 mod tests {
-    use super::super::lens::Coefficients;
     use super::*;
+    use crate::camera::calibration::Coefficients;
 
     fn brown(k: &[f64]) -> Brown {
         Brown::new(&Coefficients::of_opencv(k)).unwrap()

@@ -3,75 +3,8 @@
 //! OpenCV's own frame: x right, y down, z forward.
 
 use super::brown::Brown;
-pub use super::projection::Projection;
+use crate::camera::calibration::{Model, Projection};
 use glam::{DVec2, DVec3};
-
-/// A lens as its calibration defines it: directions are projected onto a plane, whose points each distortion then moves, in order.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Model {
-    pub projection: Projection,
-    pub distortions: Vec<Coefficients>,
-}
-
-/// A distortion of the plane: the radial gain `(1 + k1 r^2 + k2 r^4 + ...) / (1 + below[0] r^2 + ...)`, tangential and thin prism terms,
-/// and a tilt. [`super::brown`] has the formula.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Coefficients {
-    /// k1, k2, k3 and on: OpenCV's k1, k2, k3.
-    pub radial: [f64; 6],
-    /// OpenCV's k4, k5, k6.
-    pub below: [f64; 3],
-    /// p1, p2.
-    pub tangential: [f64; 2],
-    /// (s1, s3) of r^2, and (s2, s4) of r^4.
-    pub prism: [DVec2; 2],
-    /// tau_x, tau_y, radians.
-    pub tilt: [f64; 2],
-}
-
-impl Coefficients {
-    /// The radial terms alone: k1, k2 and on.
-    pub fn radial(k: &[f64]) -> Coefficients {
-        Coefficients { radial: std::array::from_fn(|n| k.get(n).copied().unwrap_or(0.0)), ..Coefficients::default() }
-    }
-
-    /// From OpenCV's list `k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y` or its beginning.
-    pub fn of_opencv(k: &[f64]) -> Coefficients {
-        let k = |n: usize| k.get(n).copied().unwrap_or(0.0);
-        Coefficients {
-            radial: [k(0), k(1), k(4), 0.0, 0.0, 0.0],
-            below: [k(5), k(6), k(7)],
-            tangential: [k(2), k(3)],
-            prism: [DVec2::new(k(8), k(10)), DVec2::new(k(9), k(11))],
-            tilt: [k(12), k(13)],
-        }
-    }
-
-    /// Points move only towards or away from the middle, unless a tilt follows.
-    pub fn is_radial(&self) -> bool {
-        self.tangential == [0.0; 2] && self.prism == [DVec2::ZERO; 2]
-    }
-}
-
-impl Model {
-    /// A picture on the plane z = 1 with OpenCV's coefficients.
-    pub fn brown(k: &[f64]) -> Model {
-        Model { projection: Projection::Perspective, distortions: vec![Coefficients::of_opencv(k)] }
-    }
-
-    /// Kannala and Brandt's fisheye: `r = theta (1 + k1 theta^2 + k2 theta^4 + ...)`, as in OpenCV's `fisheye` module, which stops
-    /// before 90 degrees; here theta goes up to 180.
-    pub fn fisheye(k: &[f64]) -> Model {
-        Model { projection: Projection::Equidistant, distortions: vec![Coefficients::radial(k)] }
-    }
-
-    /// The FOV model, which is even in omega; `omega` = 0 is none.
-    pub fn field_of_view(omega: f64) -> Model {
-        let omega = omega.abs();
-        let projection = if omega == 0.0 { Projection::Perspective } else { Projection::FieldOfView { omega } };
-        Model { projection, distortions: Vec::new() }
-    }
-}
 
 /// A model prepared for inversion.
 #[derive(Debug, Clone, PartialEq)]

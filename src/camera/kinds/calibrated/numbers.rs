@@ -1,7 +1,7 @@
 //! The numbers of a calibration by name: what a gradient may be of.
 
 use super::FromFile;
-use super::lens::{Coefficients, Model, Projection};
+use crate::camera::calibration::{Coefficients, Model, Projection};
 
 /// All names: focal lengths and principal point, px; coefficients of a distortion, as OpenCV counts them for the perspective projection, in the
 /// order of powers for all others; and numbers of projections, as in their formulas.

@@ -4,35 +4,9 @@
 //! radius stops growing (a fold) or becomes infinite (a pole).
 
 use super::roots;
+use crate::camera::calibration::Projection;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
-
-/// The frame is OpenCV's: x right, y down, z forward. theta is the angle from z, r the radius on the plane.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Projection {
-    /// `r = tan(theta)`; the plane is z = 1.
-    Perspective,
-    /// `r = theta`, up to 180 degrees.
-    Equidistant,
-    /// `r = atan(2 tan(theta) tan(omega / 2)) / omega` (Devernay and Faugeras 2001), omega in radians over 0 and under pi.
-    FieldOfView { omega: f64 },
-    /// `r = sin(theta) / (cos(theta) + xi)`, xi >= 0 (Geyer and Daniilidis 2000, Mei and Rives 2007).
-    Unified { xi: f64 },
-    /// `r = sin(theta) / (alpha sqrt(beta sin^2(theta) + cos^2(theta)) + (1 - alpha) cos(theta))`, alpha in [0, 1], beta over 0
-    /// (Khomutenko et al. 2016).
-    EnhancedUnified { alpha: f64, beta: f64 },
-    /// `r = sin(theta) / (alpha d + (1 - alpha) (xi + cos(theta)))`, `d^2 = sin^2(theta) + (xi + cos(theta))^2`, alpha in [0, 1], xi in
-    /// (-1, 1] (Usenko et al. 2018).
-    DoubleSphere { xi: f64, alpha: f64 },
-    /// `tan(theta) = r / (1 + k r^2)`, theta up to 180 degrees (Fitzgibbon 2001).
-    Division { k: f64 },
-    /// Longitude and latitude, radians, latitude downward: a whole turn and half a turn.
-    Equirectangular,
-    /// `theta = c[0] r + c[1] r^2 + ...`, up to 180 degrees: NVIDIA's f-theta model.
-    AngleOfRadius { c: Vec<f64> },
-    /// `r = c[0] theta + c[1] theta^2 + ...`, up to 180 degrees.
-    RadiusOfAngle { c: Vec<f64> },
-}
 
 impl Projection {
     /// # Errors

@@ -1,6 +1,6 @@
 //! The cameras of a composite, compiled, and what each shows.
 
-use super::region::Region;
+use crate::camera::region::Region;
 use crate::camera::{Camera, Curve, CurveMap, Ray, RayMap, Rays};
 use glam::DVec2;
 

@@ -2,24 +2,16 @@ use super::*;
 use crate::camera::Rays;
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::camera::spec::{CameraKind, CameraSpec};
-
-fn unit(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-fn vector(state: &mut u64) -> DVec3 {
-    DVec3::from_array(std::array::from_fn(|_| 2.0 * unit(state) - 1.0))
-}
+use crate::testing::Rng;
 
 /// Two pieces for each of 9 x 7 cells, a little beyond the image on every side; `ray`: near and far points over [0, 1]^2.
-fn mesh(state: &mut u64, weights: bool, ray: impl Fn(DVec2, &mut u64) -> (DVec3, DVec3)) -> Camera {
+fn mesh(rng: &mut Rng, weights: bool, ray: impl Fn(DVec2, &mut Rng) -> (DVec3, DVec3)) -> Camera {
     let (columns, rows) = (9, 7);
     let mut vertices = Vec::new();
     for (i, j) in (0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j))) {
         let image = 1.2 * DVec2::new(f64::from(i) / 9.0, f64::from(j) / 7.0) - 0.1;
-        let w = if weights { (2.0 * unit(state) - 1.0).exp2() } else { 1.0 };
-        let (near, far) = ray(image, state);
+        let w = if weights { (rng.signed()).exp2() } else { 1.0 };
+        let (near, far) = ray(image, rng);
         vertices.push(CameraVertex { image: image.to_array(), near, far, w });
     }
     let cells = (0..rows).flat_map(|j| (0..columns).map(move |i| (j * (columns + 1) + i) as u32));
@@ -52,17 +44,16 @@ fn assert_nothing_is_lost(name: &str, camera: &Camera, points: impl Iterator<Ite
 #[test]
 fn the_tree_loses_no_image() {
     for seed in 0..20 {
-        let mut state = seed;
+        let mut rng = Rng(seed);
         // turned in space, so that no axis is special; every second one torn apart and weighted
-        let turn = glam::DMat3::from_axis_angle(vector(&mut state).normalize(), 3.0 * unit(&mut state));
+        let turn = glam::DMat3::from_axis_angle(rng.vector().normalize(), 3.0 * rng.unit());
         let torn = if seed % 2 == 1 { 1.0 } else { 0.05 };
-        let camera = mesh(&mut state, seed % 2 == 1, |q, state| {
+        let camera = mesh(&mut rng, seed % 2 == 1, |q, rng| {
             let q = q - 0.5;
-            let ends = ((2.2 * q).extend(2.0) + torn * vector(state), (3.2 * q).extend(-2.0) + torn * vector(state));
+            let ends = ((2.2 * q).extend(2.0) + torn * rng.vector(), (3.2 * q).extend(-2.0) + torn * rng.vector());
             (turn * ends.0, turn * ends.1)
         });
-        let mut other = state;
-        let points = (0..300).map(|_| vector(&mut other));
+        let points = (0..300).map(|_| rng.vector());
         let [found, _] = assert_nothing_is_lost(&format!("seed {seed}"), &camera, points);
         assert!(found > 100, "{found}");
     }
@@ -71,14 +62,14 @@ fn the_tree_loses_no_image() {
 #[test]
 fn the_tree_loses_no_eye_and_no_slit() {
     for offset in [DVec3::ZERO, DVec3::new(300.0, -20.0, 1e4)] {
-        let mut state = 3;
+        let mut rng = Rng(3);
         let eye = DVec3::new(0.3, -0.2, 4.0) + offset;
-        let pinhole = mesh(&mut state, true, |q, _| (eye, (q - 0.5).extend(0.0) + offset));
+        let pinhole = mesh(&mut rng, true, |q, _| (eye, (q - 0.5).extend(0.0) + offset));
         let around = (-4..=4).map(|e| eye + f64::from(e).powi(5) * 1e-13 * eye.length() * DVec3::X);
         let [_, degenerate] = assert_nothing_is_lost("pinhole", &pinhole, around);
         assert!(degenerate > 0 && degenerate < 9, "{degenerate}");
         // slits at z = 4 along y and at z = 6 along x
-        let slits = mesh(&mut state, false, |q, _| {
+        let slits = mesh(&mut rng, false, |q, _| {
             let q = q - 0.5;
             (q.extend(2.0) + offset, DVec3::new(3.0 * q.x, 2.0 * q.y, -2.0) + offset)
         });

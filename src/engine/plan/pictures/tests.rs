@@ -3,6 +3,7 @@ use super::patch::{OVERLAP_PX, Patches, TOLERANCE_PX};
 use crate::camera::project::Projector;
 use crate::camera::{Camera, Rays};
 use crate::scene::file;
+use crate::testing::Rng;
 use glam::{DVec2, DVec3};
 use std::path::Path;
 
@@ -112,13 +113,9 @@ fn no_patch_is_left_out_by_the_boxes_above_it() {
 #[test]
 fn rays_without_any_order_are_refused_before_they_fill_the_memory() {
     let (w, h) = (512u32, 512u32);
-    let mut state = 1u64;
-    let mut unit = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f64 / f64::from(1 << 24) - 0.5
-    };
+    let mut rng = Rng(1);
     let n = (w * h) as usize;
-    let vectors: Vec<DVec3> = (0..n).map(|_| DVec3::new(unit(), unit(), unit() - 1.0)).collect();
+    let vectors: Vec<DVec3> = (0..n).map(|_| 0.5 * rng.vector() - DVec3::Z).collect();
     let origins = vec![DVec3::new(0.0, 0.0, 2.0); n];
     let field = crate::camera::Field::new(w, h, &origins, &vectors).unwrap();
     let camera = Camera::of("raymap", (w, h), [0.0, f64::INFINITY], Rays::Field(field));

@@ -1,7 +1,7 @@
 //! COLMAP's sparse models: a folder with `cameras` and `images`, as `.bin` or `.txt`. The centre of its first pixel is at (0.5, 0.5).
 
-use super::super::lens::{Coefficients, Model, Projection};
 use super::{Calibration, Placed, Which, intrinsics};
+use crate::camera::calibration::{Coefficients, Model, Projection};
 use crate::input::{Error, Result, files};
 use glam::{DQuat, DVec2, DVec3};
 use std::fs::File;

@@ -1,9 +1,9 @@
 //! Kalibr's `camchain.yaml`: `cam0`, `cam1` and on, each with a projection and a distortion. Its pixels are OpenCV's: the first has its
 //! centre at (0, 0).
 
-use super::super::lens::{Coefficients, Model, Projection};
 use super::opencv::check_brackets;
 use super::{Calibration, Which, intrinsics};
+use crate::camera::calibration::{Coefficients, Model, Projection};
 use glam::DVec2;
 use serde::Deserialize;
 use std::collections::BTreeMap;

@@ -1,8 +1,7 @@
 //! Calibration files: OpenCV's `FileStorage` as YAML, XML or JSON, and ROS's `camera_info`, which has the same keys.
 
-use super::super::Intrinsics;
-use super::super::lens::Model;
 use super::{Calibration, xml};
+use crate::camera::calibration::{Intrinsics, Model};
 use crate::input::{Error, Result};
 use glam::DVec2;
 use serde::Deserialize;

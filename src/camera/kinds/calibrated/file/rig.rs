@@ -1,8 +1,7 @@
 //! f-theta cameras of the rig files of NVIDIA's DRIVE (`rig.json`). Their pixels are OpenCV's: the first has its centre at (0, 0).
 
-use super::super::Intrinsics;
-use super::super::lens::{Model, Projection};
 use super::{Calibration, Which, intrinsics};
+use crate::camera::calibration::{Intrinsics, Model, Projection};
 use glam::{DMat2, DVec2};
 use serde_json::{Map, Value};
 

@@ -90,22 +90,19 @@ fn bounds(size: UVec2, inside: &[bool]) -> Option<[DVec2; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Rng;
 
     /// Against all texels one by one, of masks that have the same share of both kinds.
     #[test]
     fn the_border_is_that_of_the_nearest_texel_of_the_other_kind() {
-        let mut state = 3u32;
-        let mut next = || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            f64::from(state >> 8) / f64::from(1 << 24)
-        };
+        let mut rng = Rng(3);
         for (w, h) in [(1, 1), (2, 1), (7, 5), (16, 9)] {
             let size = UVec2::new(w, h);
-            let inside: Vec<bool> = (0..w * h).map(|_| next() < 0.5).collect();
+            let inside: Vec<bool> = (0..w * h).map(|_| rng.unit() < 0.5).collect();
             let mask = Mask { size, changes: changes(size, &inside), inside, bounds: [DVec2::ZERO, DVec2::ONE] };
             let size_px = DVec2::new(64.0, 48.0);
             for k in 0..200 {
-                let place = DVec2::new(next(), next()) * size_px;
+                let place = DVec2::new(rng.unit(), rng.unit()) * size_px;
                 let own = mask.holds(place / size_px);
                 let texels = (0..h).flat_map(|y| (0..w).map(move |x| UVec2::new(x, y)));
                 let distance = |texel: UVec2| {

@@ -1,10 +1,12 @@
 //! Regions of the image, in image coordinates.
 
-use super::mask::Mask;
+mod mask;
+
 use crate::camera::pieces::side;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::DVec2;
+use mask::Mask;
 
 /// Where a camera shows, if no other one comes before it.
 #[derive(Debug, Clone, PartialEq)]
