@@ -1,6 +1,6 @@
-# What a person types: make demo, make gallery, make camera-pages, make docs, make wheel, make package, make test, make test-python, make check, make test-adapters, make agreement, make reproduce-quick.
+# What a person types: make demo, make gallery, make camera-pages, make pages, make docs, make wheel, make package, make test, make test-python, make check, make test-adapters, make agreement, make reproduce-quick.
 
-.PHONY: docs package demo gallery camera-pages agreement reproduce-quick wheel test test-python test-adapters check rust driver venv
+.PHONY: docs package demo gallery camera-pages pages agreement reproduce-quick wheel test test-python test-adapters check rust driver venv
 
 BUILD := $(or $(CARGO_TARGET_DIR),target)
 RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
@@ -47,7 +47,13 @@ docs: rust
 	@mv $(BUILD)/book-src/docs/book.toml $(BUILD)/book-src
 	@sed -e 's,](,](docs/,' -e 's,](docs/../,](,' docs/SUMMARY.md >$(BUILD)/book-src/SUMMARY.md && rm $(BUILD)/book-src/docs/SUMMARY.md
 	@$(BUILD)/mdbook/bin/mdbook build $(BUILD)/book-src --dest-dir $(abspath $(BUILD))/book
+	@for tables in bench_results/*/summary.md; do cp $$tables $(BUILD)/book/$$tables; done
 	@echo "the book is $(BUILD)/book/index.html"
+
+# The tables, plots and pages of the runs in bench_results, from the results.json of each.
+pages: rust
+	@cargo build --release --locked -p anamorph-lab
+	@$(BUILD)/release/anamorph-lab bench page
 
 # Compare every camera with the reference on a city of 35,000 triangles and on the models in the folder MODELS: hours on a CPU.
 agreement: rust driver

@@ -1,7 +1,8 @@
 //! `anamorph bench`: error against run time for every technique, as files for readers.
 //!
 //! A [`suites::Suite`] is a list of [`case::Case`]s, each one scene and its arms; a [`race`] of one gives [`row::Row`]s. A
-//! run is written as raw.csv, results.json, summary.md and plots; index.html beside all runs shows them together.
+//! run is written as results.json, which holds all data. raw.csv, summary.md, plots and pages follow from it; index.html beside all runs
+//! shows them together.
 
 mod bars;
 pub mod case;
@@ -196,13 +197,20 @@ impl Run {
     fn write(&self, folder: &Path, plot: Plot) -> Result<()> {
         let failed = |e: &dyn std::fmt::Display| Error::work(format!("{}: {e}", folder.display()));
         std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
-        let json = serde_json::to_string_pretty(self).map_err(|e| failed(&e))?;
-        write_text(&folder.join(RESULTS), &(json + "\n"))?;
-        write_text(&folder.join("raw.csv"), &table::csv(&self.rows)?)?;
+        write_text(&folder.join(RESULTS), &self.json().map_err(|e| failed(&e))?)?;
         self.draw(folder, plot)
     }
 
+    /// The run without its rows on the first line, then a line for each row, so that differences between runs can be read.
+    fn json(&self) -> serde_json::Result<String> {
+        // a run and a row both begin with their suite, and no text has unescaped quotes
+        let lines = serde_json::to_string(self)?.replace("{\"suite\":", "\n{\"suite\":");
+        Ok(format!("{}\n", lines.trim_start()))
+    }
+
+    /// Writes raw.csv, the plots and summary.md, which follow from the results.
     fn draw(&self, folder: &Path, plot: Plot) -> Result<()> {
+        write_text(&folder.join("raw.csv"), &table::csv(&self.rows)?)?;
         let plots = plot::plots(&self.rows, plot, chart::LARGE);
         for (name, _, svg) in &plots {
             write_text(&folder.join(name), &page::standalone(svg))?;
@@ -226,7 +234,7 @@ fn runs(folder: &Path) -> Result<Vec<(String, Run)>> {
     names.into_iter().map(|name| Ok((name.clone(), read(&folder.join(name).join(RESULTS))?))).collect()
 }
 
-/// Writes the tables and plots of all runs in a folder anew from their results.
+/// Writes raw.csv, the plots and summary.md of all runs in a folder anew from their results.
 ///
 /// # Errors
 /// [`Error::Input`] if a results.json in it is not by this program, [`Error::Write`] if a file cannot be written.

@@ -32,7 +32,10 @@ fn a_quick_run_leaves_every_file_and_a_page_over_all_runs() {
         said.lines().find_map(|l| l.trim().strip_prefix("-> ")).map(PathBuf::from).expect("the folder is named");
     assert!(folder.file_name().unwrap().to_string_lossy().ends_with("-stages-quick"));
 
-    let run: Run = serde_json::from_str(&text(&folder.join("results.json"))).unwrap();
+    let results = text(&folder.join("results.json"));
+    let run: Run = serde_json::from_str(&results).unwrap();
+    // a line for the run, then one for each row
+    assert!(results.lines().count() == 1 + run.rows.len(), "{results}");
     assert!(run.rows.len() >= 3 && run.rows.iter().all(|r| r.refused.is_none()), "{run:?}");
     let (ours, others): (Vec<&Row>, Vec<&Row>) = run.rows.iter().partition(|r| r.is_ours());
     // it says 1.5 ms, and sees triangle 0 everywhere

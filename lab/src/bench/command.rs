@@ -13,12 +13,12 @@ use std::path::PathBuf;
 
 /// In place of a suite: a case is run again.
 const REPRODUCE: &str = "reproduce";
-/// In place of a suite: pages and plots are written anew from the results that are there.
+/// In place of a suite: all other files are written anew from the results that are there.
 const PAGE: &str = "page";
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// papers, pareto, glc, samples, stages, dynamic, stiff or beyond [default: all]; or reproduce; or page: pages and plots anew from the results in --out
+    /// papers, pareto, glc, samples, stages, dynamic, stiff or beyond [default: all]; or reproduce; or page: raw.csv, tables, plots and pages anew from each results.json in --out
     pub suite: Option<String>,
     /// With reproduce: the case to run again and to compare with what a run in --out says, for example 'papers/Yu 1'
     #[arg(value_name = "SUITE/CASE", requires = "suite")]

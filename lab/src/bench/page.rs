@@ -67,6 +67,9 @@ pub fn plot_of(run: &Run) -> Plot {
     SUITES.iter().find(|s| s.name == run.suite).map_or(Plot::Error, |s| s.plot)
 }
 
+const ABOUT_PAGES: &str = "The heading of a run leads to its tables, each chart to a larger one. <code>make pages</code> adds two files to the folder \
+    of each run: index.html, its tables and charts on one page, and raw.csv, all numbers.";
+
 const ABOUT_VERDICT: [&str; 3] = [
     "Each row of a rival is compared with the fastest frame of this engine of the same case whose error is not larger. Above 1 this engine is faster; \
      times within 5 % are even. A ratio is the median over rounds, in each of which all techniques render one frame.",
@@ -121,7 +124,8 @@ fn words() -> String {
     )
 }
 
-/// All runs, each with the name of its folder: a verdict, then each suite in small charts that lead to its run's page.
+/// All runs, each with the name of its folder: a verdict, then each suite in small charts that lead to the large ones, under a heading that
+/// leads to the run's tables. No link leads to raw.csv or index.html of a run, which the repository leaves out.
 pub fn page(runs: &[(String, Run)]) -> String {
     let about: String = ABOUT_VERDICT.map(|text| format!("<p>{text}</p>\n")).concat();
     let mut text = format!("<h2 id=\"verdict\">Verdict</h2>\n{about}");
@@ -134,14 +138,14 @@ pub fn page(runs: &[(String, Run)]) -> String {
     }
     text += &words();
     text += &marks::legend(runs.iter().flat_map(|(_, run)| &run.rows).map(|row| row.technique.as_str()));
-    text += &format!("<p class=\"note\">{ABOUT_TIMES}</p>\n<nav>");
+    text += &format!("<p class=\"note\">{ABOUT_TIMES}</p>\n<p class=\"note\">{ABOUT_PAGES}</p>\n<nav>");
     for (folder, run) in runs {
         text += &format!("<a href=\"#{folder}\">{}</a> ", escaped(&name(run)));
     }
     text += "</nav>\n";
     for (folder, run) in runs {
         text += &format!(
-            "<section id=\"{folder}\"><h2><a href=\"{folder}/index.html\">{}</a></h2>\n<p class=\"note\">{}. {}</p>\n<div class=\"multiples\">\n",
+            "<section id=\"{folder}\"><h2><a href=\"{folder}/summary.md\">{}</a></h2>\n<p class=\"note\">{}. {}</p>\n<div class=\"multiples\">\n",
             escaped(&name(run)),
             SUITES.iter().find(|s| s.name == run.suite).map_or("", |s| s.asks),
             source(run)
@@ -150,10 +154,9 @@ pub fn page(runs: &[(String, Run)]) -> String {
             text += "</div><div>";
             text += &plots(&run.rows, Plot::Stages, LARGE).into_iter().map(|(_, _, svg)| svg).collect::<String>();
         } else {
-            for (_, title, svg) in plots(&run.rows, plot_of(run), SMALL) {
+            for (file, title, svg) in plots(&run.rows, plot_of(run), SMALL) {
                 text += &format!(
-                    "<figure><figcaption><a href=\"{folder}/index.html#{}\">{}</a>{}</figcaption>{svg}</figure>\n",
-                    anchor(&title),
+                    "<figure><figcaption><a href=\"{folder}/{file}\">{}</a>{}</figcaption>{svg}</figure>\n",
                     escaped(&title),
                     escaped(&absent(run, &title))
                 );

@@ -6,8 +6,13 @@ use std::path::PathBuf;
 
 /// The report's folder in `out`.
 fn folder(place: &Place) -> PathBuf {
+    folder_of(place, "-gpu-report")
+}
+
+/// The folder in `out` whose name ends so.
+fn folder_of(place: &Place, end: &str) -> PathBuf {
     let mut entries = std::fs::read_dir(place.path().join("out")).unwrap().map(|e| e.unwrap().path());
-    entries.find(|path| path.to_string_lossy().ends_with("-gpu-report")).expect("the report's folder")
+    entries.find(|path| path.to_string_lossy().ends_with(end)).expect(end)
 }
 
 fn report(place: &Place) -> Value {
@@ -35,12 +40,16 @@ fn a_report_is_gone_on_with_and_wrong_pixels_are_an_error() {
 
     // a suite's case that is there is not run again, nor what the report has
     place.works(&["bench", "stages", "--quick", "--case", "city-cross-slit", "--runs", "1", "--out", "out"]);
-    // its pages follow from its results
-    let index = place.path().join("out/index.html");
-    let drawn = std::fs::read_to_string(&index).unwrap();
-    std::fs::remove_file(&index).unwrap();
+    // all other files follow from its results
+    let run = folder_of(&place, "-stages-quick");
+    let files = ["../index.html", "index.html", "raw.csv", "summary.md", "stages.svg"].map(|file| run.join(file));
+    let drawn = files.each_ref().map(|path| std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{path:?}: {e}")));
+    files.iter().for_each(|path| std::fs::remove_file(path).unwrap());
     place.works(&["bench", "page", "--out", "out"]);
-    assert!(drawn.contains("city-cross-slit") && std::fs::read_to_string(&index).unwrap() == drawn);
+    assert!(drawn[0].contains("city-cross-slit"));
+    for (path, text) in files.iter().zip(&drawn) {
+        assert!(std::fs::read_to_string(path).unwrap() == *text, "{}", path.display());
+    }
     let is_software = first["provenance"]["is_software"] == true;
     let again = place.works(&short);
     assert_eq!(report(&place)["bandwidths"], first["bandwidths"]);
