@@ -33,7 +33,7 @@ demo: rust driver
 # Render every scene that is after a figure of a paper, and one contact sheet of all.
 gallery: rust driver
 	@cargo run --release --locked --quiet -p anamorph-lab --example gallery out
-	@echo "the contact sheet is out/gallery.png, the pictures and their scenes are in out/gallery"
+	@echo "the contact sheet is out/gallery.jpg, the pictures and their scenes are in out/gallery"
 
 # The pages of docs/cameras: one scene through every kind of camera, its rays, its keys.
 camera-pages: rust driver

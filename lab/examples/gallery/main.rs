@@ -1,5 +1,5 @@
 //! `make gallery`: renders every example that is after a figure, and those of what no paper has. Into FOLDER go the page gallery.md, with
-//! pictures and scenes, the contact sheet gallery.png, and moving pictures. FOLDER is the one argument; after it may come the names of those
+//! pictures and scenes, the contact sheet gallery.jpg, and moving pictures. FOLDER is the one argument; after it may come the names of those
 //! that are rendered anew, where the others are there already.
 
 mod beside;
@@ -18,7 +18,7 @@ use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::device::NO_ADAPTER;
 use anamorph::internals::image::frame::Channel;
-use anamorph::internals::image::{toned8, write_png, write_text};
+use anamorph::internals::image::{toned8, write_text};
 use anamorph::internals::input::{Error, Result};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::tools::example::Example;
@@ -37,13 +37,13 @@ use std::time::Instant;
 /// Columns of the contact sheet.
 const COLUMNS: u32 = 5;
 /// Pixels along the longer side of an example's picture, and of one beside it.
-const SIZE: u32 = 1200;
+const SIZE: u32 = 1000;
 const SIZE_BESIDE: u32 = 600;
 /// Samples of a pixel; of cameras that take a frame each, fewer, but where a shutter is open.
 const SAMPLES: u32 = 16;
 const FRAMES: u32 = 4;
 /// Of JPEG, percent.
-const QUALITY: u8 = 80;
+const QUALITY: u8 = 78;
 
 fn main() -> Result<()> {
     let mut words = std::env::args().skip(1);
@@ -85,8 +85,7 @@ fn main() -> Result<()> {
             started.elapsed().as_secs_f64()
         );
     }
-    let sheet = sheet::sheet(&small, COLUMNS);
-    write_png(&folder.join("gallery.png"), sheet.width(), sheet.height(), &sheet)?;
+    save(&folder.join("gallery.jpg"), &sheet::sheet(&small, COLUMNS))?;
     write_text(&folder.join("gallery.md"), &page::page(&shown, &studio.engine.gpu.info.name))
 }
 
@@ -195,17 +194,29 @@ fn save(path: &Path, picture: &RgbImage) -> Result<()> {
     encoder.encode_image(picture).map_err(|e: ImageError| broken(path, e))
 }
 
-/// Twelve pictures a second, for ever.
+/// Writes an animated PNG that plays ten pictures a second, for ever. To keep it small, a picture has only the pixels that differ from the
+/// picture before, and 6 bits per channel.
 fn write_moving(path: &Path, pictures: &[RgbImage]) -> Result<()> {
+    let rounded = |channel: u8| channel.saturating_add(2) & 0xfc;
     let write = || {
         let mut encoder =
             png::Encoder::new(BufWriter::new(File::create(path)?), pictures[0].width(), pictures[0].height());
-        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_color(png::ColorType::Rgba);
         encoder.set_compression(png::Compression::High);
         encoder.set_animated(pictures.len() as u32, 0)?;
-        encoder.set_frame_delay(1, 12)?;
+        encoder.set_frame_delay(1, 10)?;
+        encoder.set_blend_op(png::BlendOp::Over)?;
         let mut writer = encoder.write_header()?;
-        pictures.iter().try_for_each(|picture| writer.write_image_data(picture))?;
+        let mut before = Vec::new();
+        for picture in pictures {
+            let pixels: Vec<[u8; 3]> = picture.pixels().map(|pixel| pixel.0.map(rounded)).collect();
+            let changed = pixels.iter().enumerate().map(|(k, pixel)| match *pixel {
+                _ if before.get(k) == Some(pixel) => [0; 4],
+                [r, g, b] => [r, g, b, 255],
+            });
+            writer.write_image_data(&changed.flatten().collect::<Vec<u8>>())?;
+            before = pixels;
+        }
         writer.finish()
     };
     write().map_err(|e: png::EncodingError| broken(path, e))

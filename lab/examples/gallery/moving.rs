@@ -45,7 +45,7 @@ const MOVING: [Moving; 5] = [
                  camera={kind='track',eye=[0,8,30],target=[0,3.5,0],vfov=36,targets=[{at=[N,0.9,-3],radius=1}],smooth=0.03}",
         from: -11.0,
         to: 8.0,
-        steps: 60,
+        steps: 30,
     },
     Moving {
         of: "rolling-shutter",
