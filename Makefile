@@ -84,7 +84,7 @@ package: rust venv wheel
 # All tests; installs a software Vulkan driver first where there is none and apt-get may. The longest programs run beside the others, since
 # tests of one program wait for one another's engine; what they print comes last. Examples are compiled by clippy in .ci/run.
 test: rust driver venv
-	cargo build --locked $(PACKAGES) --lib --bins --tests
+	$(CARGO_TEST) --lib --bins --tests --no-run
 	@$(CARGO_TEST) $(addprefix --test ,$(LONG_TESTS)) >$(BUILD)/long-tests.txt 2>&1 & long=$$!; \
 	$(CARGO_TEST) --lib --bins $(addprefix --test ,$(OTHER_TESTS)) && $(CARGO_TEST) --doc && $(MAKE) test-python; others=$$?; \
 	wait $$long; long=$$?; cat $(BUILD)/long-tests.txt; [ $$others = 0 ] && [ $$long = 0 ]

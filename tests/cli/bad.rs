@@ -25,8 +25,6 @@ fn wrong_command_lines() {
         (more(&["--size", "65537x1"]), "65536"),
         (more(&["--size", "65536x65536"]), "1073741824 pixels in all"),
         (more(&["--size", "99999999999999999999x1"]), "WIDTHxHEIGHT"),
-        (more(&["--engine", "gpu"]), "no such engine"),
-        (more(&["--engine", "raytrace"]), "cargo install --path lab"),
         (more(&["--samples", "0"]), "1..=64"),
         (more(&["--samples", "65"]), "1..=64"),
         (more(&["--analytic"]), "add --samples N"),

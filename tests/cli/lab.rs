@@ -1,8 +1,10 @@
 //! Command lines that the laboratory's program runs: here a script takes its place.
 
 use super::program::Place;
-use std::ffi::OsString;
+use crate::PROGRAM;
 use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::{Command, Stdio};
 
 /// Command lines that `anamorph` hands on.
 const HANDED_ON: [&[&str]; 4] = [
@@ -12,27 +14,44 @@ const HANDED_ON: [&[&str]; 4] = [
     &["render", "scene.toml", "-o", "out.png", "--engine", "raster-warp:2"],
 ];
 
-/// A path that starts with the place's folder.
-fn path_with(place: &Place) -> OsString {
-    let known = std::env::var_os("PATH").unwrap();
-    std::env::join_paths([place.path().to_owned()].into_iter().chain(std::env::split_paths(&known))).unwrap()
+/// A copy of the program in a folder of its own: beside the built program may lie the real laboratory.
+fn copied(place: &Place) -> Command {
+    let copy = place.path().join("anamorph");
+    std::fs::copy(PROGRAM, &copy).unwrap();
+    let mut command = Command::new(copy);
+    command.current_dir(place.path()).stdin(Stdio::null());
+    command
+}
+
+/// Writes a script in the laboratory's place: it prints its arguments and ends with exit code 7.
+fn write_script(folder: &Path) {
+    let script = folder.join("anamorph-lab");
+    std::fs::write(&script, "#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 7\n").unwrap();
+    std::fs::set_permissions(&script, std::fs::Permissions::from_mode(0o755)).unwrap();
 }
 
 #[test]
 fn the_laboratorys_command_lines_go_to_its_program_with_all_arguments() {
-    let place = Place::new();
-    place.write("anamorph-lab", "#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 7\n");
-    let script = place.path().join("anamorph-lab");
-    std::fs::set_permissions(&script, std::fs::Permissions::from_mode(0o755)).unwrap();
-    for arguments in HANDED_ON {
-        let ran = place.command(arguments).env("PATH", path_with(&place)).output().unwrap();
-        let expected: String = arguments.iter().map(|argument| format!("<{argument}>")).collect();
-        assert_eq!(ran.status.code(), Some(7), "{arguments:?}");
-        assert_eq!(String::from_utf8(ran.stdout).unwrap(), expected);
-        assert_eq!(ran.stderr, b"", "{arguments:?}");
+    let (place, elsewhere) = (Place::new(), tempfile::tempdir().unwrap());
+    // on the path, then beside the program
+    for folder in [elsewhere.path(), place.path()] {
+        write_script(folder);
+        for arguments in HANDED_ON {
+            let ran = copied(&place).args(arguments).env("PATH", elsewhere.path()).output().unwrap();
+            let expected: String = arguments.iter().map(|argument| format!("<{argument}>")).collect();
+            assert_eq!(ran.status.code(), Some(7), "{arguments:?}");
+            assert_eq!(String::from_utf8(ran.stdout).unwrap(), expected);
+            assert_eq!(ran.stderr, b"", "{arguments:?}");
+        }
+        std::fs::remove_file(folder.join("anamorph-lab")).unwrap();
     }
-    let own = place.command(&["render", "scene.toml", "-o", "out.png", "--engine", "reference"]);
-    let ran = { own }.env("PATH", path_with(&place)).output().unwrap();
+}
+
+#[test]
+fn commands_of_the_program_itself_stay_with_it() {
+    let place = Place::new();
+    write_script(place.path());
+    let ran = copied(&place).args(["render", "scene.toml", "-o", "out.png", "--engine", "reference"]).output().unwrap();
     assert!(ran.status.success() && place.path().join("out.png").is_file());
 }
 
@@ -40,7 +59,7 @@ fn the_laboratorys_command_lines_go_to_its_program_with_all_arguments() {
 fn without_the_laboratory_one_line_says_how_to_install_it() {
     let place = Place::new();
     for arguments in HANDED_ON {
-        let ran = place.command(arguments).env("PATH", "").output().unwrap();
+        let ran = copied(&place).args(arguments).env("PATH", "").output().unwrap();
         let said = String::from_utf8(ran.stderr).unwrap();
         assert_eq!(ran.status.code(), Some(2), "{arguments:?}: {said}");
         assert!(said.lines().count() == 1 && said.contains("cargo install --path lab"), "{said}");
