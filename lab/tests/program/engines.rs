@@ -13,7 +13,7 @@ fn techniques_render_the_engines_picture_with_a_frame_for_each_sample() {
     place.works(&[&common[..], &["-o", "ours.png"]].concat());
     place.works(&[&common[..], &["-o", "theirs.png", "--engine", "raytrace"]].concat());
     let report: Value = serde_json::from_slice(&std::fs::read(place.path().join("s.json")).unwrap()).unwrap();
-    assert_eq!(report["device"]["engine"], "raytrace");
+    assert_eq!(report["engine"], "raytrace");
     let shade = report["stage_passes"].as_array().unwrap().iter().find(|s| s["name"] == "shade").unwrap();
     assert_eq!(shade["passes"], 4);
     assert!(report["operations"]["edge_pixels"].is_null(), "{report}");
