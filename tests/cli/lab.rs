@@ -2,7 +2,6 @@
 
 use super::program::Place;
 use crate::PROGRAM;
-use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -14,10 +13,19 @@ const HANDED_ON: [&[&str]; 4] = [
     &["render", "scene.toml", "-o", "out.png", "--engine", "raster-warp:2"],
 ];
 
+/// Runs a shell command in a folder. Executables are written by other processes: while this one has a file open to write, the children of
+/// other tests may hold it open too, and it cannot be run.
+fn shell(folder: &Path, command: &str) {
+    let status = Command::new("/bin/sh").args(["-c", command]).current_dir(folder).status().unwrap();
+    assert!(status.success(), "{command}");
+}
+
 /// A copy of the program in a folder of its own: beside the built program may lie the real laboratory.
 fn copied(place: &Place) -> Command {
     let copy = place.path().join("anamorph");
-    std::fs::copy(PROGRAM, &copy).unwrap();
+    if !copy.is_file() {
+        shell(place.path(), &format!("cp '{PROGRAM}' anamorph"));
+    }
     let mut command = Command::new(copy);
     command.current_dir(place.path()).stdin(Stdio::null());
     command
@@ -25,9 +33,8 @@ fn copied(place: &Place) -> Command {
 
 /// Writes a script in the laboratory's place: it prints its arguments and ends with exit code 7.
 fn write_script(folder: &Path) {
-    let script = folder.join("anamorph-lab");
-    std::fs::write(&script, "#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 7\n").unwrap();
-    std::fs::set_permissions(&script, std::fs::Permissions::from_mode(0o755)).unwrap();
+    std::fs::write(folder.join("script"), "#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 7\n").unwrap();
+    shell(folder, "cp script anamorph-lab && chmod +x anamorph-lab");
 }
 
 #[test]
