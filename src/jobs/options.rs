@@ -124,6 +124,6 @@ mod tests {
         assert!(matches!(channels("crypto.object"), Ok(Named::Matte(MatteKind::Objects))));
         assert!(matches!(channels("all"), Ok(Named::All)));
         assert!(channels("q").is_err_and(|e| e.contains("bary.v") && e.contains("N, P, albedo and view")));
-        assert!(engine("rastr").is_err_and(|e| e.contains("raytrace")) && engine("raytrace").is_ok());
+        assert!(engine("rastr").is_err_and(|e| e.contains("use compute or reference")) && engine("reference").is_ok());
     }
 }

@@ -228,7 +228,7 @@ mod tests {
     fn nothing_is_met_before_the_first_meeting() {
         let mut rng = Rng(7);
         let (mut met, mut again) = ([0, 0], [0, 0]);
-        for _ in 0..3000 {
+        for _ in 0..4000 {
             for (k, smooth) in surfaces(&mut rng).into_iter().enumerate() {
                 let mut ray = Ray { origin: 4.0 * rng.vector(), direction: rng.vector() };
                 ray.direction = 0.3 * ray.direction - ray.origin;
