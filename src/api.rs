@@ -33,31 +33,21 @@ pub use self::views::Views;
 pub use crate::camera::project::{Degenerate, Image, Images};
 pub use crate::image::compare::{Comparison, Difference, Matched, Measure, Quantiles};
 pub use crate::image::frame::{Channel, Frame, NO_ID, Plane};
+pub use crate::input::Limits;
 pub use crate::jobs::batch::{BatchOptions, Counts as BatchCounts, Event as BatchEvent, Outcome as BatchOutcome};
 pub use crate::jobs::batch::{Shard, Task as BatchFrame, Worked as DeviceUse};
 pub use crate::jobs::project::Projected;
 pub use crate::jobs::splat::Splatted;
 
-use crate::input::Result;
-use crate::input::limits;
+use crate::input::{Loading, Result};
 use std::path::Path;
-
-/// Removes the limits on pieces, cells, corners, bounces, frames and memory from the whole process, as `--no-limits` does.
-pub fn lift_limits() {
-    limits::lift();
-}
-
-/// Sets the memory budget in bytes, by default the free memory, as `--memory` does.
-pub fn limit_memory(bytes: u64) {
-    limits::memory::grant(bytes);
-}
 
 /// Reads those channels of an EXR that are named like [`Channel`]s.
 ///
 /// # Errors
 /// [`Error::Missing`](crate::Error::Missing) or [`Error::Read`](crate::Error::Read) if the file cannot be read, [`Error::Input`](crate::Error::Input) if it is no EXR.
 pub fn read_exr(path: impl AsRef<Path>) -> Result<Frame> {
-    crate::image::read_exr(path.as_ref())
+    crate::image::read_exr(path.as_ref(), &Loading::default())
 }
 
 /// Writes a frame as EXR.

@@ -48,7 +48,7 @@ use crate::camera::optics::Optics;
 use crate::camera::spec::CameraSpec;
 use crate::geometry::mesh::Mesh;
 use crate::image::frame::{Channel, NO_ID};
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 pub use bundle::{Bundle, Ray};
 pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
@@ -114,7 +114,7 @@ pub const LAYERS_MAX: usize = 16;
 impl Camera {
     /// Compiles `spec` for an image of `size` and no scene; see [`Camera::in_scene`].
     pub fn new(spec: &CameraSpec, size: Option<(u32, u32)>) -> Result<Camera> {
-        Camera::in_scene(spec, size, &Mesh::default())
+        Camera::in_scene(spec, size, &Mesh::default(), &Loading::default())
     }
 
     /// Compiles `spec` for an image of `size` in a scene, which matters for cameras that depend on it, such as `track`. A ray map has its
@@ -123,8 +123,9 @@ impl Camera {
         spec: &CameraSpec,
         size: Option<(u32, u32)>,
         seen: impl Into<Surroundings<'a>>,
+        loading: &'a Loading,
     ) -> Result<Camera> {
-        Camera::in_setting(spec, &Setting::new(size, seen, spec.t_range))
+        Camera::in_setting(spec, &Setting::new(size, seen, spec.t_range, loading))
     }
 
     /// Compiles a camera that may be part of another, and records in `setting` how much of the scene it depends on.

@@ -5,9 +5,12 @@ pub mod files;
 pub mod keyframes;
 pub mod limits;
 pub mod load;
+pub mod loading;
 pub mod overrides;
 pub mod parse;
 pub mod reader;
 pub mod tree;
 
 pub use error::{Error, Result};
+pub use limits::Limits;
+pub use loading::Loading;

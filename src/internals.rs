@@ -200,14 +200,9 @@ pub mod image {
     }
 }
 pub mod input {
-    pub use crate::input::{Error, Result};
+    pub use crate::input::{Error, Limits, Loading, Result};
     pub mod files {
         pub use crate::input::files::Inputs;
-    }
-    pub mod limits {
-        pub mod memory {
-            pub use crate::input::limits::memory::grant;
-        }
     }
 }
 pub mod jobs {

@@ -32,7 +32,7 @@ use crate::geometry::texture::ImagesRead;
 use crate::geometry::time_steps::{Moment, MovingMesh, TimeSteps};
 use crate::image::frame::Channel;
 use crate::image::tone::Tone;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use crate::scene::caustics::Caustics;
 use file::{CameraKeys, SceneFile};
 use glam::DVec3;
@@ -88,13 +88,15 @@ pub struct Scene {
     /// The camera at the times of a frame, if it moves.
     pub camera_steps: Vec<(f64, CameraSpec)>,
     pub output: file::OutputSpec,
+    /// Those that it was loaded within, and on all that is made of it later.
+    pub limits: Limits,
 }
 
 impl Scene {
     /// Loads a scene file with every mesh that it names; `overrides` are `key=value` pairs; keyframed values
     /// are evaluated at `frame`. See [`file::load`].
-    pub fn load(path: &Path, overrides: &[String], frame: f64) -> Result<Scene> {
-        Scene::from_file(file::load(path, overrides, frame)?)
+    pub fn load(path: &Path, overrides: &[String], frame: f64, loading: &Loading) -> Result<Scene> {
+        Scene::from_file(file::load(path, overrides, frame, loading)?, loading)
     }
 
     /// Without triangles and lights; its camera is of no use.
@@ -123,21 +125,22 @@ impl Scene {
             casters: None,
             camera_steps: Vec::new(),
             output: file::OutputSpec::default(),
+            limits: Limits::default(),
         }
     }
 
-    pub fn from_file(file: SceneFile) -> Result<Scene> {
-        Library::for_once().scene(file, ImagesRead::All)
+    pub fn from_file(file: SceneFile, loading: &Loading) -> Result<Scene> {
+        Library::for_once().scene(file, ImagesRead::All, loading)
     }
 
-    /// The scene's camera for an image of its size.
+    /// The scene's camera for an image of its size, within its limits.
     pub fn camera(&self) -> Result<Camera> {
-        self.camera_of_size(self.size)
+        self.camera_of_size(self.size, &Loading::new(self.limits))
     }
 
     /// The scene's camera for an image of `size`.
-    pub fn camera_of_size(&self, size: Option<(u32, u32)>) -> Result<Camera> {
-        let compiled = |spec: &CameraSpec| Camera::in_scene(spec, size, self.surroundings());
+    pub fn camera_of_size(&self, size: Option<(u32, u32)>, loading: &Loading) -> Result<Camera> {
+        let compiled = |spec: &CameraSpec| Camera::in_scene(spec, size, self.surroundings(), loading);
         if self.camera_steps.is_empty() {
             return compiled(&self.camera);
         }

@@ -50,7 +50,7 @@ impl Renderer {
         samples: u32,
         analytic: bool,
     ) -> PyResult<(Planes<'py>, Option<Bound<'py, PyArray3<u8>>>, String)> {
-        let options = RenderOptions { channels: channels(&names)?, color, samples, analytic };
+        let options = RenderOptions { channels: channels(&names)?, color, samples, analytic, ..Default::default() };
         let (renderer, scene, camera) = (self.renderer.clone(), scene.now(), camera.camera.clone());
         let rendered = run(py, move || lock(&renderer)?.render(&scene, &camera, &options))?;
         let report = rendered.report();
@@ -101,7 +101,7 @@ impl Renderer {
         samples: u32,
         analytic: bool,
     ) -> PyResult<(Planes<'py>, Option<Bound<'py, PyArray4<u8>>>, String)> {
-        let options = RenderOptions { channels: channels(&names)?, color, samples, analytic };
+        let options = RenderOptions { channels: channels(&names)?, color, samples, analytic, ..Default::default() };
         let (renderer, scene) = (self.renderer.clone(), scene.now());
         let cameras: Vec<anamorph::Camera> = cameras.iter().map(|camera| camera.camera.clone()).collect();
         let views = run(py, move || lock(&renderer)?.render_many(&scene, &cameras, &options))?;

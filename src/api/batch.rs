@@ -1,7 +1,7 @@
 //! Lists of jobs.
 
-use crate::input::Result;
-use crate::jobs::batch::{self, BatchOptions, Counts, Event, Outcome};
+use crate::input::{Limits, Result};
+use crate::jobs::batch::{self, BatchOptions, Counts, Event, Outcome, Shard};
 use std::path::{Path, PathBuf};
 
 /// A list of jobs, as run by `anamorph batch`: `docs/reference/batches.md`.
@@ -26,12 +26,19 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone)]
 pub struct Batch {
     list: PathBuf,
+    limits: Limits,
 }
 
 impl Batch {
     /// A list of jobs, .toml, .json or .jsonl.
     pub fn new(list: impl Into<PathBuf>) -> Batch {
-        Batch { list: list.into() }
+        Batch { list: list.into(), limits: Limits::default() }
+    }
+
+    /// The limits on the list and on each of its frames.
+    #[must_use]
+    pub fn limits(self, limits: Limits) -> Batch {
+        Batch { limits, ..self }
     }
 
     /// Renders the frames of the list. `watch` receives each event and the counts after it; several threads call it, one at a time. A
@@ -41,7 +48,7 @@ impl Batch {
     /// [`Error::Input`](crate::Error::Input) if the list is wrong, before any work; [`Error::Work`](crate::Error::Work) if the
     /// manifest or an adapter cannot be opened.
     pub fn run(&self, options: &BatchOptions, watch: &(dyn Fn(Event, &Counts) + Sync)) -> Result<Outcome> {
-        batch::Batch::open(&self.list, options.shard, Vec::new())?.start(options)?.run(watch)
+        self.open(options.shard)?.start(options)?.run(watch)
     }
 
     /// Merges the manifests of all shards into that of the list; returns the names of frames that are not done.
@@ -49,7 +56,11 @@ impl Batch {
     /// # Errors
     /// As [`Batch::run`].
     pub fn gather(&self) -> Result<Vec<String>> {
-        Ok(batch::Batch::open(&self.list, None, Vec::new())?.gather()?.missing)
+        Ok(self.open(None)?.gather()?.missing)
+    }
+
+    fn open(&self, shard: Option<Shard>) -> Result<batch::Batch> {
+        batch::Batch::open(&self.list, shard, Vec::new(), self.limits)
     }
 
     /// The list.

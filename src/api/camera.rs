@@ -9,7 +9,7 @@ use crate::camera::project::{Images, Projector};
 use crate::camera::spec::CameraSpec;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use crate::scene::file::{self, CameraKeys};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -26,13 +26,15 @@ pub struct Camera {
 
 impl Camera {
     /// The camera of the keys of a scene file's `[camera]`, for an image of `size` or of the scene's: a table in TOML, or in JSON where it
-    /// begins with a brace. Relative paths in it start from `folder`. Of the scene it depends only where the kind says so, as `track`.
+    /// begins with a brace. Relative paths in it start from `folder`. Of the scene it depends only where the kind says so, as `track`; its limits are
+    /// the scene's.
     ///
     /// # Errors
     /// [`Error::Input`] for a wrong key, values that contradict each other, or no size; [`Error::Missing`] or [`Error::Read`] for a file that cannot be read.
     pub fn parse(table: &str, folder: impl AsRef<Path>, scene: &Scene, size: Option<(u32, u32)>) -> Result<Camera> {
-        let spec = file::camera_of(table, folder.as_ref())?;
-        let camera = Camera::of_spec(&spec, size.or(scene.scene.size), scene)?;
+        let loading = Loading::new(scene.scene.limits);
+        let spec = file::camera_of(table, folder.as_ref(), &loading)?;
+        let camera = Camera::of_spec(&spec, size.or(scene.scene.size), scene, &loading)?;
         Ok(Camera { keys: Arc::new(CameraKeys::of_table(table, folder.as_ref())?), ..camera })
     }
 
@@ -62,12 +64,12 @@ impl Camera {
         let vectors = |list: &[[f64; 3]]| list.iter().map(|v| DVec3::from_array(*v)).collect::<Vec<_>>();
         let field = Field::new(width, height, &vectors(origins), &vectors(directions))?;
         let kind = RayArrays { field: Arc::new(field) }.into();
-        Camera::of_spec(&CameraSpec { kind, t_range }, None, &Scene::new())
+        Camera::of_spec(&CameraSpec { kind, t_range }, None, &Scene::new(), &Loading::default())
     }
 
-    fn of_spec(spec: &CameraSpec, size: Option<(u32, u32)>, scene: &Scene) -> Result<Camera> {
-        let camera = Arc::new(crate::camera::Camera::in_scene(spec, size, scene.scene.surroundings())?);
-        Ok(Camera { camera, keys: Arc::default() })
+    fn of_spec(spec: &CameraSpec, size: Option<(u32, u32)>, scene: &Scene, loading: &Loading) -> Result<Camera> {
+        let camera = crate::camera::Camera::in_scene(spec, size, scene.scene.surroundings(), loading)?;
+        Ok(Camera { camera: Arc::new(camera), keys: Arc::default() })
     }
 
     /// The `kind` key of a scene file.
@@ -125,7 +127,7 @@ pub fn camera_kinds() -> impl Iterator<Item = (&'static str, String)> {
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file of images cannot be read; [`Error::Input`] if it is not COLMAP's, or has no image.
 pub fn colmap_images(folder: impl AsRef<Path>) -> Result<Vec<String>> {
-    calibrated::file::images(folder.as_ref())
+    calibrated::file::images(folder.as_ref(), &Loading::default())
 }
 
 /// All images of each point (world units): every place whose ray, or curve, passes through it.

@@ -75,9 +75,9 @@ impl Renderer {
         let plain = Wanted::of(vec![Channel::TriangleId]);
         let wanted = Wanted { gradients: true, coverage_gradients: asked.has_coverage(), ..plain.clone() };
         combinations::Asked::new(scene, rays, &wanted).check()?;
-        let size = (rays.width, rays.height);
-        check_memory(size.0, size.1, plain.channels.len() + 3, 0)?;
-        asked.check_memory(size)?;
+        let (size, limits) = ((rays.width, rays.height), scene.limits);
+        check_memory(size, plain.channels.len() + 3, 0, limits)?;
+        asked.check_memory(size, limits)?;
         self.recover()?;
         let rendered = self.render_frame(scene, rays, &plain, 1)?;
         let ids = rendered.frame.u32(Channel::TriangleId).ok_or_else(|| Error::work("the frame has no triangles"))?;

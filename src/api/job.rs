@@ -1,7 +1,7 @@
 //! One render from a scene file to files.
 
 use super::Renderer;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Result};
 use crate::jobs::batch::Shard;
 use crate::jobs::{RenderJob, Work, options};
 use crate::scene::library::Library;
@@ -113,6 +113,12 @@ impl Job {
     pub fn engine(mut self, name: &str) -> Result<Job> {
         self.job.engine = Some(options::engine(name).map_err(Error::Input)?);
         Ok(self)
+    }
+
+    /// The limits on the scene and the image.
+    pub fn limits(mut self, limits: Limits) -> Job {
+        self.job.limits = limits;
+        self
     }
 
     /// Reads, renders and writes; returns the summary line.

@@ -5,7 +5,7 @@ use crate::geometry::mesh::Material;
 use crate::geometry::spec::{MeshSource, MeshSpec};
 use crate::geometry::spheres::spheres_of;
 use crate::geometry::texture::{Images, ImagesRead, Texels, Texture};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use glam::{DVec3, Vec2, Vec3};
 use std::path::Path;
 use std::sync::Arc;
@@ -45,8 +45,17 @@ impl Mesh {
     /// # Errors
     /// [`Error::Missing`] or [`Error::Read`] if it cannot be read, [`Error::Input`] with what is wrong with it.
     pub fn read(path: impl AsRef<Path>) -> Result<Mesh> {
+        Mesh::read_within(path, Limits::default())
+    }
+
+    /// [`Mesh::read`] within other limits.
+    ///
+    /// # Errors
+    /// As [`Mesh::read`].
+    pub fn read_within(path: impl AsRef<Path>, limits: Limits) -> Result<Mesh> {
         let spec = MeshSpec::of(MeshSource::File(path.as_ref().to_owned()));
-        Ok(Mesh { mesh: load_mesh(&spec, &mut Images::of(ImagesRead::All))?, name: spec.called() })
+        let mesh = load_mesh(&spec, &mut Images::of(ImagesRead::All), &Loading::new(limits))?;
+        Ok(Mesh { mesh, name: spec.called() })
     }
 
     /// The mesh with a name, for Cryptomatte and the list of objects.
@@ -145,8 +154,16 @@ impl Mesh {
     /// # Errors
     /// [`Error::Input`] for a centre that is not finite, a radius that is not above 0, or another number of radii.
     pub fn spheres(centers: &[[f64; 3]], radii: &[f64]) -> Result<Mesh> {
+        Mesh::spheres_within(centers, radii, Limits::default())
+    }
+
+    /// [`Mesh::spheres`] within other limits.
+    ///
+    /// # Errors
+    /// As [`Mesh::spheres`].
+    pub fn spheres_within(centers: &[[f64; 3]], radii: &[f64], limits: Limits) -> Result<Mesh> {
         let centres = centers.iter().map(|c| DVec3::from_array(*c)).collect();
-        let mesh = spheres_of(centres, radii.to_vec(), None).map_err(Error::input)?;
+        let mesh = spheres_of(centres, radii.to_vec(), None, limits).map_err(Error::input)?;
         Ok(Mesh { mesh, name: "spheres".into() })
     }
 

@@ -2,7 +2,7 @@
 
 use super::Scene;
 use crate::geometry::texture::{Images, ImagesRead, Texels, Texture};
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use crate::scene::file;
 use crate::scene::library::Library;
 use crate::scene::projector_light::ProjectorLight;
@@ -17,9 +17,10 @@ impl Scene {
     /// [`Error::Input`] for a wrong key or value or a camera whose rays are not straight, [`Error::Missing`] or [`Error::Read`] for a file
     /// that cannot be read; the scene is then unchanged.
     pub fn add_projector_light(&mut self, table: &str, folder: impl AsRef<Path>) -> Result<()> {
-        let spec = file::projector_light_of(table, folder.as_ref())?;
+        let loading = Loading::new(self.scene.limits);
+        let spec = file::projector_light_of(table, folder.as_ref(), &loading)?;
         let mut images = Images::of(ImagesRead::All);
-        let light = Library::for_once().projector_light(&spec, &self.scene.mesh, &mut images);
+        let light = Library::for_once().projector_light(&spec, &self.scene.mesh, &mut images, &loading);
         let light = light.map_err(|e| e.at("projector_light"))?;
         self.scene.projector_lights.push(Arc::new(light));
         Ok(())

@@ -11,7 +11,7 @@ use crate::gpu::device::GpuOptions;
 use crate::image::compare::{Comparison, compare};
 use crate::image::frame::{Channel, Frame};
 use crate::image::{rgb8, write_exr, write_png};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Result};
 use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options, samples};
 use std::path::Path;
 use std::sync::Arc;
@@ -27,19 +27,21 @@ pub struct RenderOptions {
     pub samples: u32,
     /// Weight triangles by their visible area in the pixel, not by the number of samples that see them.
     pub analytic: bool,
+    /// The limits on the image: the memory that it may take.
+    pub limits: Limits,
 }
 
 impl Default for RenderOptions {
     /// No channels, one ray per pixel.
     fn default() -> RenderOptions {
-        RenderOptions { channels: Vec::new(), color: false, samples: 1, analytic: false }
+        RenderOptions { channels: Vec::new(), color: false, samples: 1, analytic: false, limits: Limits::default() }
     }
 }
 
 impl RenderOptions {
     /// What they ask of a frame.
     pub(super) fn wanted(&self) -> Result<Wanted> {
-        let RenderOptions { channels, color, samples, analytic } = self;
+        let RenderOptions { channels, color, samples, analytic, .. } = self;
         options::samples(&samples.to_string()).map_err(Error::Input)?;
         let channels = Channel::in_order(channels.iter().copied());
         if channels.is_empty() && !color {
@@ -173,7 +175,7 @@ impl Renderer {
     pub fn render(&mut self, scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result<Rendered> {
         let wanted = options.wanted()?;
         let (scene, camera) = (&scene.scene, &camera.camera);
-        check_memory(camera.width, camera.height, wanted.channels.len() + 3, 0)?;
+        check_memory((camera.width, camera.height), wanted.channels.len() + 3, 0, options.limits)?;
         self.recover()?;
         let rendered = self.render_frame(scene, camera, &wanted, options.samples)?;
         let device = self.device_of(&RenderJob::of(""));

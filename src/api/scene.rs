@@ -6,7 +6,7 @@ use crate::geometry::load::{Object, load_dressed, load_unplaced, placed, with_un
 use crate::geometry::place;
 use crate::geometry::spec::MeshSpec;
 use crate::geometry::texture::{Images, ImagesRead};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use crate::scene::file;
 use std::path::Path;
 use std::sync::Arc;
@@ -37,9 +37,18 @@ impl Placed {
     /// # Errors
     /// [`Error::Input`] for a wrong key or value, [`Error::Missing`] or [`Error::Read`] for a file that cannot be read.
     pub fn of_mesh(mesh: Mesh, table: &str, folder: impl AsRef<Path>) -> Result<Placed> {
-        let spec = file::look_of(table, folder.as_ref())?;
+        Placed::of_mesh_within(mesh, table, folder, Limits::default())
+    }
+
+    /// [`Placed::of_mesh`] within other limits.
+    ///
+    /// # Errors
+    /// As [`Placed::of_mesh`].
+    pub fn of_mesh_within(mesh: Mesh, table: &str, folder: impl AsRef<Path>, limits: Limits) -> Result<Placed> {
+        let (loading, mut images) = (Loading::new(limits), Images::of(ImagesRead::All));
+        let spec = file::look_of(table, folder.as_ref(), &loading)?;
         let own = MeshSpec { name: spec.name.clone().or(Some(mesh.name)), ..spec };
-        let (mesh, objects) = placed(load_dressed(&own, mesh.mesh, &mut Images::of(ImagesRead::All))?, &own)?;
+        let (mesh, objects) = placed(load_dressed(&own, mesh.mesh, &mut images, &loading)?, &own, &loading)?;
         Ok(Placed { mesh, objects })
     }
 
@@ -48,8 +57,17 @@ impl Placed {
     /// # Errors
     /// As [`Placed::of_mesh`].
     pub fn of_table(table: &str, folder: impl AsRef<Path>) -> Result<Placed> {
-        let spec = file::mesh_of(table, folder.as_ref())?;
-        let (mesh, objects) = placed(load_unplaced(&spec, &mut Images::of(ImagesRead::All))?, &spec)?;
+        Placed::of_table_within(table, folder, Limits::default())
+    }
+
+    /// [`Placed::of_table`] within other limits.
+    ///
+    /// # Errors
+    /// As [`Placed::of_mesh`].
+    pub fn of_table_within(table: &str, folder: impl AsRef<Path>, limits: Limits) -> Result<Placed> {
+        let (loading, mut images) = (Loading::new(limits), Images::of(ImagesRead::All));
+        let spec = file::mesh_of(table, folder.as_ref(), &loading)?;
+        let (mesh, objects) = placed(load_unplaced(&spec, &mut images, &loading)?, &spec, &loading)?;
         Ok(Placed { mesh, objects })
     }
 }
@@ -76,8 +94,17 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`], one line with the file, the line and the key; [`Error::Missing`] or [`Error::Read`] for a file that cannot be read.
     pub fn load(path: impl AsRef<Path>, overrides: &[&str], frame: f64) -> Result<Scene> {
+        Scene::load_within(path, overrides, frame, Limits::default())
+    }
+
+    /// [`Scene::load`] within other limits, which the scene keeps: see [`Scene::set_limits`].
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn load_within(path: impl AsRef<Path>, overrides: &[&str], frame: f64, limits: Limits) -> Result<Scene> {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-        Ok(Scene::of(crate::scene::Scene::load(path.as_ref(), &overrides, frame)?, true))
+        let scene = crate::scene::Scene::load(path.as_ref(), &overrides, frame, &Loading::new(limits))?;
+        Ok(Scene::of(scene, true))
     }
 
     /// A scene from the text of a scene file in TOML, whose relative paths start from `folder`. It needs a camera, and may have no mesh.
@@ -85,7 +112,23 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`], one line with the line and the key; [`Error::Missing`] or [`Error::Read`] for a file that cannot be read.
     pub fn parse(toml: &str, folder: impl AsRef<Path>) -> Result<Scene> {
-        Ok(Scene::of(crate::scene::Scene::from_file(file::parse_text(toml, folder.as_ref())?)?, true))
+        Scene::parse_within(toml, folder, Limits::default())
+    }
+
+    /// [`Scene::parse`] within other limits, which the scene keeps: see [`Scene::set_limits`].
+    ///
+    /// # Errors
+    /// As [`Scene::parse`].
+    pub fn parse_within(toml: &str, folder: impl AsRef<Path>, limits: Limits) -> Result<Scene> {
+        let loading = Loading::new(limits);
+        let file = file::parse_text(toml, folder.as_ref(), &loading)?;
+        Ok(Scene::of(crate::scene::Scene::from_file(file, &loading)?, true))
+    }
+
+    /// Sets the limits on what is read for the scene and computed from it from now on: its cameras, volumes, pictures, spheres and gradients.
+    /// Those of images are in [`RenderOptions`](super::RenderOptions).
+    pub fn set_limits(&mut self, limits: Limits) {
+        self.scene.limits = limits;
     }
 
     /// Adds a mesh after the existing ones. Cameras that depend on the scene, such as `track`, must be created again.
@@ -103,7 +146,7 @@ impl Scene {
     /// # Errors
     /// Those of [`Mesh::spheres`], [`Mesh::with_colors`] and [`Scene::add`].
     pub fn add_spheres(&mut self, centers: &[[f64; 3]], radii: &[f64], colors: Option<&[[f32; 3]]>) -> Result<()> {
-        let spheres = Mesh::spheres(centers, radii)?;
+        let spheres = Mesh::spheres_within(centers, radii, self.scene.limits)?;
         self.add(match colors {
             Some(colors) => spheres.with_colors(colors.to_vec())?,
             None => spheres,
@@ -153,7 +196,7 @@ impl Scene {
     pub fn camera_of_size(&self, width: u32, height: u32) -> Result<Camera> {
         self.check_camera()?;
         let size = Some((width, height));
-        let camera = self.scene.camera_of_size(size)?;
+        let camera = self.scene.camera_of_size(size, &Loading::new(self.scene.limits))?;
         Ok(Camera { camera: Arc::new(camera), keys: self.scene.camera_keys.clone() })
     }
 

@@ -11,7 +11,6 @@ use crate::engine::sequence::Sequence;
 use crate::engine::{Engine, Rendered, RunOptions};
 use crate::image::frame::{Channel, Plane};
 use crate::image::size::MAX_PIXELS;
-use crate::input::limits::memory;
 use crate::input::{Error, Result};
 use crate::jobs::{RenderJob, memory_need as need, samples};
 use std::sync::Arc;
@@ -96,11 +95,8 @@ impl Renderer {
             )));
         }
         let what = format!("{} images of {width} x {height}", cameras.len());
-        memory::check(
-            need((width, height), wanted.channels.len() + 3, 0) * cameras.len() as u64,
-            what,
-            "render fewer at once",
-        )?;
+        let bytes = need((width, height), wanted.channels.len() + 3, 0) * cameras.len() as u64;
+        options.limits.check_memory(bytes, what, "render fewer at once")?;
         self.recover()?;
         let cameras: Vec<Arc<Rays>> = cameras.iter().map(|camera| camera.camera.clone()).collect();
         let (jobs, why) = match self.stacked(scene, &cameras, &wanted, options.samples) {

@@ -1,7 +1,7 @@
 //! Volumes from arrays.
 
 use super::Scene;
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use crate::scene::file;
 use crate::scene::volume::Volume;
 use crate::scene::volume::load::load_grid;
@@ -22,13 +22,14 @@ impl Scene {
         table: &str,
         folder: impl AsRef<Path>,
     ) -> Result<()> {
-        let spec = file::volume_look_of(table, folder.as_ref())?;
+        let loading = Loading::new(self.scene.limits);
+        let spec = file::volume_look_of(table, folder.as_ref(), &loading)?;
         let [z, y, x] = shape;
         if z.checked_mul(y).and_then(|n| n.checked_mul(x)) != Some(values.len()) {
             let count = values.len();
             return Err(Error::input(format!("volume: {count} numbers do not fill the shape {z} x {y} x {x}")));
         }
-        let grid = load_grid(&spec.grid, Some((shape.map(|n| n as u64), values)))?;
+        let grid = load_grid(&spec.grid, Some((shape.map(|n| n as u64), values)), &loading)?;
         let (transfer, mode, is_lit) = (spec.transfer, spec.mode, spec.is_lit);
         self.scene.volume = Some(Volume { grid: Arc::new(grid), transfer, mode, is_lit });
         Ok(())

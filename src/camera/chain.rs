@@ -43,7 +43,7 @@ impl Recipe for Chain {
         for (k, spec) in self.layers.iter().enumerate() {
             let mut of_layer = Vec::new();
             // the pieces say "camera.KEY: ...", of the table that they are read from
-            let pieces = mesh::compile(spec, width, height, &mut of_layer).map_err(|e| {
+            let pieces = mesh::compile(spec, (width, height), &mut of_layer, setting.limits()).map_err(|e| {
                 let message = e.to_string();
                 Error::input(format!("camera.layers.{k}{}", message.strip_prefix("camera").unwrap_or(&message)))
             })?;

@@ -210,7 +210,7 @@ fn read_order(field: &Field) -> Result<LineOrder> {
 /// Seconds, from a file of N or height x width numbers (.npy).
 fn read_times(field: &Field, frame_rate: f64) -> Result<TimeTable> {
     let path = field.path()?;
-    let Grid { size, numbers: times } = read_npy_grid(&path)?;
+    let Grid { size, numbers: times } = read_npy_grid(&path, field.loading())?;
     if let Some(k) = times.iter().position(|t| !t.is_finite()) {
         return Err(Error::input(format!("{}: number {k} is {}; use finite numbers", path.display(), times[k])));
     }

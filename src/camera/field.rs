@@ -6,7 +6,7 @@ use super::calibration::Calibrated;
 use super::stack::Stack;
 use super::tessellate::bend::Bend;
 use crate::image::read_vectors;
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::fmt::Debug;
@@ -174,9 +174,9 @@ impl Field {
     }
 
     /// Reads origins and directions from .npy or EXR files of one size.
-    pub fn load(origins: &Path, directions: &Path) -> Result<Field> {
-        let (w, h, p) = read_vectors(origins)?;
-        let (wd, hd, d) = read_vectors(directions)?;
+    pub fn load(origins: &Path, directions: &Path, loading: &Loading) -> Result<Field> {
+        let (w, h, p) = read_vectors(origins, loading)?;
+        let (wd, hd, d) = read_vectors(directions, loading)?;
         if (w, h) != (wd, hd) {
             let files = format!("{} is {w}x{h}, {} is {wd}x{hd}", origins.display(), directions.display());
             return Err(Error::input(format!("camera: {files}; a ray map needs both of one size")));

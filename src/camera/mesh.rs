@@ -6,8 +6,8 @@ pub mod spec;
 use super::bundle::{Bundle, Ray};
 use super::pieces::{Piece, Pieces, side};
 use crate::camera::mesh::spec::MeshCameraSpec;
-use crate::input::limits;
-use crate::input::{Error, Result};
+use crate::input::limits::LISTED_PIECES;
+use crate::input::{Error, Limits, Result};
 use glam::{DVec2, DVec3};
 pub(super) use overlap::first_overlap;
 use rayon::prelude::*;
@@ -16,11 +16,16 @@ use rayon::prelude::*;
 ///
 /// With `L_i` the barycentric coordinates of the image place, `p = sum w_i L_i near_i`, `h = sum w_i L_i` and
 /// `d = sum w_i L_i (far_i - near_i)`, or with `normalize` `d = sum w_i L_i unit(far_i - near_i)`.
-pub fn compile(spec: &MeshCameraSpec, width: u32, height: u32, notes: &mut Vec<String>) -> Result<Pieces> {
+pub fn compile(
+    spec: &MeshCameraSpec,
+    (width, height): (u32, u32),
+    notes: &mut Vec<String>,
+    limits: Limits,
+) -> Result<Pieces> {
     if spec.triangles.is_empty() {
         return Err(Error::input("camera.triangles: the camera has no pieces; give at least one triangle"));
     }
-    limits::LISTED_PIECES.check(spec.triangles.len() as u64).map_err(|e| e.at("camera.triangles"))?;
+    limits.check(LISTED_PIECES, spec.triangles.len() as u64).map_err(|e| e.at("camera.triangles"))?;
     let size = DVec2::new(width as f64, height as f64);
     let pieces: Vec<Piece> =
         spec.triangles.par_iter().enumerate().map(|(k, t)| piece(spec, k, t, size)).collect::<Result<_>>()?;

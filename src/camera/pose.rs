@@ -161,7 +161,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("scene.toml");
         std::fs::write(&path, format!("[camera]\n{keys}\n")).unwrap();
-        let spec = with_tree(&path, |file| read_camera(&file.table()?.need("camera", "{}")?))?;
+        let spec = with_tree(&path, &Loading::default(), |file| read_camera(&file.table()?.need("camera", "{}")?))?;
         Camera::new(&spec, Some((8, 6)))
     }
 

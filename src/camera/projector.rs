@@ -19,7 +19,7 @@ use super::tessellate::{self, Tessellation};
 use super::{Rays, glc, mesh};
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::input::reader::Table;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Result};
 use facets::Facets;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -108,7 +108,7 @@ impl Volume {
     pub fn build(&self, setting: &Setting, tessellation: Tessellation) -> Result<Built> {
         let size = setting.size()?;
         let mut notes = Vec::new();
-        let straight = if self.degree() == 1 { self.pieces(size, &mut notes)? } else { None };
+        let straight = if self.degree() == 1 { self.pieces(size, &mut notes, setting.limits())? } else { None };
         let built = match straight {
             Some(pieces) => Built { notes, ..Built::new(size, Rays::Pieces(pieces)) },
             None if self.degree() == 1 && self.piece_count == 0 => {
@@ -131,7 +131,7 @@ impl Volume {
     }
 
     /// The pieces of straight projectors that are affine over each; `None` where they are not.
-    fn pieces(&self, (w, h): (u32, u32), notes: &mut Vec<String>) -> Result<Option<Pieces>> {
+    fn pieces(&self, (w, h): (u32, u32), notes: &mut Vec<String>, limits: Limits) -> Result<Option<Pieces>> {
         let Some(reparam) = self.reparam.affine() else { return Ok(None) };
         let planes: Vec<Option<Plane>> = self.surfaces.iter().map(Surface::plane).collect();
         if let [Some(near), Some(far)] = planes[..] {
@@ -146,7 +146,7 @@ impl Volume {
         if spec.vertices.iter().all(|v| v.near == v.far) {
             return Err(nowhere());
         }
-        mesh::compile(&spec, w, h, notes).map(Some)
+        mesh::compile(&spec, (w, h), notes, limits).map(Some)
     }
 
     /// The `mesh` camera with the same rays, where the surfaces are planes or all tessellated alike without overlaps.

@@ -6,7 +6,7 @@ use crate::camera::composition::Composition;
 use crate::camera::optics::Optics;
 use crate::geometry::mesh::{Mesh, joined};
 use crate::input::reader::Table;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use glam::DVec3;
 use std::any::Any;
 use std::cell::Cell;
@@ -102,6 +102,7 @@ pub struct Setting<'a> {
     /// The t range of the scene file.
     pub t_range: [f64; 2],
     surroundings: Surroundings<'a>,
+    loading: &'a Loading,
     scene_use: Option<&'a Cell<SceneUse>>,
 }
 
@@ -116,8 +117,22 @@ pub enum SceneUse {
 
 impl<'a> Setting<'a> {
     /// Of an image of `size`.
-    pub fn new(size: Option<(u32, u32)>, seen: impl Into<Surroundings<'a>>, t_range: [f64; 2]) -> Setting<'a> {
-        Setting { size, t_range, surroundings: seen.into(), scene_use: None }
+    pub fn new(
+        size: Option<(u32, u32)>,
+        seen: impl Into<Surroundings<'a>>,
+        t_range: [f64; 2],
+        loading: &'a Loading,
+    ) -> Setting<'a> {
+        Setting { size, t_range, surroundings: seen.into(), loading, scene_use: None }
+    }
+
+    /// Reads the files that a recipe names.
+    pub fn loading(&self) -> &'a Loading {
+        self.loading
+    }
+
+    pub fn limits(&self) -> Limits {
+        self.loading.limits()
     }
 
     /// The same with something else, in the box with these corners, to look at.
@@ -131,7 +146,7 @@ impl<'a> Setting<'a> {
     where
         'a: 'b,
     {
-        Setting { size: self.size, t_range, surroundings: self.surroundings, scene_use: Some(scene_use) }
+        Setting { t_range, scene_use: Some(scene_use), ..*self }
     }
 
     /// The same for an image of another size.

@@ -35,7 +35,7 @@ impl Region {
             "mask" => {
                 table.allow(&["kind", "file"])?;
                 let file = table.need("file", "\"mask.png\"")?;
-                Mask::load(&file.path()?).map(Region::Mask).map_err(|e| file.error(e))
+                Mask::load(&file.path()?, file.loading()).map(Region::Mask).map_err(|e| file.error(e))
             }
             _ => Err(kind.error("use \"rectangle\", \"polygon\" or \"mask\"")),
         }

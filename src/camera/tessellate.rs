@@ -14,7 +14,7 @@ use super::field::{Field, RayMap};
 use super::mesh::triangle;
 use super::pieces::Pieces;
 use super::recipe::{Built, Setting};
-use crate::input::limits;
+use crate::input::limits::PIECES;
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
 use bound::{Judge, Verdict};
@@ -57,7 +57,7 @@ impl Tessellation {
                 Err(_) => {
                     // pieces, and up to twice as many triangles during refinement, have 32-bit numbers
                     let pieces = field.integer(1, 1 << 30)?;
-                    limits::PIECES.check(pieces).map_err(|e| field.error(e))?;
+                    field.limits().check(PIECES, pieces).map_err(|e| field.error(e))?;
                     Tessellation::Count(pieces as u32)
                 }
             },
@@ -140,7 +140,7 @@ fn notes(cells: &Cells, tessellation: Tessellation) -> Vec<String> {
     if bound > error_px {
         notes.push(format!(
             "the error asked for, {error_px} px, is not met: {} pieces are the most there are",
-            limits::PIECES.most
+            PIECES.most
         ));
     }
     let count = |what: fn(&(bool, Verdict)) -> bool| pieces.iter().filter(|p| what(p)).count();

@@ -15,7 +15,7 @@ mod terrain;
 mod testing;
 
 use crate::geometry::mesh::{Mesh, check_memory};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Result};
 
 pub use boxes::cube;
 pub use city::city;
@@ -115,10 +115,10 @@ impl Builtin {
     }
 
     /// Refuses a mesh that does not fit the free memory, before it is made.
-    fn check_memory(&self) -> Result<()> {
+    fn check_memory(&self, limits: Limits) -> Result<()> {
         let (triangles, vertices) = self.size();
         let what = format_args!("{} of {triangles} triangles", self.name());
-        check_memory(triangles, vertices, what, "make it coarser")
+        check_memory(limits, (triangles, vertices), what, "make it coarser")
     }
 }
 
@@ -127,37 +127,37 @@ impl Builtin {
 /// # Errors
 /// [`Error::Work`] if it does not fit the free memory; [`Error::Input`] naming the key whose value gives no triangles, more than 2^28, or
 /// (`city`) fewer than the plainest city has.
-pub fn generate(builtin: &Builtin) -> Result<Mesh> {
+pub fn generate(builtin: &Builtin, limits: Limits) -> Result<Mesh> {
     match *builtin {
         Builtin::Teapot { level } => {
             check_range("level", level.into(), 1, MAX_TEAPOT_LEVEL.into())?;
-            builtin.check_memory()?;
+            builtin.check_memory(limits)?;
             Ok(teapot(level))
         }
         Builtin::Icosphere { level } => {
             check_range("level", level.into(), 0, MAX_ICOSPHERE_LEVEL.into())?;
-            builtin.check_memory()?;
+            builtin.check_memory(limits)?;
             Ok(icosphere(level))
         }
         Builtin::Box => Ok(cube()),
         Builtin::Cylinder { sides } => {
             check_range("sides", sides.into(), 3, MAX_SIDES.into())?;
-            builtin.check_memory()?;
+            builtin.check_memory(limits)?;
             Ok(cylinder(sides))
         }
         Builtin::Stairs { steps } => {
             check_range("steps", steps.into(), 1, MAX_STEPS.into())?;
-            builtin.check_memory()?;
+            builtin.check_memory(limits)?;
             Ok(stairs(steps))
         }
         Builtin::Cow { level } => {
             check_range("level", level.into(), 0, MAX_FIGURE_LEVEL.into())?;
-            builtin.check_memory()?;
+            builtin.check_memory(limits)?;
             Ok(cow(level))
         }
         Builtin::Walker { level } => {
             check_range("level", level.into(), 0, MAX_FIGURE_LEVEL.into())?;
-            builtin.check_memory()?;
+            builtin.check_memory(limits)?;
             Ok(walker(level))
         }
         Builtin::Plane { size, divisions } => {
@@ -165,7 +165,7 @@ pub fn generate(builtin: &Builtin) -> Result<Mesh> {
                 return Err(Error::input(format!("size = {size}: use a finite length above 0")));
             }
             check_range("divisions", divisions.into(), 1, MAX_CELLS.into())?;
-            builtin.check_memory()?;
+            builtin.check_memory(limits)?;
             Ok(plane(size, divisions))
         }
         Builtin::City { seed, blocks, triangles } => {
@@ -173,17 +173,17 @@ pub fn generate(builtin: &Builtin) -> Result<Mesh> {
             if let Some(blocks) = blocks {
                 check_range("blocks", blocks.into(), 1, MAX_BLOCKS.into())?;
             }
-            builtin.check_memory()?;
+            builtin.check_memory(limits)?;
             city(seed, blocks, triangles)
         }
         Builtin::Terrain { seed, size } => {
             check_range("size", size.into(), 1, MAX_CELLS.into())?;
-            builtin.check_memory()?;
+            builtin.check_memory(limits)?;
             Ok(terrain(seed, size))
         }
         Builtin::Soup { seed, triangles } => {
             check_range("triangles", triangles, 1, MAX_TRIANGLES)?;
-            builtin.check_memory()?;
+            builtin.check_memory(limits)?;
             Ok(soup(seed, triangles))
         }
     }
@@ -219,7 +219,7 @@ mod tests {
             (Builtin::Terrain { seed: 0, size: 11586 }, "size = 11586: use 1 to 11585"),
             (Builtin::Soup { seed: 0, triangles: 0 }, "triangles = 0: "),
         ] {
-            let message = generate(&builtin).unwrap_err().to_string();
+            let message = generate(&builtin, Limits::default()).unwrap_err().to_string();
             assert!(message.starts_with(expected), "{message}");
         }
     }
@@ -248,13 +248,13 @@ mod tests {
             (Builtin::Terrain { seed: 1, size: 17 }, 578),
             (Builtin::Soup { seed: 1, triangles: 77 }, 77),
         ] {
-            let mesh = generate(&builtin).unwrap();
+            let mesh = generate(&builtin, Limits::default()).unwrap();
             testing::assert_sound(&mesh);
             assert_eq!(mesh.triangles.len(), triangles, "{builtin:?}");
             let (count, vertices) = builtin.size();
             assert!(count.abs_diff(triangles as u64) <= 4, "{builtin:?}: {count}");
             assert!(mesh.positions.len() as u64 <= 4 * vertices, "{builtin:?}: {vertices}");
-            assert_eq!(mesh, generate(&builtin).unwrap());
+            assert_eq!(mesh, generate(&builtin, Limits::default()).unwrap());
         }
     }
 }

@@ -23,7 +23,7 @@ use crate::geometry::mesh::{
 use crate::geometry::place::{transformed_normal, world_normal_from_object};
 use crate::geometry::spec::AnimationSpec;
 use crate::geometry::texture::{Images, ImagesRead, Texels, Texture, Wrap, decode};
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use pose::Pose;
 use source::{FileAccess, Found, Source};
 
@@ -53,11 +53,17 @@ pub enum Files {
 /// [`Error::Input`] naming the file and the accessor, buffer, node or mesh: no glTF 2.0; a required extension
 /// that would change the triangles; a buffer that is missing, short, remote or where `files` does not allow it; an accessor or an index out
 /// of range; a node that is its own ancestor or has two parents; no triangles, or more than 2^28.
-pub fn load(path: &Path, files: Files, images: &Images, animation: Option<&AnimationSpec>) -> Result<Mesh> {
+pub fn load(
+    path: &Path,
+    files: Files,
+    images: &Images,
+    animation: Option<&AnimationSpec>,
+    loading: &Loading,
+) -> Result<Mesh> {
     let name = path.display().to_string();
-    let bytes = crate::input::files::read(path).map_err(|e| Error::unreadable(path, e))?;
+    let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&bytes, FileAccess { folder, files }, images, animation).map_err(|e| e.at(name))
+    parse(&bytes, FileAccess { folder, files, loading }, images, animation).map_err(|e| e.at(name))
 }
 
 /// As [`load`], from the file's bytes.
@@ -329,7 +335,7 @@ impl<'a> Builder<'a> {
         }
         if vertices > self.unchecked_vertices {
             let what = format_args!("a mesh of {vertices} vertices");
-            check_memory(self.mesh.triangles.len() as u64, vertices as u64, what, "split the file")?;
+            check_memory(self.source.limits, (self.mesh.triangles.len() as u64, vertices as u64), what, "split the file")?;
             self.unchecked_vertices = 2 * vertices;
         }
         for (k, p) in self.morphed(from, Semantic::Positions, placing)?.into_iter().enumerate() {

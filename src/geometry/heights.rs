@@ -7,7 +7,7 @@ mod asc;
 mod geotiff;
 
 use super::mesh::{Material, Mesh, check_memory};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use image::{DynamicImage, ImageReader};
 use rayon::prelude::*;
@@ -78,9 +78,8 @@ pub fn is_height_image(path: &Path) -> bool {
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: it is damaged, is no height image, or is too large.
-pub fn read(path: &Path) -> Result<Grid> {
-    let bytes =
-        crate::input::files::read(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
+pub fn read(path: &Path, loading: &Loading) -> Result<Grid> {
+    let bytes = loading.read(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let grid = match extension.as_str() {
         "asc" => asc::read(&bytes),
@@ -94,8 +93,8 @@ pub fn read(path: &Path) -> Result<Grid> {
 ///
 /// # Errors
 /// Those of [`read`] and [`mesh`].
-pub fn load(spec: &HeightSpec) -> Result<Mesh> {
-    mesh(&read(&spec.file)?, spec)
+pub fn load(spec: &HeightSpec, loading: &Loading) -> Result<Mesh> {
+    mesh(&read(&spec.file, loading)?, spec, loading.limits())
 }
 
 /// Two triangles for each cell between four samples, row by row from the north-west, facing up. Triangles with a corner without data are
@@ -105,7 +104,7 @@ pub fn load(spec: &HeightSpec) -> Result<Mesh> {
 /// # Errors
 /// [`Error::Input`] if the cells are in degrees and `spec` has no `cell`, or no triangle is left; [`Error::Work`] if the mesh does not fit
 /// the free memory.
-pub fn mesh(grid: &Grid, spec: &HeightSpec) -> Result<Mesh> {
+pub fn mesh(grid: &Grid, spec: &HeightSpec, limits: Limits) -> Result<Mesh> {
     let wrong = |why: String| Error::input(format!("{}: {why}", spec.file.display()));
     let cell = match (spec.cell, grid.georeference) {
         (Some(cell), _) => cell,
@@ -121,7 +120,7 @@ pub fn mesh(grid: &Grid, spec: &HeightSpec) -> Result<Mesh> {
     let (columns, rows) = (grid.columns, grid.rows);
     let triangles = 2 * (columns as u64 - 1) * (rows as u64 - 1);
     let what = format_args!("terrain of {columns} x {rows} heights");
-    check_memory(triangles, (columns * rows) as u64, what, "resample it more coarsely")?;
+    check_memory(limits, (triangles, (columns * rows) as u64), what, "resample it more coarsely")?;
     let terrain = Terrain { grid, cell, scale: spec.height_scale };
     // the samples with data, and the vertex of each sample
     let valid: Vec<u32> = (0..columns * rows).filter(|&k| grid.samples[k].is_finite()).map(|k| k as u32).collect();

@@ -6,7 +6,7 @@ use super::spec::{AnimationSpec, MeshSource, MeshSpec, TextureSpec};
 use super::spheres::check_radii;
 use super::texture::{Images, Texture};
 use super::{generate, gltf, heights, obj, place, ply, smooth, stl};
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -19,12 +19,12 @@ pub struct Object {
 }
 
 /// The triangles of a mesh in the world; its images come from `images`.
-pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
-    Ok(placed(load_unplaced(spec, images)?, spec)?.0)
+pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images, loading: &Loading) -> Result<Mesh> {
+    Ok(placed(load_unplaced(spec, images, loading)?, spec, loading)?.0)
 }
 
 /// A mesh in the world, and its objects: one, or one for each copy, named name#0, name#1 and so on.
-pub(crate) fn placed(mesh: Mesh, spec: &MeshSpec) -> Result<(Mesh, Vec<Object>)> {
+pub(crate) fn placed(mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Result<(Mesh, Vec<Object>)> {
     let (name, triangles) = (spec.called(), mesh.triangles.len());
     if mesh.has_spheres() && !spec.keeps_spheres() {
         return Err(Error::input(format!("spheres {name}: the scale {STRETCHES}")));
@@ -35,33 +35,33 @@ pub(crate) fn placed(mesh: Mesh, spec: &MeshSpec) -> Result<(Mesh, Vec<Object>)>
         check(&mesh)?;
         return Ok((mesh, vec![Object { name, triangles }]));
     };
-    let places = places.load()?;
+    let places = places.load(loading)?;
     let what = if mesh.has_spheres() { "spheres" } else { "mesh" };
-    let mesh = place::copies(mesh, &places).map_err(|e| e.at(format_args!("{what} {name}")))?;
+    let mesh = place::copies(mesh, &places, loading.limits()).map_err(|e| e.at(format_args!("{what} {name}")))?;
     check(&mesh)?;
     Ok((mesh, (0..places.len()).map(|k| Object { name: format!("{name}#{k}"), triangles }).collect()))
 }
 
 /// The triangles of a mesh, before they are placed in the world.
-pub(crate) fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
-    load_dressed(spec, Mesh::default(), images)
+pub(crate) fn load_unplaced(spec: &MeshSpec, images: &mut Images, loading: &Loading) -> Result<Mesh> {
+    load_dressed(spec, Mesh::default(), images, loading)
 }
 
 /// The triangles of a mesh, or these if its source is [`MeshSource::Given`], with the look that it has.
-pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images) -> Result<Mesh> {
+pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images, loading: &Loading) -> Result<Mesh> {
     let mut none = Images::left_out();
     let files = if spec.outside_files { gltf::Files::Anywhere } else { gltf::Files::Below };
     // what it says itself goes before what its file says
     let of_file = if spec.texture == TextureSpec::OfFile && spec.color.is_none() { &mut *images } else { &mut none };
 
     let mut mesh = match &spec.source {
-        MeshSource::Builtin(builtin) => generate::generate(builtin)?,
-        MeshSource::Heights(heights) => heights::load(heights)?,
+        MeshSource::Builtin(builtin) => generate::generate(builtin, loading.limits())?,
+        MeshSource::Heights(heights) => heights::load(heights, loading)?,
         MeshSource::Given => given,
-        MeshSource::Spheres(spheres) => spheres.load(&spec.called())?,
-        MeshSource::File(path) => load_file(path, files, of_file, spec.animation.as_ref())?,
+        MeshSource::Spheres(spheres) => spheres.load(&spec.called(), loading)?,
+        MeshSource::File(path) => load_file(path, (files, spec.animation.as_ref()), of_file, loading)?,
         MeshSource::Between(paths, share) => {
-            let [from, to] = [&paths[0], &paths[1]].map(|path| load_file(path, files, of_file, None));
+            let [from, to] = [&paths[0], &paths[1]].map(|path| load_file(path, (files, None), of_file, loading));
             let (from, to) = (from?, to?);
             let names = || format!("{} and {}", paths[0].display(), paths[1].display());
             blended(from, &to, *share).ok_or_else(|| {
@@ -92,7 +92,7 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images) ->
             return Err(Error::input(format!("mesh {name}: has no texture coordinates; leave texture out")));
         }
         let texture = match images.read.reads(cutoff.is_some()) {
-            true => Some(Texture { cutoff: *cutoff, ..Texture::new(images.load(file)?) }),
+            true => Some(Texture { cutoff: *cutoff, ..Texture::new(images.load(file, loading)?) }),
             false => None,
         };
         for material in &mut mesh.materials {
@@ -104,17 +104,23 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images) ->
     Ok(mesh)
 }
 
-fn load_file(path: &Path, files: gltf::Files, images: &mut Images, animation: Option<&AnimationSpec>) -> Result<Mesh> {
+/// `files` and `animation` are of glTF.
+fn load_file(
+    path: &Path,
+    (files, animation): (gltf::Files, Option<&AnimationSpec>),
+    images: &mut Images,
+    loading: &Loading,
+) -> Result<Mesh> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     if animation.is_some() && !matches!(extension.as_str(), "gltf" | "glb") {
         let name = path.display();
         return Err(Error::input(format!("{name}: only glTF files have animations; leave animation out")));
     }
     match extension.as_str() {
-        "obj" => obj::load(path, images),
-        "gltf" | "glb" => gltf::load(path, files, images, animation),
-        "ply" => ply::load(path, images),
-        "stl" => stl::load(path),
+        "obj" => obj::load(path, images, loading),
+        "gltf" | "glb" => gltf::load(path, files, images, animation, loading),
+        "ply" => ply::load(path, images, loading),
+        "stl" => stl::load(path, loading),
         _ => {
             let name = path.display();
             Err(Error::input(format!(

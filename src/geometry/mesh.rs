@@ -2,8 +2,7 @@
 
 use super::pattern::Pattern;
 use super::texture::Texture;
-use crate::input::Result;
-use crate::input::limits::memory;
+use crate::input::{Limits, Result};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::fmt;
@@ -80,9 +79,14 @@ const VERTEX_BYTES: u64 = 80;
 ///
 /// # Errors
 /// [`Error::Work`](crate::input::Error::Work) with both sizes.
-pub fn check_memory(triangles: u64, vertices: u64, what: impl fmt::Display, advice: &str) -> Result<()> {
+pub fn check_memory(
+    limits: Limits,
+    (triangles, vertices): (u64, u64),
+    what: impl fmt::Display,
+    advice: &str,
+) -> Result<()> {
     let bytes = TRIANGLE_BYTES.saturating_mul(triangles).saturating_add(VERTEX_BYTES.saturating_mul(vertices));
-    memory::check(bytes, what, advice)
+    limits.check_memory(bytes, what, advice)
 }
 
 impl Mesh {

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use crate::geometry::lex;
 use crate::geometry::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_NORMAL, NO_UV};
 use crate::geometry::texture::{Images, ImagesRead};
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use chunk::{Chunk, Counts, DanglingIndices, Reader, Texcoords};
 pub use mtl::Mapped;
 
@@ -37,19 +37,19 @@ const CHUNK_BYTES: usize = 1 << 20;
 /// # Errors
 /// [`Error::Input`] naming file and line: see [`parse`]; an MTL file is malformed, or an image of a material that faces have is none.
 /// [`Error::Missing`] or [`Error::Read`] if one of these files exists and cannot be read, or the OBJ file does not exist.
-pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
+pub fn load(path: &Path, images: &mut Images, loading: &Loading) -> Result<Mesh> {
     let name = path.display().to_string();
-    let text = read(path)?;
+    let text = read(path, loading)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let (mut mesh, mapped) = parse(&text, &name, |libraries| mtl::load(folder, libraries))?;
+    let (mut mesh, mapped) = parse(&text, &name, |libraries| mtl::load(folder, libraries, loading))?;
     if images.read != ImagesRead::None {
         let mut is_used = vec![false; mesh.materials.len()];
         mesh.material_of.iter().for_each(|&m| is_used[m as usize] = true);
         let materials = mesh.materials.iter_mut().zip(&mapped).zip(is_used);
         for ((material, map), _) in materials.filter(|(_, is_used)| *is_used) {
             *material = match images.read.reads(map.is_masked()) {
-                true => map.with_images(|image| images.find(image), &mut mesh.missing)?,
-                false => map.without_images(),
+                true => map.with_images(|image| images.find(image, loading), &mut mesh.missing, loading.limits())?,
+                false => map.without_images(loading),
             };
         }
     }
@@ -127,9 +127,9 @@ pub struct Textured {
 ///
 /// # Errors
 /// Those of [`load`], and a face without texture coordinates.
-pub fn load_textured(path: &Path) -> Result<Textured> {
+pub fn load_textured(path: &Path, loading: &Loading) -> Result<Textured> {
     let name = path.display().to_string();
-    let text = read(path)?;
+    let text = read(path, loading)?;
     let mut mesh = Textured::default();
     for chunk in read_chunks(&text, &name, CHUNK_BYTES, Texcoords::Needed)?.0 {
         mesh.positions.extend(chunk.positions);
@@ -140,8 +140,8 @@ pub fn load_textured(path: &Path) -> Result<Textured> {
     Ok(mesh)
 }
 
-fn read(path: &Path) -> Result<Vec<u8>> {
-    crate::input::files::read(path).map_err(|e| Error::unreadable(path, e))
+fn read(path: &Path, loading: &Loading) -> Result<Vec<u8>> {
+    loading.read(path).map_err(|e| Error::unreadable(path, e))
 }
 
 /// The parsed chunks, with one triangle among them at least, and what is in the whole file.

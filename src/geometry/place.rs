@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::geometry::mesh::{MAX_TRIANGLES, Mesh, NO_COLOR, NO_NORMAL, NO_UV, check_memory};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Result};
 
 /// Places `mesh`: world = R (scale * p) + translate with R = Rz Ry Rx, right-handed, `rotate_deg` in degrees about
 /// the world's x, y and z axes; multiples of 90 degrees are exact.
@@ -32,7 +32,7 @@ pub fn place(mut mesh: Mesh, scale: DVec3, rotate_deg: DVec3, translate: DVec3) 
 /// # Errors
 /// [`Error::Input`] if a sphere would not stay one, if there are more than 2^28 triangles, or 2^32 - 1 or more vertices or normals; [`Error::Work`] if they do not fit the
 /// free memory.
-pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
+pub fn copies(mesh: Mesh, places: &[DAffine3], limits: Limits) -> Result<Mesh> {
     let n = places.len();
     let total = |count: usize| count.saturating_mul(n);
     let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len().max(mesh.normals.len()));
@@ -47,7 +47,7 @@ pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
         return Err(Error::input(format!("matrix {k} of places {STRETCHES}")));
     }
     let what = format_args!("a mesh of {triangles} triangles in {n} places");
-    check_memory(total(triangles) as u64, total(vertices) as u64, what, "use fewer")?;
+    check_memory(limits, (total(triangles) as u64, total(vertices) as u64), what, "use fewer")?;
     // indices fit by the first check
     let shifted = |list: &[[u32; 3]], none: Option<u32>, by: usize| -> Vec<[u32; 3]> {
         let of =
@@ -336,7 +336,7 @@ mod tests {
         let shear = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(1.0, 0.0, 1.0));
         let places = [rotated, mirror, shear].map(|m| DAffine3 { matrix3: m, translation: DVec3::new(0.0, 0.0, 5.0) });
         let slanted = Mesh { normals: vec![Vec3::X], ..triangle(true) };
-        let mesh = copies(slanted.clone(), &places).unwrap();
+        let mesh = copies(slanted.clone(), &places, Limits::default()).unwrap();
         let at = |x: f64, y: f64| DVec3::new(x, y, 5.0);
         let corners = [[at(0.0, 0.0), at(0.0, 1.0), at(-1.0, 0.0)], [at(0.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0)]];
         assert_eq!(mesh.positions[..6], corners.concat());
@@ -355,8 +355,8 @@ mod tests {
         assert_eq!((&mesh.uvs, &mesh.materials), (&slanted.uvs, &slanted.materials));
         assert_eq!((mesh.corner_uvs, mesh.material_of), (vec![[0, NO_UV, 0]; 3], vec![0; 3]));
         assert_eq!((mesh.colors, mesh.corner_colors), (slanted.colors, vec![[NO_COLOR, 0, 0]; 3]));
-        assert!(copies(triangle(true), &[]).unwrap().triangles.is_empty());
-        assert_eq!(copies(Mesh::default(), &places).unwrap(), Mesh::default());
+        assert!(copies(triangle(true), &[], Limits::default()).unwrap().triangles.is_empty());
+        assert_eq!(copies(Mesh::default(), &places, Limits::default()).unwrap(), Mesh::default());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::image::read_npy_affines;
 use crate::input::load::with_tree;
 use crate::input::reader::Field;
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use glam::DAffine3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -27,12 +27,12 @@ impl Places {
 
     /// # Errors
     /// [`Error::Input`] naming the file, and the matrix by its index from 0.
-    pub fn load(&self) -> Result<Arc<[DAffine3]>> {
+    pub fn load(&self, loading: &Loading) -> Result<Arc<[DAffine3]>> {
         match self {
             Places::Given(places) => Ok(places.clone()),
             Places::File(path) => match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
-                Some("npy") => read_npy(path),
-                Some("json") => with_tree(path, read_list),
+                Some("npy") => read_npy(path, loading),
+                Some("json") => with_tree(path, loading, read_list),
                 _ => Err(Error::input(format!("{}: places must be a .npy or .json file", path.display()))),
             },
         }
@@ -48,8 +48,8 @@ fn read_list(field: &Field) -> Result<Arc<[DAffine3]>> {
     field.items("a list of matrices, as [[[1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z]], ...]")?.map(matrix).collect()
 }
 
-fn read_npy(path: &Path) -> Result<Arc<[DAffine3]>> {
-    let places = read_npy_affines(path)?;
+fn read_npy(path: &Path, loading: &Loading) -> Result<Arc<[DAffine3]>> {
+    let places = read_npy_affines(path, loading)?;
     let wrong = |(k, place): (usize, &DAffine3)| Some((k, check(place).err()?));
     match places.iter().enumerate().find_map(wrong) {
         Some((k, why)) => Err(Error::input(format!("{}: matrix {k}: {why}", path.display()))),

@@ -7,7 +7,7 @@ mod tests;
 
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_NORMAL, NO_UV, check_memory};
 use super::texture::{Images, ImagesRead, Texture, linear_of_srgb};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use element::{Face, STRIP_END, Skipped, Vertex};
 use glam::Vec2;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
@@ -28,9 +28,9 @@ pub use points::load_points;
 /// [`Error::Missing`] or [`Error::Read`] if it cannot be read; [`Error::Input`] naming the file, and the line of a text: it is damaged, has no faces or more than 2^28 triangles; a
 /// vertex or colour is not finite, an index has no vertex, a face has fewer than 3; an image exists and cannot be read. [`Error::Work`] if the
 /// mesh does not fit the free memory.
-pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
+pub fn load(path: &Path, images: &mut Images, loading: &Loading) -> Result<Mesh> {
     let name = path.display().to_string();
-    let (mut mesh, textures) = read_file(path, parse)?;
+    let (mut mesh, textures) = read_file(path, loading, parse)?;
     if let (Some(first), true) = (textures.first(), images.read != ImagesRead::None && mesh.corner_uvs.is_empty()) {
         let why = format!("it names the image {first}; a plain colour is used");
         mesh.missing.push(Missing { what: format!("texture coordinates of {name}"), why });
@@ -41,11 +41,11 @@ pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
             let file = folder.join(file);
             if !images.read.reads(false) {
                 // the colour that it has with its image
-                crate::input::files::note(&file);
+                loading.note(&file);
                 material.diffuse = if file.is_file() { [1.0; 3] } else { material.diffuse };
                 continue;
             }
-            match images.find(&file)? {
+            match images.find(&file, loading)? {
                 Some(texels) => (material.texture, material.diffuse) = (Some(Texture::new(texels)), [1.0; 3]),
                 None => {
                     let why = format!("{name}: the file does not exist; a plain colour is used");
@@ -58,10 +58,14 @@ pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
 }
 
 /// What is made of a file's bytes.
-fn read_file<T>(path: &Path, parse: impl FnOnce(&[u8]) -> std::result::Result<T, Wrong>) -> Result<T> {
+fn read_file<T>(
+    path: &Path,
+    loading: &Loading,
+    parse: impl FnOnce(&[u8], Limits) -> std::result::Result<T, Wrong>,
+) -> Result<T> {
     let name = path.display().to_string();
-    let bytes = crate::input::files::read(path).map_err(|e| Error::unreadable(path, e))?;
-    parse(&bytes).map_err(|e| match e {
+    let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
+    parse(&bytes, loading.limits()).map_err(|e| match e {
         Wrong::Line(line, text) => Error::input(format!("{name}:{line}: {text}")),
         Wrong::File(text) => Error::input(format!("{name}: {text}")),
         Wrong::Memory(e) => e.at(&name),
@@ -105,10 +109,10 @@ fn wrong_element(e: &ParseError, name: &str, encoding: Encoding) -> Wrong {
 }
 
 /// The mesh, and the names of its images.
-fn parse(bytes: &[u8]) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
+fn parse(bytes: &[u8], limits: Limits) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
     let mut reader = Reader::new(bytes);
     let header = first(bytes, &mut reader)?;
-    check_sizes(&header, bytes.len())?;
+    check_sizes(&header, bytes.len(), limits)?;
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     let mut has = Attributes::default();
     for (name, element) in &header.elements {
@@ -135,7 +139,7 @@ fn parse(bytes: &[u8]) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
         return Err(Wrong::File(format!("{triangles} triangles, at most 2^28 are possible; split the file")));
     }
     let what = format_args!("{triangles} triangles");
-    check_memory(triangles as u64, vertices.len() as u64, what, "use fewer").map_err(Wrong::Memory)?;
+    check_memory(limits, (triangles as u64, vertices.len() as u64), what, "use fewer").map_err(Wrong::Memory)?;
     if faces.is_empty() {
         return Err(Wrong::File("has no faces; render points as spheres, by [[spheres]]".into()));
     }
@@ -165,7 +169,7 @@ fn read<E: PropertyAccess>(
 }
 
 /// Refuses what a header promises beyond the file's bytes, or beyond memory.
-fn check_sizes(header: &Header, bytes: usize) -> std::result::Result<(), Wrong> {
+fn check_sizes(header: &Header, bytes: usize, limits: Limits) -> std::result::Result<(), Wrong> {
     let count = |name: &str| header.elements.get(name).map_or(0, |e| e.count);
     for (name, element) in &header.elements {
         // an element of a text is a line; a binary one may have no property, and no bytes
@@ -176,7 +180,7 @@ fn check_sizes(header: &Header, bytes: usize) -> std::result::Result<(), Wrong> 
         }
     }
     let (vertices, faces) = (count("vertex") as u64, (count("face") + count("tristrips")) as u64);
-    check_memory(faces, vertices, format_args!("{faces} faces"), "use fewer").map_err(Wrong::Memory)
+    check_memory(limits, (faces, vertices), format_args!("{faces} faces"), "use fewer").map_err(Wrong::Memory)
 }
 
 fn is_number(element: &ElementDef, name: &str) -> bool {

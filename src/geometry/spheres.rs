@@ -4,7 +4,7 @@ use super::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
 use super::ply;
 use crate::image::{read_npy_columns, read_npy_rows, read_points};
 use crate::input::reader::{Field, Table};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -90,10 +90,10 @@ impl SpheresSpec {
     /// # Errors
     /// [`Error::Missing`] or [`Error::Read`] for a file that cannot be read; [`Error::Input`] for one of another kind or shape, for spheres
     /// without a radius, a radius that is not above 0, numbers that are not finite, and colours of another number.
-    pub(super) fn load(&self, called: &str) -> Result<Mesh> {
+    pub(super) fn load(&self, called: &str, loading: &Loading) -> Result<Mesh> {
         let mut points = match &self.source {
             SpheresSource::Given(list) => given(list, self.radius)?,
-            SpheresSource::File(path) => load_points(path)?,
+            SpheresSource::File(path) => load_points(path, loading)?,
         };
         let count = points.centres.len();
         let default = self.radius;
@@ -105,10 +105,11 @@ impl SpheresSpec {
             None => points.colors.take(),
             Some(ColorsSpec::Given(colors)) => Some(colors.to_vec()),
             Some(ColorsSpec::File(path)) => {
-                Some(read_npy_rows::<3>(path)?.into_iter().map(|c| c.map(|x| x as f32)).collect())
+                Some(read_npy_rows::<3>(path, loading)?.into_iter().map(|c| c.map(|x| x as f32)).collect())
             }
         };
-        spheres_of(points.centres, radii, colors).map_err(|why| Error::input(format!("spheres {called}: {why}")))
+        spheres_of(points.centres, radii, colors, loading.limits())
+            .map_err(|why| Error::input(format!("spheres {called}: {why}")))
     }
 
     /// The file's name without folder and extension.
@@ -131,12 +132,12 @@ fn given(list: &[Given], default: Option<f64>) -> Result<Points> {
     Ok(Points { centres: list.iter().map(|(centre, _)| *centre).collect(), radii: Some(radii), colors: None })
 }
 
-fn load_points(path: &std::path::Path) -> Result<Points> {
+fn load_points(path: &std::path::Path, loading: &Loading) -> Result<Points> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     match extension.as_str() {
-        "ply" => ply::load_points(path),
+        "ply" => ply::load_points(path, loading),
         "npy" => {
-            let (columns, numbers) = read_npy_columns(path, &[3, 4])?;
+            let (columns, numbers) = read_npy_columns(path, &[3, 4], loading)?;
             let rows = || numbers.chunks_exact(columns);
             Ok(Points {
                 centres: rows().map(|row| DVec3::new(row[0], row[1], row[2])).collect(),
@@ -144,7 +145,7 @@ fn load_points(path: &std::path::Path) -> Result<Points> {
                 colors: None,
             })
         }
-        "csv" | "txt" | "xyz" => Ok(Points { centres: read_points(path)?, ..Points::default() }),
+        "csv" | "txt" | "xyz" => Ok(Points { centres: read_points(path, loading)?, ..Points::default() }),
         _ => {
             let name = path.display();
             Err(Error::input(format!("{name}: unknown kind of file for spheres; use .ply, .npy, .csv, .txt or .xyz")))
@@ -166,12 +167,13 @@ pub fn spheres_of(
     centres: Vec<DVec3>,
     radii: Vec<f64>,
     colors: Option<Vec<[f32; 3]>>,
+    limits: Limits,
 ) -> std::result::Result<Mesh, String> {
     let count = centres.len();
     if count > MAX_TRIANGLES {
         return Err(format!("{count} spheres, at most 2^28 are possible; use fewer"));
     }
-    check_memory(count as u64, count as u64, format_args!("{count} spheres"), "use fewer")
+    check_memory(limits, (count as u64, count as u64), format_args!("{count} spheres"), "use fewer")
         .map_err(|e| e.to_string())?;
     for (given, what) in [(radii.len(), "radii"), (colors.as_ref().map_or(count, Vec::len), "colours")] {
         if given != count {
@@ -231,11 +233,11 @@ mod tests {
     #[test]
     fn spheres_are_triangles_of_one_corner_with_a_radius() {
         let centres = vec![DVec3::X, DVec3::new(0.0, -4.0, 0.5)];
-        let mesh = spheres_of(centres.clone(), vec![2.0, 0.25], Some(vec![[0.5; 3], [0.0, 1.0, 0.0]])).unwrap();
+        let mesh = spheres_of(centres.clone(), vec![2.0, 0.25], Some(vec![[0.5; 3], [0.0, 1.0, 0.0]]), Limits::default()).unwrap();
         assert_eq!((mesh.triangles.clone(), mesh.radius(1), mesh.radius(2)), (vec![[0; 3], [1; 3]], Some(0.25), None));
         assert_eq!((mesh.colors_of(1), mesh.materials[0].diffuse), ([[0.0, 1.0, 0.0]; 3], [1.0; 3]));
         assert_eq!(mesh.bounds(), Some((DVec3::new(-1.0, -4.25, -2.0), DVec3::new(3.0, 2.0, 2.0))));
-        assert!(spheres_of(Vec::new(), Vec::new(), None).unwrap().bounds().is_none());
+        assert!(spheres_of(Vec::new(), Vec::new(), None, Limits::default()).unwrap().bounds().is_none());
     }
 
     #[test]
@@ -248,7 +250,7 @@ mod tests {
     #[test]
     fn wrong_spheres_are_refused() {
         let refused = |centre: DVec3, radii: &[f64], color: f32| {
-            spheres_of(vec![centre], radii.to_vec(), Some(vec![[color; 3]])).unwrap_err()
+            spheres_of(vec![centre], radii.to_vec(), Some(vec![[color; 3]]), Limits::default()).unwrap_err()
         };
         for radius in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-300] {
             assert!(refused(DVec3::X, &[radius], 0.5).contains("sphere 0 has the radius"), "{radius}");

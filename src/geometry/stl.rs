@@ -2,7 +2,7 @@
 
 use super::lex::{Lines, Tokens, parse_f64, quoted};
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;
@@ -17,14 +17,14 @@ const TRIANGLE: usize = 50;
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if it cannot be read; [`Error::Input`] naming the file, and the line of a text: it is cut short or has no triangles, more than 2^28 of them, or
 /// a corner that is not finite; [`Error::Work`] if the triangles do not fit the free memory.
-pub fn load(path: &Path) -> Result<Mesh> {
+pub fn load(path: &Path, loading: &Loading) -> Result<Mesh> {
     let name = path.display();
-    let bytes = crate::input::files::read(path).map_err(|e| Error::unreadable(path, e))?;
-    parse(&bytes, &name.to_string())
+    let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
+    parse(&bytes, &name.to_string(), loading.limits())
 }
 
 /// As [`load`], from the file's bytes; `name` stands for the file in messages.
-fn parse(bytes: &[u8], name: &str) -> Result<Mesh> {
+fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
     let corners = if is_text(bytes) { read_text(bytes, name)? } else { read_binary(bytes, name)? };
     let wrong = |text: String| Error::input(format!("{name}: {text}"));
     let triangles = corners.len();
@@ -36,7 +36,7 @@ fn parse(bytes: &[u8], name: &str) -> Result<Mesh> {
     }
     // of a closed mesh every second triangle adds a vertex
     let (count, vertices) = (triangles as u64, triangles as u64 / 2 + 2);
-    check_memory(count, vertices, format_args!("{name}: {triangles} triangles"), "use fewer")?;
+    check_memory(limits, (count, vertices), format_args!("{name}: {triangles} triangles"), "use fewer")?;
     let mut mesh = Mesh {
         materials: vec![Material::default()],
         material_of: vec![0; triangles],
@@ -142,26 +142,26 @@ mod tests {
 
     #[test]
     fn text_and_binary_give_the_same_triangles() {
-        let mesh = parse(TEXT.as_bytes(), "a.stl").unwrap();
+        let mesh = parse(TEXT.as_bytes(), "a.stl", Limits::default()).unwrap();
         assert_eq!(mesh.triangles, [[0, 1, 2], [1, 2, 3]]);
         // digits are read as f64
         assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.1, 2.0, 3.0)]);
         let triangles =
             [[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, -0.0]], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 2.0, 3.0]]];
         for header in [&b"made by hand"[..], b"solid made by a program"] {
-            let mesh = parse(&binary(header, &triangles), "a.stl").unwrap();
+            let mesh = parse(&binary(header, &triangles), "a.stl", Limits::default()).unwrap();
             assert_eq!(mesh.triangles, [[0, 1, 2], [1, 2, 3]]);
             assert_eq!(mesh.positions[3], DVec3::new(0.5, 2.0, 3.0));
         }
         // some programs append their own
         let longer = [binary(b"solid", &triangles), vec![1, 2, 3]].concat();
-        assert_eq!(parse(&longer, "a.stl").unwrap().triangles.len(), 2);
+        assert_eq!(parse(&longer, "a.stl", Limits::default()).unwrap().triangles.len(), 2);
     }
 
     #[test]
     fn what_is_wrong_is_said() {
         let fails = |bytes: &[u8], part: &str| {
-            let text = parse(bytes, "a.stl").unwrap_err().to_string();
+            let text = parse(bytes, "a.stl", Limits::default()).unwrap_err().to_string();
             assert!(text.starts_with("a.stl") && text.contains(part) && !text.contains('\n'), "{text}");
         };
         fails(b"", "is no STL file");

@@ -1,10 +1,9 @@
 //! Images on surfaces, decoded to linear light.
 
-use crate::input::limits::memory;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use glam::DVec2;
 use half::f16;
-use image::{DynamicImage, ImageError, ImageReader, Limits};
+use image::{DynamicImage, ImageError, ImageReader};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -193,21 +192,21 @@ impl Images {
     ///
     /// # Errors
     /// [`Error::Missing`] or [`Error::Read`] where it cannot be read, [`Error::Input`] naming the file where it is neither.
-    pub fn load(&mut self, path: &Path) -> Result<Arc<Texels>> {
+    pub fn load(&mut self, path: &Path, loading: &Loading) -> Result<Arc<Texels>> {
         let missing = || Error::unreadable(path, "the file does not exist");
-        self.find(path)?.ok_or_else(missing)
+        self.find(path, loading)?.ok_or_else(missing)
     }
 
     /// As [`Images::load`]; `None` if the file does not exist.
     ///
     /// # Errors
     /// [`Error::Missing`] or [`Error::Read`] if it exists and cannot be read, [`Error::Input`] naming the file if it is no image.
-    pub fn find(&mut self, path: &Path) -> Result<Option<Arc<Texels>>> {
+    pub fn find(&mut self, path: &Path, loading: &Loading) -> Result<Option<Arc<Texels>>> {
         if let Some(known) = self.known.get(path) {
-            crate::input::files::note(path);
+            loading.note(path);
             return Ok(Some(known.clone()));
         }
-        let bytes = match crate::input::files::read(path) {
+        let bytes = match loading.read(path) {
             Ok(bytes) => bytes,
             Err(e) if is_missing(&e) => return Ok(None),
             Err(e) => return Err(Error::unreadable(path, e)),
@@ -266,7 +265,7 @@ pub fn decoded(bytes: &[u8]) -> Result<DynamicImage> {
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?;
     let image = reader.decode().map_err(|e| match e {
         ImageError::Limits(_) => {
-            let most = Limits::default().max_alloc.unwrap_or(u64::MAX) >> 20;
+            let most = image::Limits::default().max_alloc.unwrap_or(u64::MAX) >> 20;
             Error::input(format!(
                 "is an image that takes more than {most} MiB of memory, the limit for one; make it smaller"
             ))
@@ -284,7 +283,12 @@ pub fn decoded(bytes: &[u8]) -> Result<DynamicImage> {
 ///
 /// # Errors
 /// [`Error::Work`] if that does not fit the free memory.
-pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2) -> Result<Arc<Texels>> {
+pub fn with_opacity(
+    colours: Option<Texture>,
+    mask: Texture,
+    offset: DVec2,
+    limits: Limits,
+) -> Result<Arc<Texels>> {
     let by_alpha = mask.texels.rgba.iter().any(|t| t[3] < f16::ONE);
     let mask = Texture { cutoff: by_alpha.then_some(0.0), ..mask };
     let size = |t: &Texture| [t.texels.width, t.texels.height];
@@ -293,7 +297,7 @@ pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2) -> R
         None => size(&mask),
     };
     let what = format_args!("an image with its mask, {width} x {height} texels,");
-    memory::check(8 * u64::from(width) * u64::from(height), what, "make one of the two smaller")?;
+    limits.check_memory(8 * u64::from(width) * u64::from(height), what, "make one of the two smaller")?;
     let texel = |k: usize| {
         let (x, y) = (k % width as usize, k / width as usize);
         let uv = DVec2::new((x as f64 + 0.5) / f64::from(width), 1.0 - (y as f64 + 0.5) / f64::from(height));

@@ -96,7 +96,7 @@ mod tests {
     use crate::geometry::generate::{Builtin, generate};
 
     fn lines(builtin: Builtin) -> (usize, usize) {
-        let mesh = generate(&builtin).unwrap();
+        let mesh = generate(&builtin, Limits::default()).unwrap();
         // seen from the side, a little from above
         let (right, up) = (DVec3::new(0.8, 0.0, -0.6), DVec3::new(-0.24, 0.9, -0.32));
         match of(&mesh, Some(&|d| DVec2::new(right.dot(d), -up.dot(d)))) {

@@ -15,8 +15,7 @@ use ::exr::prelude::{Compression, ReadChannels, ReadLayers, WritableImage};
 use crate::image::file::whole::write_whole;
 use crate::image::frame::{Channel, Frame, Plane};
 use crate::image::size::check_size;
-use crate::input::files;
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 
 type Flat = AnyChannels<FlatSamples>;
 
@@ -139,9 +138,9 @@ fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> io::Result<()> {
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: damaged, without a known channel, or a known channel
 /// of another type.
-pub fn read_exr(path: &Path) -> Result<Frame> {
+pub fn read_exr(path: &Path, loading: &Loading) -> Result<Frame> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
-    let (width, height, mut layer) = read_layer(open(path)?).map_err(refuse)?;
+    let (width, height, mut layer) = read_layer(open(path, loading)?).map_err(refuse)?;
     let mut planes = Vec::new();
     for channel in Channel::every() {
         if let Some(samples) = take_channel(&mut layer, channel.name()) {
@@ -164,9 +163,9 @@ pub fn read_exr(path: &Path) -> Result<Frame> {
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read, [`Error::Input`] naming it if it is damaged.
 #[cfg(feature = "cli")]
-pub fn read_exr_texts(path: &Path) -> Result<Vec<(String, String)>> {
+pub fn read_exr_texts(path: &Path, loading: &Loading) -> Result<Vec<(String, String)>> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
-    let file = open(path)?;
+    let file = open(path, loading)?;
     let meta = MetaData::read_from_buffered(BufReader::new(&file), false)
         .map_err(|e| refuse(format!("not an EXR image that can be read: {e}")))?;
     let first = meta.headers.first().map(|header| &header.own_attributes.other);
@@ -182,9 +181,10 @@ pub(super) fn read_planes<const N: usize>(
     path: &Path,
     channels: [Channel; N],
     holds: &str,
+    loading: &Loading,
 ) -> Result<(u32, u32, [Vec<f32>; N])> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
-    let (width, height, mut layer) = read_layer(open(path)?).map_err(refuse)?;
+    let (width, height, mut layer) = read_layer(open(path, loading)?).map_err(refuse)?;
     let mut plane = |channel: Channel| {
         let name = channel.name();
         let samples =
@@ -205,8 +205,8 @@ pub(super) fn read_planes<const N: usize>(
 /// coder before it (DWA) 128 times that.
 const MAX_EXPANSION: u64 = 1032 * 128;
 
-fn open(path: &Path) -> Result<File> {
-    files::open(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))
+fn open(path: &Path, loading: &Loading) -> Result<File> {
+    loading.open(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))
 }
 
 fn read_layer(file: File) -> std::result::Result<(u32, u32, Flat), String> {

@@ -9,9 +9,7 @@ use glam::DAffine3;
 use crate::image::file::whole::write_whole;
 use crate::image::number::NumberType;
 use crate::image::size::check_size;
-use crate::input::files;
-use crate::input::limits::memory;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 
 /// Writes `data` in C order as little-endian f64.
 ///
@@ -118,15 +116,15 @@ const MAX_ROWS: u64 = 1 << 32;
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or cut short.
-pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
-    rows_of(open(path)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+pub fn read_npy_rows<const C: usize>(path: &Path, loading: &Loading) -> Result<Vec<[f64; C]>> {
+    rows_of(open(path, loading)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
 /// Reads an f32 or f64 array in C order, shape N x C, of which C is one of `columns`: C, and the numbers row by row.
 ///
 /// # Errors
 /// As [`read_npy_rows`].
-pub fn read_npy_columns(path: &Path, columns: &[u64]) -> Result<(usize, Vec<f64>)> {
+pub fn read_npy_columns(path: &Path, columns: &[u64], loading: &Loading) -> Result<(usize, Vec<f64>)> {
     let count = |shape: &[u64]| match *shape {
         [rows, own] if columns.contains(&own) && rows <= MAX_ROWS => Ok(rows * own),
         _ => {
@@ -134,7 +132,7 @@ pub fn read_npy_columns(path: &Path, columns: &[u64]) -> Result<(usize, Vec<f64>
             Err(format!("the array's shape is {shape:?}; it must be {known}"))
         }
     };
-    let read = read_array(open(path)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
+    let read = read_array(open(path, loading)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
     // one of `columns` by the check above
     read.map(|(shape, numbers)| (shape[1] as usize, numbers))
 }
@@ -150,13 +148,13 @@ pub struct Grid {
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or it ends early.
-pub fn read_npy_grid(path: &Path) -> Result<Grid> {
+pub fn read_npy_grid(path: &Path, loading: &Loading) -> Result<Grid> {
     let count = |shape: &[u64]| match *shape {
         [n] if (1..=MAX_ROWS).contains(&n) => Ok(n),
         [height, width] => check_size(width, height).map(|()| width * height).map_err(|e| e.to_string()),
         _ => Err(format!("the array's shape is {shape:?}; it must be N, or height x width")),
     };
-    let read = read_array(open(path)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
+    let read = read_array(open(path, loading)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
     // both sides are far under 2^32 by the check above
     let size = |shape: &[u64]| shape.get(1).map(|width| (*width as u32, shape[0] as u32));
     read.map(|(shape, numbers)| Grid { size: size(&shape), numbers })
@@ -166,11 +164,16 @@ pub fn read_npy_grid(path: &Path) -> Result<Grid> {
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or it ends early.
-pub fn read_npy_volume(path: &Path, side_max: u64) -> Result<([u64; 3], Vec<f32>)> {
-    volume_of(open(path)?, side_max).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+pub fn read_npy_volume(path: &Path, side_max: u64, loading: &Loading) -> Result<([u64; 3], Vec<f32>)> {
+    let file = open(path, loading)?;
+    volume_of(file, side_max, loading.limits()).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-fn volume_of(file: File, side_max: u64) -> std::result::Result<([u64; 3], Vec<f32>), String> {
+fn volume_of(
+    file: File,
+    side_max: u64,
+    limits: Limits,
+) -> std::result::Result<([u64; 3], Vec<f32>), String> {
     let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
     let mut reader = BufReader::with_capacity(1 << 16, file);
     let (header, header_bytes) = read_header(&mut reader)?;
@@ -183,7 +186,8 @@ fn volume_of(file: File, side_max: u64) -> std::result::Result<([u64; 3], Vec<f3
     };
     let count = shape.iter().product::<u64>();
     check_length(&header, count, bytes_in_file, header_bytes)?;
-    memory::check(4 * count, format_args!("a volume of {count} numbers"), "use a coarser one")
+    limits
+        .check_memory(4 * count, format_args!("a volume of {count} numbers"), "use a coarser one")
         .map_err(|e| e.to_string())?;
     let number = |bytes: &[u8]| header.number.read(bytes, header.big_endian) as f32;
     Ok((shape, read_numbers(&mut reader, header.number.size(), count as usize, number)?))
@@ -193,12 +197,12 @@ fn volume_of(file: File, side_max: u64) -> std::result::Result<([u64; 3], Vec<f3
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, it ends early, or a fourth row is another.
-pub fn read_npy_affines(path: &Path) -> Result<Vec<DAffine3>> {
-    affines_of(open(path)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+pub fn read_npy_affines(path: &Path, loading: &Loading) -> Result<Vec<DAffine3>> {
+    affines_of(open(path, loading)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-pub(super) fn open(path: &Path) -> Result<File> {
-    files::open(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))
+pub(super) fn open(path: &Path, loading: &Loading) -> Result<File> {
+    loading.open(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))
 }
 
 fn affines_of(file: File) -> std::result::Result<Vec<DAffine3>, String> {

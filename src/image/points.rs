@@ -1,8 +1,7 @@
 //! Lists of 3-D points: .npy of shape N x 3, or text with one point per line.
 
 use super::npy::rows_of;
-use crate::input::files;
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use glam::DVec3;
 use std::fs::File;
 use std::path::Path;
@@ -15,30 +14,30 @@ const MAX_TEXT: u64 = 1 << 33;
 ///
 /// # Errors
 /// [`Error::Input`] naming the file and the line or row: not there, another format, or a value that is no finite number.
-pub fn read_points(path: &Path) -> Result<Vec<DVec3>> {
+pub fn read_points(path: &Path, loading: &Loading) -> Result<Vec<DVec3>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     let points = match extension.as_deref() {
-        Some("npy") => read_npy(path),
-        Some("csv" | "txt" | "xyz") => read_text(path),
+        Some("npy") => read_npy(path, loading),
+        Some("csv" | "txt" | "xyz") => read_text(path, loading),
         _ => Err("points are read from .npy, .csv, .txt or .xyz files only".into()),
     };
     points.map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-fn open(path: &Path) -> std::result::Result<File, String> {
-    files::open(path).map_err(|e| format!("cannot be read: {e}; check the path"))
+fn open(path: &Path, loading: &Loading) -> std::result::Result<File, String> {
+    loading.open(path).map_err(|e| format!("cannot be read: {e}; check the path"))
 }
 
-fn read_npy(path: &Path) -> std::result::Result<Vec<DVec3>, String> {
-    let points: Vec<DVec3> = rows_of::<3>(open(path)?)?.into_iter().map(DVec3::from_array).collect();
+fn read_npy(path: &Path, loading: &Loading) -> std::result::Result<Vec<DVec3>, String> {
+    let points: Vec<DVec3> = rows_of::<3>(open(path, loading)?)?.into_iter().map(DVec3::from_array).collect();
     match points.iter().position(|p| !p.is_finite()) {
         Some(index) => Err(format!("point {index} is not finite; leave it out")),
         None => Ok(points),
     }
 }
 
-fn read_text(path: &Path) -> std::result::Result<Vec<DVec3>, String> {
-    let bytes = open(path)?.metadata().map_err(|e| e.to_string())?.len();
+fn read_text(path: &Path, loading: &Loading) -> std::result::Result<Vec<DVec3>, String> {
+    let bytes = open(path, loading)?.metadata().map_err(|e| e.to_string())?.len();
     if bytes > MAX_TEXT {
         return Err(format!("{bytes} bytes are over the limit of {MAX_TEXT}; use .npy"));
     }
@@ -69,7 +68,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join(name);
         std::fs::write(&path, text).unwrap();
-        read_points(&path)
+        read_points(&path, &Loading::default())
     }
 
     #[test]
@@ -90,7 +89,7 @@ mod tests {
             assert!(error.contains(line) && error.contains("three finite numbers"), "{error}");
         }
         assert!(read("p.obj", "").unwrap_err().to_string().contains(".npy, .csv"));
-        assert!(read_points(Path::new("no/such.txt")).unwrap_err().to_string().contains("cannot be read"));
+        assert!(read_points(Path::new("no/such.txt"), &Loading::default()).unwrap_err().to_string().contains("cannot be read"));
     }
 
     #[test]
@@ -98,14 +97,14 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("p.npy");
         write_npy_f64(&path, &[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
-        assert_eq!(read_points(&path).unwrap(), [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)]);
+        assert_eq!(read_points(&path, &Loading::default()).unwrap(), [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)]);
         write_npy_f64(&path, &[1, 3], &[1.0, f64::NAN, 3.0]).unwrap();
-        assert!(read_points(&path).unwrap_err().to_string().contains("point 0 is not finite"));
+        assert!(read_points(&path, &Loading::default()).unwrap_err().to_string().contains("point 0 is not finite"));
         write_npy_f64(&path, &[3, 2], &[0.0; 6]).unwrap();
-        assert!(read_points(&path).unwrap_err().to_string().contains("must be N x 3"));
+        assert!(read_points(&path, &Loading::default()).unwrap_err().to_string().contains("must be N x 3"));
         let whole = std::fs::read(&path).unwrap();
         write_npy_f64(&path, &[2, 3], &[0.0; 6]).unwrap();
         std::fs::write(&path, &std::fs::read(&path).unwrap()[..whole.len() - 9]).unwrap();
-        assert!(read_points(&path).unwrap_err().to_string().contains("ends early"));
+        assert!(read_points(&path, &Loading::default()).unwrap_err().to_string().contains("ends early"));
     }
 }

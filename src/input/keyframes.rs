@@ -217,6 +217,7 @@ fn whole(value: Value) -> Value {
 mod tests {
     use super::super::parse::{Format, parse};
     use super::*;
+    use crate::input::Loading;
     use crate::input::reader::Source;
     use crate::input::tree::Place;
     use std::path::Path;
@@ -229,7 +230,7 @@ mod tests {
     fn at_key(key: &str, text: &str, frame: f64) -> Result<Value> {
         let path = Path::new("s.toml");
         let mut root = parse(&format!("[camera]\n{key} = {text}\n"), Format::Toml, path)?;
-        pick(&mut root, "", &Source::new(path, path), frame)?;
+        pick(&mut root, "", &Source::new(path, path, &Loading::default()), frame)?;
         Ok(entry(entry(root.value)))
     }
 
@@ -288,7 +289,7 @@ mod tests {
             let path = Path::new("s.toml");
             let plain = parse(&format!("[camera]\nkey = {text}\n"), Format::Toml, path).unwrap();
             let mut picked = plain.clone();
-            pick(&mut picked, "", &Source::new(path, path), 1.0).unwrap();
+            pick(&mut picked, "", &Source::new(path, path, &Loading::default()), 1.0).unwrap();
             assert_eq!(plain, picked, "{text}");
         }
     }
@@ -320,7 +321,7 @@ mod tests {
         let at_file = |keys: &str, frame: f64| {
             let path = Path::new("s.toml");
             let mut root = parse(&format!("[[mesh]]\nfile = {keys}\n"), Format::Toml, path)?;
-            pick(&mut root, "", &Source::new(path, path), frame)?;
+            pick(&mut root, "", &Source::new(path, path, &Loading::default()), frame)?;
             let Value::List(mut meshes) = entry(root.value) else { unreachable!() };
             Ok::<_, crate::input::Error>(entry(meshes.remove(0).value))
         };
@@ -350,7 +351,7 @@ mod tests {
             let text = format!("[{{ frame = 0, value = {from} }}, {{ frame = 4, value = {to} }}]");
             let path = Path::new("s.toml");
             let mut root = parse(&format!("quaternion = {text}"), Format::Toml, path).unwrap();
-            pick(&mut root, "", &Source::new(path, path), 1.0).unwrap();
+            pick(&mut root, "", &Source::new(path, path, &Loading::default()), 1.0).unwrap();
             let [w, x, y, z] = numbers(entry(root.value))[..] else { panic!() };
             let (sin, cos) = 20f64.to_radians().sin_cos();
             assert!((w - cos).abs() < 1e-15 && (y - sin).abs() < 1e-15 && x == 0.0 && z == 0.0, "{w} {x} {y} {z}");

@@ -1,15 +1,31 @@
 //! Limits on the work that a scene or a list of jobs may ask for.
 //!
-//! A file of a few lines can ask for days of work. Work over a limit is refused in one line, before it begins. The
-//! limits apply to the whole process. The program removes them for `--no-limits`; a user of the library calls [`lift`]
-//! before anything is read. Limits of formats and kernels remain: a triangle id has 28 bits, an
-//! image 65,536 pixels per side.
+//! A file of a few lines can ask for days of work. Work over a limit is refused in one line, before it begins. [`Limits`]
+//! say which limits hold, and are passed to whatever reads or computes. Limits of formats and kernels always hold: a
+//! triangle id has 28 bits, an image 65,536 pixels per side.
 
-pub mod memory;
+mod memory;
 
 use crate::input::{Error, Result};
 use std::fmt::Display;
-use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The limits on the work that a scene or a list of jobs may ask for: on pieces, cells, corners, bounces, frames and memory. By default they are
+/// those of `docs/reference/limits.md`, and memory is limited to what is free.
+///
+/// ```
+/// use anamorph::{Limits, Scene};
+///
+/// let text = "image = { width = 8, height = 6 }\n\
+///     camera = { kind = \"fisheye\", eye = [0, 0, 4], target = [0, 0, 0], fov = 180, pieces = 2000000 }";
+/// assert!(Scene::parse(text, ".").is_err());
+/// assert!(Scene::parse_within(text, ".", Limits::none()).is_ok());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Limits {
+    are_lifted: bool,
+    /// Bytes that the process may use in all; `None`: as many more as are free.
+    memory: Option<u64>,
+}
 
 /// A limit on a number of things.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,28 +70,29 @@ pub fn help() -> String {
     format!("--no-limits removes these limits: {}, and the free memory, which --memory replaces.", each.join(", "))
 }
 
-static LIFTED: AtomicBool = AtomicBool::new(false);
-
-/// Removes all limits, also that on memory, for the rest of the process.
-pub fn lift() {
-    LIFTED.store(true, Ordering::Relaxed);
-}
-
-pub fn are_lifted() -> bool {
-    LIFTED.load(Ordering::Relaxed)
-}
-
-impl Cap {
-    /// # Errors
-    /// [`Error::Input`] if `count` is over the limit and limits are not lifted. The caller adds the place.
-    pub fn check(&self, count: u64) -> Result<()> {
-        self.check_as(count, count)
+impl Limits {
+    /// No limits: nothing is refused for its size, as with `--no-limits`.
+    pub fn none() -> Limits {
+        Limits { are_lifted: true, memory: None }
     }
 
-    /// As [`Cap::check`]; the error shows the count as `shown`, as in `40 x 30`.
-    pub fn check_as(&self, count: u64, shown: impl Display) -> Result<()> {
-        let Cap { what, most, advice } = self;
-        if count <= *most || are_lifted() {
+    /// The same with a budget of memory, as with `--memory`: the process may use this many bytes in all, however many are free. Where nothing is
+    /// refused, it only tells a batch how many frames may be in memory at once.
+    #[must_use]
+    pub fn memory(self, bytes: u64) -> Limits {
+        Limits { memory: Some(bytes), ..self }
+    }
+
+    /// # Errors
+    /// [`Error::Input`] if `count` is over the limit. The caller adds the place.
+    pub(crate) fn check(self, cap: Cap, count: u64) -> Result<()> {
+        self.check_as(cap, count, count)
+    }
+
+    /// As [`Limits::check`]; the error shows the count as `shown`, as in `40 x 30`.
+    pub(crate) fn check_as(self, cap: Cap, count: u64, shown: impl Display) -> Result<()> {
+        let Cap { what, most, advice } = cap;
+        if count <= most || self.are_lifted {
             return Ok(());
         }
         Err(Error::input(format!("{shown} {what} are over the limit of {most}; {advice}, or use --no-limits")))
@@ -88,11 +105,13 @@ mod tests {
 
     #[test]
     fn a_count_over_a_limit_is_refused_with_the_limit_and_advice() {
-        assert!(PIECES.check(PIECES.most).is_ok());
-        let error = PIECES.check(PIECES.most + 1).unwrap_err();
+        let limits = Limits::default();
+        assert!(limits.check(PIECES, PIECES.most).is_ok());
+        let error = limits.check(PIECES, PIECES.most + 1).unwrap_err();
         assert_eq!(error.to_string(), "1000001 pieces are over the limit of 1000000; give fewer, or use --no-limits");
         assert_eq!(error.exit_code(), 2);
-        let error = CELLS.check_as(1 << 21, "2048 x 1024").unwrap_err();
+        let error = limits.check_as(CELLS, 1 << 21, "2048 x 1024").unwrap_err();
         assert!(error.to_string().starts_with("2048 x 1024 cells are over"), "{error}");
+        assert!(Limits::none().check(PIECES, u64::MAX).is_ok());
     }
 }

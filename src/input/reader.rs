@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::input::tree::{Entry, Node, Place, Value, nearest, quote};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 
 /// The file that is being read.
 pub struct Source<'a> {
@@ -14,13 +14,15 @@ pub struct Source<'a> {
     pub path: &'a Path,
     /// Folder that relative paths start from.
     pub dir: &'a Path,
+    /// Reads the files that it names.
+    pub loading: &'a Loading,
     /// A value was read as a file name.
     names_files: Cell<bool>,
 }
 
 impl<'a> Source<'a> {
-    pub fn new(path: &'a Path, dir: &'a Path) -> Source<'a> {
-        Source { path, dir, names_files: Cell::new(false) }
+    pub fn new(path: &'a Path, dir: &'a Path, loading: &'a Loading) -> Source<'a> {
+        Source { path, dir, loading, names_files: Cell::new(false) }
     }
 
     /// Whether a value was read as a file name so far.
@@ -59,6 +61,16 @@ impl<'a> Field<'a> {
 
     pub(crate) fn node(&self) -> &'a Node {
         self.node
+    }
+
+    /// What reads the files that it names.
+    pub fn loading(&self) -> &'a Loading {
+        self.source.loading
+    }
+
+    /// The limits on what it asks for.
+    pub fn limits(&self) -> Limits {
+        self.source.loading.limits()
     }
 
     /// An error about this value: `scene.toml:12: camera.vfov: message`.
@@ -251,6 +263,11 @@ impl<'a> Table<'a> {
         let entry = self.entries.iter().find(|e| e.key == key)?;
         let dotted = if self.field.key.is_empty() { key.into() } else { format!("{}.{key}", self.field.key) };
         Some(Field { source: self.field.source, key: dotted, place: entry.node.place, node: &entry.node })
+    }
+
+    /// What reads the files that it names.
+    pub fn loading(&self) -> &'a Loading {
+        self.field.loading()
     }
 
     /// All keys, in the file's order, and their values.

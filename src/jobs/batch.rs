@@ -17,8 +17,7 @@ mod worker;
 use super::outputs::Kind;
 use crate::gpu::device::NO_ADAPTER;
 use crate::image::clear_up;
-use crate::input::files::noted;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use crate::scene::library::Library;
 use checks::Checks;
 use list::Jobs;
@@ -30,6 +29,7 @@ use manifest::{Costs, Manifest};
 use paths::{Paths, folder_of, folders};
 use run::Run;
 pub use shard::Shard;
+use slots::Slots;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -115,22 +115,25 @@ pub struct Batch {
     library: Library,
     /// Files written in addition to the frames.
     beside: Vec<(PathBuf, Kind)>,
+    limits: Limits,
 }
 
 impl Batch {
-    /// Reads a list of jobs and checks all output files, including those of the caller in `beside`.
+    /// Reads a list of jobs and checks all output files, including those of the caller in `beside`. The list and all of its frames are within
+    /// `limits`.
     ///
     /// # Errors
     /// [`Error::Input`] if the list is wrong or a file must not be replaced; [`Error::Write`] if a file cannot be written.
-    pub fn open(list: &Path, shard: Option<Shard>, beside: Vec<(PathBuf, Kind)>) -> Result<Batch> {
-        let (jobs, inputs) = noted(|| Jobs::read(list));
-        let jobs = jobs?;
+    pub fn open(list: &Path, shard: Option<Shard>, beside: Vec<(PathBuf, Kind)>, limits: Limits) -> Result<Batch> {
+        let loading = Loading::new(limits);
+        let jobs = Jobs::read(list, &loading)?;
+        let inputs = loading.into_inputs();
         let paths = Paths::of(list, shard);
         let earlier = paths.others();
         let library = Library::default();
         let checks = Checks { beside: &beside, list, jobs: &jobs, paths: &paths, earlier: &earlier, inputs: &inputs };
         checks.run(&library)?;
-        Ok(Batch { jobs, paths, earlier, library, beside })
+        Ok(Batch { jobs, paths, earlier, library, beside, limits })
     }
 
     /// Opens the devices and the manifest for the list, or for a shard of it.
@@ -208,7 +211,9 @@ impl Started<'_> {
     /// [`Error::Work`] if no thread can be started.
     pub fn run(&mut self, watch: &Watch) -> Result<Outcome> {
         let (jobs, own, frames) = (&self.batch.jobs, self.own.clone(), self.frames());
-        let run = Run::new(shard::tasks(jobs, own), frames, &self.manifest, &self.batch.library, &self.options, watch);
+        let (library, slots) = (&self.batch.library, Slots::of_this_machine(self.batch.limits));
+        let tasks = shard::tasks(jobs, own);
+        let run = Run::new(tasks, frames, &self.manifest, library, slots, &self.options, watch);
         if self.workers.iter().any(|worker| !worker.has_adapter()) && jobs.need_adapter()? {
             run.note(&format!("{NO_ADAPTER}; frames are rendered on the CPU as --engine reference does"));
         }

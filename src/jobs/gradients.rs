@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::camera::change::{PixelRay, rate};
 use crate::engine::stage::gradient::Gradient;
 use crate::image::{write_npy, write_text};
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use crate::reference::gradient::{Direction, PixelChange, changes};
 use crate::scene::Scene;
 use crate::scene::file::CameraKeys;
@@ -28,8 +28,11 @@ pub fn gradients_of(
     asked: &Asked,
 ) -> Result<Gradients> {
     let size = (camera.width, camera.height);
-    asked.check_memory(size)?;
-    let numbers: Vec<(&str, f64)> = asked.numbers().map(|key| Ok((key, keys.number(key)?))).collect::<Result<_>>()?;
+    asked.check_memory(size, scene.limits)?;
+    // the camera may be of a file, which its numbers are read from
+    let loading = &Loading::new(scene.limits);
+    let number = |key| Ok((key, keys.number(key, loading)?));
+    let numbers: Vec<(&str, f64)> = asked.numbers().map(number).collect::<Result<_>>()?;
     let rays = camera.pixel_rays(asked.has_coverage());
     let corners = |id: u32| scene.mesh.triangles[id as usize].map(|v| scene.mesh.positions[v as usize]);
     let (width, height) = size;
@@ -49,7 +52,10 @@ pub fn gradients_of(
     let mut parameters = Vec::new();
     for (k, (key, value)) in numbers.iter().enumerate() {
         let name = format!("camera.{key}");
-        let of_value = |value| Camera::in_scene(&keys.with_number(key, value)?, Some(size), scene.surroundings());
+        let of_value = |value| {
+            let spec = keys.with_number(key, value, loading)?;
+            Camera::in_scene(&spec, Some(size), scene.surroundings(), loading)
+        };
         let rate = rate(camera, (&name, *value), &of_value, seen.has_edges)?;
         collected.add_number((k, numbers.len()), changes(Some(&rate.rays))?);
         parameters.push(Parameter { name, value: *value, step: rate.step, error: rate.error });

@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::engine::rival::{Choice, EngineName};
 use crate::engine::{Method, RunOptions};
 use crate::geometry::texture::ImagesRead;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use crate::scene::Scene;
 use crate::scene::file::{self, OutputSpec};
 use crate::scene::library::Library;
@@ -61,6 +61,8 @@ pub struct RenderJob {
     pub no_cull: bool,
     /// How the triangle of each pixel is found.
     pub method: Method,
+    /// The limits on what it may take.
+    pub limits: Limits,
 }
 
 impl RenderJob {
@@ -90,6 +92,7 @@ impl RenderJob {
             moving: false,
             no_cull: false,
             method: Method::default(),
+            limits: Limits::default(),
         }
     }
 
@@ -124,14 +127,14 @@ pub fn of_compute_only(flag: &str) -> Error {
 
 /// The scene, changed, and its camera for an image of the size asked for, or of the scene's own.
 #[cfg(feature = "cli")]
-pub fn load(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
-    load_from(&Library::for_once(), path, change, |_| ImagesRead::All)
+pub fn load(path: &Path, change: &Change, loading: &Loading) -> Result<(Scene, Arc<Camera>)> {
+    load_from(&Library::for_once(), path, change, |_| ImagesRead::All, loading)
 }
 
 /// As [`load`], without textures that only affect colour.
 #[cfg(feature = "cli")]
-pub fn load_shape(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
-    load_from(&Library::for_once(), path, change, |_| ImagesRead::Masks)
+pub fn load_shape(path: &Path, change: &Change, loading: &Loading) -> Result<(Scene, Arc<Camera>)> {
+    load_from(&Library::for_once(), path, change, |_| ImagesRead::Masks, loading)
 }
 
 /// As [`load`], with the meshes and cameras cached in `library`. `images` selects the textures to load, given the scene's own outputs.
@@ -140,11 +143,12 @@ pub fn load_from(
     path: &Path,
     change: &Change,
     images: impl FnOnce(&OutputSpec) -> ImagesRead,
+    loading: &Loading,
 ) -> Result<(Scene, Arc<Camera>)> {
-    let file = file::load(path, &change.set, change.frame)?;
+    let file = file::load(path, &change.set, change.frame, loading)?;
     let at = |e: Error| e.at(path.display());
     let read = images(&file.output);
-    let scene = library.scene(file, read).map_err(at)?;
-    let camera = library.camera(&scene, change.size).map_err(at)?;
+    let scene = library.scene(file, read, loading).map_err(at)?;
+    let camera = library.camera(&scene, change.size, loading).map_err(at)?;
     Ok((scene, camera))
 }

@@ -19,8 +19,8 @@ use crate::geometry::mesh::{Mesh, Missing};
 use crate::geometry::texture::ImagesRead;
 use crate::image::cryptomatte::{Matte, MatteKind};
 use crate::image::frame::Channel;
-use crate::input::files::{Inputs, noted};
-use crate::input::{Error, Result};
+use crate::input::files::Inputs;
+use crate::input::{Error, Loading, Result};
 use crate::scene::Scene;
 use crate::scene::file::OutputSpec;
 use crate::scene::gradients;
@@ -86,31 +86,35 @@ impl Work {
     /// [`Error::Input`] if the scene or the flags are wrong; [`Error::Write`] if a file cannot be written.
     pub fn read(job: RenderJob, library: &Library) -> Result<Work> {
         job.check_options()?;
-        let (loaded, inputs) = noted(|| load_from(library, &job.scene, &job.change, |own| images_read(&job, own)));
-        let (scene, camera) = loaded?;
-        Work::of(job, scene, camera, &inputs, library)
+        let loading = Loading::new(job.limits);
+        let images = |own: &OutputSpec| images_read(&job, own);
+        let (scene, camera) = load_from(library, &job.scene, &job.change, images, &loading)?;
+        Work::of(job, scene, camera, library, &loading)
     }
 
-    /// The same, ignoring the output files that the scene names.
-    pub fn read_of_many(job: RenderJob, library: &Library) -> Result<Work> {
+    /// The same, ignoring the output files that the scene names. Also returns the files that it was read from.
+    pub fn read_of_many(job: RenderJob, library: &Library) -> Result<(Work, Inputs)> {
         job.check_options()?;
+        let loading = Loading::new(job.limits);
         let images = |_: &OutputSpec| images_read(&job, &OutputSpec::default());
-        let (loaded, inputs) = noted(|| load_from(library, &job.scene, &job.change, images));
-        let (scene, camera) = loaded?;
-        Work::of(job, Scene { output: Default::default(), ..scene }, camera, &inputs, library)
+        let (scene, camera) = load_from(library, &job.scene, &job.change, images, &loading)?;
+        let scene = Scene { output: Default::default(), ..scene };
+        let work = Work::of(job, scene, camera, library, &loading)?;
+        Ok((work, loading.into_inputs()))
     }
 
-    fn of(job: RenderJob, scene: Scene, camera: Arc<Camera>, inputs: &Inputs, library: &Library) -> Result<Work> {
+    /// `loading` has read the scene.
+    fn of(job: RenderJob, scene: Scene, camera: Arc<Camera>, library: &Library, loading: &Loading) -> Result<Work> {
         if job.strict {
             refuse_missing(&scene)?;
         }
         if let Some(Gradients { asked, .. }) = &job.gradients {
-            check_gradients(&job, asked, (&scene, &camera))?;
+            check_gradients(&job, asked, (&scene, &camera), loading)?;
         }
         if let Some(composition) = &camera.composition {
             composition.check(&scene.objects)?;
         }
-        let files = Files::new(&job, &scene, inputs)?;
+        let files = Files::new(&job, &scene, &loading.inputs())?;
         let asked = asked(&job, &files, &scene, &camera);
         let matte_kinds: Vec<MatteKind> = matte_kinds(&job).collect();
         if !matte_kinds.is_empty() && files.exr.is_none() {
@@ -122,7 +126,10 @@ impl Work {
             ));
         }
         let read = images_read(&job, &scene.output);
-        let next = if asks_for_motion(&job) { Some(next_frame(&job, &files, library, read)?) } else { None };
+        let next = match asks_for_motion(&job) {
+            true => Some(next_frame(&job, &files, library, read, loading)?),
+            false => None,
+        };
         let mut wanted = wanted(&asked, &files, matte_kinds.is_empty() && next.is_none());
         if next.is_some() {
             wanted.channels = Channel::in_order(wanted.channels.into_iter().chain(motion::NEEDED));
@@ -181,13 +188,13 @@ impl Work {
     pub fn check_memory(&self) -> Result<()> {
         let mesh = &self.scene.mesh;
         let what = format_args!("rendering {} triangles and spheres", mesh.triangles.len());
-        crate::input::limits::memory::check(mesh_bytes(mesh), what, "simplify the meshes")?;
+        self.job.limits.check_memory(mesh_bytes(mesh), what, "simplify the meshes")?;
         if self.strips.is_some() { Ok(()) } else { self.check_whole() }
     }
 
     fn check_whole(&self) -> Result<()> {
         let Camera { width, height, .. } = *self.camera;
-        memory::check(width, height, self.wanted.channels.len() + 3, self.sample_bytes)
+        memory::check((width, height), self.wanted.channels.len() + 3, self.sample_bytes, self.job.limits)
     }
 
     /// Approximate memory until it is written, bytes.
@@ -345,12 +352,18 @@ fn asks_for_motion(job: &RenderJob) -> bool {
 }
 
 /// The scene and its camera one frame later.
-fn next_frame(job: &RenderJob, files: &Files, library: &Library, read: ImagesRead) -> Result<(Scene, Arc<Camera>)> {
+fn next_frame(
+    job: &RenderJob,
+    files: &Files,
+    library: &Library,
+    read: ImagesRead,
+    loading: &Loading,
+) -> Result<(Scene, Arc<Camera>)> {
     if files.exr.is_none() {
         return Err(Error::input("--channels: motion is two channels of an EXR; add --exr OUT.exr"));
     }
     let change = Change { frame: job.change.frame + 1.0, ..job.change.clone() };
-    load_from(library, &job.scene, &change, |_| read)
+    load_from(library, &job.scene, &change, |_| read, loading)
 }
 
 /// The images that the requested outputs need: all for colour, otherwise alpha masks only. `own` are the scene's outputs.
@@ -393,13 +406,18 @@ pub fn refuse_missing(scene: &Scene) -> Result<()> {
 }
 
 /// Refuses gradients of this scene and camera, before anything is written.
-fn check_gradients(job: &RenderJob, asked: &gradients::Asked, (scene, camera): (&Scene, &Camera)) -> Result<()> {
+fn check_gradients(
+    job: &RenderJob,
+    asked: &gradients::Asked,
+    (scene, camera): (&Scene, &Camera),
+    loading: &Loading,
+) -> Result<()> {
     let samples = job.samples;
     let wanted =
         Wanted { gradients: true, coverage_gradients: asked.has_coverage(), samples, ..Wanted::of(Vec::new()) };
     Asked { rival: job.rival(), ..Asked::new(scene, camera, &wanted) }.check()?;
-    asked.numbers().try_for_each(|key| scene.camera_keys.number(key).map(|_| ()))?;
-    asked.check_memory((camera.width, camera.height))
+    asked.numbers().try_for_each(|key| scene.camera_keys.number(key, loading).map(|_| ()))?;
+    asked.check_memory((camera.width, camera.height), job.limits)
 }
 
 /// What the outputs need: the picture unless only channels or mattes are asked for; points come from triangles.

@@ -19,7 +19,7 @@ use crate::camera::optics::Optics;
 use crate::camera::{Camera, Rays};
 use crate::geometry::mesh::{Material, Mesh};
 use crate::geometry::texture::Texture;
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use crate::scene::Scene;
 use crate::scene::caustics::spec::CausticsSpec;
 use crate::scene::light::{Light, Source};
@@ -104,9 +104,10 @@ pub struct CausticsReport {
 impl Caustics {
     /// # Errors
     /// [`Error::Input`] if the light or a receiver makes no sense, or no triangle of the scene is in a receiver's plane.
-    pub fn new(spec: &CausticsSpec, mesh: &Mesh) -> Result<Caustics> {
+    pub fn new(spec: &CausticsSpec, mesh: &Mesh, loading: &Loading) -> Result<Caustics> {
         let [columns, rows] = spec.map;
-        let camera = Camera::in_scene(&spec.light, Some((columns, rows)), mesh).map_err(|e| e.at("caustics.light"))?;
+        let camera = Camera::in_scene(&spec.light, Some((columns, rows)), mesh, loading);
+        let camera = camera.map_err(|e| e.at("caustics.light"))?;
         let ([Rays::Pieces(pieces)], Some(optics)) = (camera.layers.as_slice(), camera.optics.clone()) else {
             return Err(Error::input("caustics.light: use a reflection or refraction whose eye is a pinhole"));
         };

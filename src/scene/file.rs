@@ -30,9 +30,9 @@ use super::poses;
 use super::projector_light::{ProjectorSpec, read_projector, read_projectors};
 use super::style::Style;
 use crate::image::tone::{Curve, Tone};
-use crate::input::Result;
 use crate::input::reader::{Field, Source};
 use crate::input::tree::{Node, Place};
+use crate::input::{Loading, Result};
 use std::sync::Arc;
 
 /// A scene as written: values checked one by one; files not yet opened, except the camera's.
@@ -133,25 +133,25 @@ pub struct OutputSpec {
 ///
 /// # Errors
 /// [`crate::input::error::Error::Input`], one line, with the file, the line and the key, and what to write instead.
-pub fn load(path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
+pub fn load(path: &Path, overrides: &[String], frame: f64, loading: &Loading) -> Result<SceneFile> {
     let format = parse::Format::of(path)?;
-    read_scene(&read_text(path)?, format, path, overrides, frame)
+    read_scene(&read_text(path, loading)?, format, &source(path, loading), overrides, frame)
 }
 
 /// Reads the text of a scene file in TOML; relative paths start from `folder`.
 ///
 /// # Errors
 /// As [`load`].
-pub fn parse_text(text: &str, folder: &Path) -> Result<SceneFile> {
-    of_text(text, &folder.join("scene"), 0.0)
+pub fn parse_text(text: &str, folder: &Path, loading: &Loading) -> Result<SceneFile> {
+    of_text(text, &folder.join("scene"), 0.0, loading)
 }
 
 /// Reads the text of a scene file in TOML as if it were that of the file `path`.
 ///
 /// # Errors
 /// As [`load`].
-pub fn of_text(text: &str, path: &Path, frame: f64) -> Result<SceneFile> {
-    read_scene(text, parse::Format::Toml, path, &[], frame)
+pub fn of_text(text: &str, path: &Path, frame: f64, loading: &Loading) -> Result<SceneFile> {
+    read_scene(text, parse::Format::Toml, &source(path, loading), &[], frame)
 }
 
 /// All values of such a text at a frame, unchecked.
@@ -159,8 +159,11 @@ pub fn of_text(text: &str, path: &Path, frame: f64) -> Result<SceneFile> {
 /// # Errors
 /// [`crate::input::error::Error::Input`] for text that is not TOML, and for wrong keyframes or poses.
 #[cfg(feature = "view")]
-pub(crate) fn values(text: &str, path: &Path, frame: f64) -> Result<Node> {
-    read_values(text, parse::Format::Toml, path, &[], frame)
+pub(crate) fn values(text: &str, path: &Path, frame: f64, loading: &Loading) -> Result<Node> {
+    let source = source(path, loading);
+    let mut root = read_keyed(text, parse::Format::Toml, &source, &[], frame)?;
+    keyframes::pick(&mut root, "", &source, frame)?;
+    Ok(root)
 }
 
 /// The same with the poses of a file as keyframes, and all keyframes as they are.
@@ -168,20 +171,29 @@ pub(crate) fn values(text: &str, path: &Path, frame: f64) -> Result<Node> {
 /// # Errors
 /// As [`values`].
 #[cfg(feature = "view")]
-pub(crate) fn expanded(text: &str, path: &Path) -> Result<Node> {
+pub(crate) fn expanded(text: &str, path: &Path, loading: &Loading) -> Result<Node> {
     let mut root = parse::parse(text, parse::Format::Toml, path)?;
-    poses::expand(&mut root, &Source::new(path, path.parent().unwrap_or(Path::new(""))))?;
+    poses::expand(&mut root, &source(path, loading))?;
     Ok(root)
 }
 
-fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
-    let dir = path.parent().unwrap_or(Path::new(""));
-    let source = Source::new(path, dir);
-    let keyed = read_keyed(text, format, &source, overrides, frame)?;
+/// Of a scene file, whose relative paths start from its folder.
+fn source<'a>(path: &'a Path, loading: &'a Loading) -> Source<'a> {
+    Source::new(path, path.parent().unwrap_or(Path::new("")), loading)
+}
+
+fn read_scene(
+    text: &str,
+    format: parse::Format,
+    source: &Source,
+    overrides: &[String],
+    frame: f64,
+) -> Result<SceneFile> {
+    let keyed = read_keyed(text, format, source, overrides, frame)?;
     let mut root = keyed.clone();
-    keyframes::pick(&mut root, "", &source, frame)?;
-    let mut file = read_tree(root, path, dir)?;
-    file.steps = moments::steps(&keyed, &source, &file, frame)?;
+    keyframes::pick(&mut root, "", source, frame)?;
+    let mut file = read_tree(root, source)?;
+    file.steps = moments::steps(&keyed, source, &file, frame)?;
     Ok(file)
 }
 
@@ -194,67 +206,65 @@ fn read_keyed(text: &str, format: parse::Format, source: &Source, overrides: &[S
     Ok(root)
 }
 
-#[cfg(feature = "view")]
-fn read_values(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<Node> {
-    let source = Source::new(path, path.parent().unwrap_or(Path::new("")));
-    let mut root = read_keyed(text, format, &source, overrides, frame)?;
-    keyframes::pick(&mut root, "", &source, frame)?;
-    Ok(root)
-}
-
 /// A table alone, as a program gives it: TOML, or JSON where it begins with a brace. Errors name it by `key`; relative paths start from
 /// `folder`.
-fn read_table<T>(text: &str, key: &str, folder: &Path, read: impl FnOnce(&Field) -> Result<T>) -> Result<T> {
+fn read_table<T>(
+    text: &str,
+    key: &str,
+    (folder, loading): (&Path, &Loading),
+    read: impl FnOnce(&Field) -> Result<T>,
+) -> Result<T> {
     let format = if text.trim_start().starts_with('{') { parse::Format::Json } else { parse::Format::Toml };
     let path = Path::new("arguments");
     let root = parse::parse(text, format, path)?.placed(Place::Argument);
-    read(&Field::new(&Source::new(path, folder), key, &root))
+    read(&Field::new(&Source::new(path, folder, loading), key, &root))
 }
 
 /// The camera of a `[camera]` table.
 ///
 /// # Errors
 /// As [`load`].
-pub fn camera_of(table: &str, folder: &Path) -> Result<CameraSpec> {
-    read_table(table, "camera", folder, read_camera)
+pub fn camera_of(table: &str, folder: &Path, loading: &Loading) -> Result<CameraSpec> {
+    read_table(table, "camera", (folder, loading), read_camera)
 }
 
 /// The picture of a `[[projector_light]]` table.
 ///
 /// # Errors
 /// As [`load`].
-pub fn projector_light_of(table: &str, folder: &Path) -> Result<ProjectorSpec> {
-    read_table(table, "projector_light", folder, read_projector)
+pub fn projector_light_of(table: &str, folder: &Path, loading: &Loading) -> Result<ProjectorSpec> {
+    read_table(table, "projector_light", (folder, loading), read_projector)
 }
 
 /// The mesh of a `[[mesh]]` table.
 ///
 /// # Errors
 /// As [`load`].
-pub fn mesh_of(table: &str, folder: &Path) -> Result<MeshSpec> {
-    read_table(table, "mesh", folder, |field| read_mesh(field, &[]))
+pub fn mesh_of(table: &str, folder: &Path, loading: &Loading) -> Result<MeshSpec> {
+    read_table(table, "mesh", (folder, loading), |field| read_mesh(field, &[]))
 }
 
 /// Where a mesh of arrays is, and what it looks like: a `[[mesh]]` table without a source.
 ///
 /// # Errors
 /// As [`load`].
-pub fn look_of(table: &str, folder: &Path) -> Result<MeshSpec> {
-    read_table(table, "mesh", folder, read_look)
+pub fn look_of(table: &str, folder: &Path, loading: &Loading) -> Result<MeshSpec> {
+    read_table(table, "mesh", (folder, loading), read_look)
 }
 
 /// Where a volume of an array is, and what it looks like: a `[volume]` table without a file.
 ///
 /// # Errors
 /// As [`load`].
-pub fn volume_look_of(table: &str, folder: &Path) -> Result<VolumeSpec> {
-    read_table(table, "volume", folder, read_volume_look)
+pub fn volume_look_of(table: &str, folder: &Path, loading: &Loading) -> Result<VolumeSpec> {
+    read_table(table, "volume", (folder, loading), read_volume_look)
 }
 
-/// Reads a scene from its tree of values. Relative paths start from `dir`.
-fn read_tree(root: Node, path: &Path, dir: &Path) -> Result<SceneFile> {
-    let [source, of_camera, of_meshes] = [(); 3].map(|()| Source::new(path, dir));
-    let file = read_tables(&root, [&source, &of_camera, &of_meshes])?;
+/// Reads a scene from its tree of values.
+fn read_tree(root: Node, source: &Source) -> Result<SceneFile> {
+    let Source { path, dir, loading, .. } = *source;
+    let [of_camera, of_meshes] = [(); 2].map(|()| Source::new(path, dir, loading));
+    let file = read_tables(&root, [source, &of_camera, &of_meshes])?;
     let names_files = [&of_camera, &of_meshes].map(Source::names_files);
     Ok(SceneFile { camera_keys: Arc::new(CameraKeys::taken(root, names_files, dir)), ..file })
 }

@@ -2,9 +2,8 @@
 //! each is.
 
 use crate::camera::change::PixelRay;
-use crate::input::limits::memory;
 use crate::input::tree::nearest;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Result};
 use glam::DVec3;
 
 /// What changes.
@@ -156,7 +155,7 @@ impl Asked {
     ///
     /// # Errors
     /// [`Error::Work`] that names the limit.
-    pub fn check_memory(&self, (width, height): (u32, u32)) -> Result<()> {
+    pub fn check_memory(&self, (width, height): (u32, u32), limits: Limits) -> Result<()> {
         let directions = (if self.has_vertices() { VERTEX_DIRECTIONS } else { 0 } + self.numbers().count()) as u64;
         let each: usize = self.quantities.iter().map(|quantity| quantity.count()).sum();
         let rays = RAY_TABLES * size_of::<PixelRay>() as u64;
@@ -164,7 +163,7 @@ impl Asked {
         let sent = 2 * 4 * (HIT_NUMBERS as u64 + 5) * VERTEX_DIRECTIONS as u64;
         let bytes = u64::from(width) * u64::from(height) * (rays + sent + 4 * each as u64 * directions);
         let what = format!("gradients of {width} x {height} pixels by {directions} numbers");
-        memory::check(bytes, what, "make the image smaller, or ask for fewer")
+        limits.check_memory(bytes, what, "make the image smaller, or ask for fewer")
     }
 }
 

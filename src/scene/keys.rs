@@ -187,7 +187,7 @@ mod tests {
 
     /// The keys that the refusal of an unknown one names.
     fn known(text: &str) -> Vec<String> {
-        let refusal = file::of_text(text, Path::new("s.toml"), 0.0).unwrap_err().to_string();
+        let refusal = file::of_text(text, Path::new("s.toml"), 0.0, &Loading::default()).unwrap_err().to_string();
         let (_, list) = refusal.split_once("(known: ").unwrap_or_else(|| panic!("{refusal}"));
         list.trim_end_matches(')').split(", ").map(String::from).collect()
     }

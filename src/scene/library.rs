@@ -14,8 +14,8 @@ use crate::geometry::place;
 use crate::geometry::spec::MeshSpec;
 use crate::geometry::texture::{Images, ImagesRead, Texture};
 use crate::geometry::time_steps::{TimeStep, TimeSteps};
-use crate::input::files::{Inputs, note_all, noted};
-use crate::input::{Error, Result};
+use crate::input::files::Inputs;
+use crate::input::{Error, Loading, Result};
 use crate::scene::caustics::Caustics;
 use crate::scene::caustics::spec::CausticsSpec;
 use crate::scene::volume::load::load_grid;
@@ -90,25 +90,30 @@ impl<K: PartialEq + Clone, V> Shelf<K, V> {
         kept.retain(|k| k.age <= SCENES);
     }
 
-    /// The cached part if its inputs are unchanged and it `suits`; else the result of `make`, cached if `keeps`.
+    /// The cached part if its inputs are unchanged and it `suits`; else the result of `make`, cached if `keeps`. Either way its inputs are
+    /// recorded in `loading`.
     fn get(
         &self,
         key: &K,
         keeps: bool,
         suits: impl Fn(&V) -> bool,
-        make: impl FnOnce() -> Result<V>,
+        loading: &Loading,
+        make: impl FnOnce(&Loading) -> Result<V>,
     ) -> Result<Arc<V>> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = kept.iter_mut().find(|k| k.key == *key && suits(&k.value))
             && known.inputs.are_current()
         {
             known.age = 0;
-            note_all(&known.inputs);
+            loading.note_all(&known.inputs);
             return Ok(known.value.clone());
         }
         // others may look for theirs meanwhile
         drop(kept);
-        let (value, inputs) = noted(make);
+        let own = loading.beside();
+        let value = make(&own);
+        let inputs = own.into_inputs();
+        loading.note_all(&inputs);
         let value = Arc::new(value?);
         if !keeps {
             return Ok(value);
@@ -130,7 +135,7 @@ impl Library {
     ///
     /// # Errors
     /// [`Error::Input`] naming the file or the key that is wrong.
-    pub fn scene(&self, file: SceneFile, read: ImagesRead) -> Result<Scene> {
+    pub fn scene(&self, file: SceneFile, read: ImagesRead, loading: &Loading) -> Result<Scene> {
         self.meshes.next_scene();
         self.merged.next_scene();
         self.skies.next_scene();
@@ -142,10 +147,11 @@ impl Library {
             &(file.meshes.clone(), read),
             !self.is_for_once,
             |_| true,
-            || self.merged(&file.meshes, &mut images),
+            loading,
+            |loading| self.merged(&file.meshes, &mut images, loading),
         )?;
         let (mesh, objects) = (merged.0.clone(), merged.1.clone());
-        let steps = self.steps(&file, &mesh, &mut images)?;
+        let steps = self.steps(&file, &mesh, &mut images, loading)?;
         let moves = file.steps.iter().any(|step| step.camera != file.camera);
         let camera_steps =
             file.steps.into_iter().filter(|_| moves).map(|step| (step.time, step.camera)).collect::<Vec<_>>();
@@ -156,20 +162,23 @@ impl Library {
         };
         let is_of = |known: &(Arc<Caustics>, Arc<Mesh>)| Arc::ptr_eq(&known.1, &mesh);
         let lit = |spec: &CausticsSpec| {
-            self.caustics
-                .get(spec, !self.is_for_once, is_of, || Ok((Arc::new(Caustics::new(spec, &mesh)?), mesh.clone())))
+            let make = |loading: &Loading| Ok((Arc::new(Caustics::new(spec, &mesh, loading)?), mesh.clone()));
+            self.caustics.get(spec, !self.is_for_once, is_of, loading, make)
         };
         let caustics = file.caustics.as_ref().map(lit).transpose()?;
-        let sky = |spec: &SkySpec| self.skies.get(spec, !self.is_for_once, |_| true, || Sky::new(spec, &mut images));
+        let sky = |spec: &SkySpec| {
+            let make = |loading: &Loading| Sky::new(spec, &mut images, loading);
+            self.skies.get(spec, !self.is_for_once, |_| true, loading, make)
+        };
         let sky = file.sky.as_ref().map(sky).transpose()?;
         let thrown = |(k, spec): (usize, &ProjectorSpec)| {
-            let light = self.projector_light(spec, &mesh, &mut images);
+            let light = self.projector_light(spec, &mesh, &mut images, loading);
             light.map(Arc::new).map_err(|e| e.at(format_args!("projector_light.{k}")))
         };
         // where no colour is asked for
         let given = if read == ImagesRead::All { &file.projector_lights[..] } else { &[] };
         let projector_lights = given.iter().enumerate().map(thrown).collect::<Result<_>>()?;
-        let volume = file.volume.map(|spec| self.volume(spec)).transpose()?;
+        let volume = file.volume.map(|spec| self.volume(spec, loading)).transpose()?;
         Ok(Scene {
             mesh: mesh.clone(),
             objects,
@@ -191,12 +200,14 @@ impl Library {
             casters: None,
             camera_steps,
             output: file.output,
+            limits: loading.limits(),
         })
     }
 
-    fn volume(&self, spec: VolumeSpec) -> Result<Volume> {
+    fn volume(&self, spec: VolumeSpec, loading: &Loading) -> Result<Volume> {
         let VolumeSpec { grid, transfer, mode, is_lit } = spec;
-        let grid = self.volumes.get(&grid, !self.is_for_once, |_| true, || load_grid(&grid, None))?;
+        let make = |loading: &Loading| load_grid(&grid, None, loading);
+        let grid = self.volumes.get(&grid, !self.is_for_once, |_| true, loading, make)?;
         Ok(Volume { grid, transfer, mode, is_lit })
     }
 
@@ -204,11 +215,11 @@ impl Library {
     ///
     /// # Errors
     /// Those of [`Camera::in_scene`].
-    pub fn camera(&self, scene: &Scene, size: Option<(u32, u32)>) -> Result<Arc<Camera>> {
+    pub fn camera(&self, scene: &Scene, size: Option<(u32, u32)>, loading: &Loading) -> Result<Arc<Camera>> {
         if !scene.camera_steps.is_empty() {
-            return scene.camera_of_size(size.or(scene.size)).map(Arc::new);
+            return scene.camera_of_size(size.or(scene.size), loading).map(Arc::new);
         }
-        self.compiled((scene.camera.clone(), size.or(scene.size)), &scene.mesh, scene.surroundings())
+        self.compiled((scene.camera.clone(), size.or(scene.size)), &scene.mesh, scene.surroundings(), loading)
     }
 
     /// A picture and the camera that it is thrown by, in the scene of `mesh`.
@@ -220,14 +231,22 @@ impl Library {
         spec: &ProjectorSpec,
         mesh: &Arc<Mesh>,
         images: &mut Images,
+        loading: &Loading,
     ) -> Result<ProjectorLight> {
-        let texels = images.load(&spec.image)?;
-        let camera = self.compiled((spec.camera.clone(), Some((texels.width, texels.height))), mesh, mesh.into())?;
+        let texels = images.load(&spec.image, loading)?;
+        let key = (spec.camera.clone(), Some((texels.width, texels.height)));
+        let camera = self.compiled(key, mesh, mesh.into(), loading)?;
         ProjectorLight::new(camera, Texture::new(texels), spec.throw)
     }
 
     /// A camera in the scene of `mesh`, which is that of `seen`.
-    fn compiled(&self, key: CameraKey, mesh: &Arc<Mesh>, seen: Surroundings) -> Result<Arc<Camera>> {
+    fn compiled(
+        &self,
+        key: CameraKey,
+        mesh: &Arc<Mesh>,
+        seen: Surroundings,
+        loading: &Loading,
+    ) -> Result<Arc<Camera>> {
         let Surroundings { beside, is_endless, .. } = seen;
         let suits = |(_, around): &(Arc<Camera>, Around)| {
             let is_same = (around.beside, around.is_endless) == (beside, is_endless);
@@ -237,17 +256,17 @@ impl Library {
                 SceneUse::Mesh => is_same && Arc::ptr_eq(&around.mesh, mesh),
             }
         };
-        let make = || {
-            let camera = Camera::in_scene(&key.0, key.1, seen)?;
+        let make = |loading: &Loading| {
+            let camera = Camera::in_scene(&key.0, key.1, seen, loading)?;
             let scene_use = camera.scene_use;
             Ok((Arc::new(camera), Around { scene_use, mesh: mesh.clone(), beside, is_endless }))
         };
-        Ok(self.cameras.get(&key, !self.is_for_once, suits, make)?.0.clone())
+        Ok(self.cameras.get(&key, !self.is_for_once, suits, loading, make)?.0.clone())
     }
 
     /// All meshes in the world as one, and their objects.
-    fn merged(&self, meshes: &[MeshSpec], images: &mut Images) -> Result<Merged> {
-        let placed = meshes.iter().map(|m| self.placed(m, images)).collect::<Result<Vec<_>>>()?;
+    fn merged(&self, meshes: &[MeshSpec], images: &mut Images, loading: &Loading) -> Result<Merged> {
+        let placed = meshes.iter().map(|m| self.placed(m, images, loading)).collect::<Result<Vec<_>>>()?;
         let (meshes, objects): (Vec<Mesh>, Vec<Vec<Object>>) = placed.into_iter().unzip();
         let objects = with_unique_names(objects.into_iter().flatten());
         let mut mesh = place::merge(meshes)?;
@@ -260,12 +279,18 @@ impl Library {
     }
 
     /// Where the mesh is at the times of a frame, if it moves.
-    fn steps(&self, file: &SceneFile, mesh: &Mesh, images: &mut Images) -> Result<Option<Arc<TimeSteps>>> {
+    fn steps(
+        &self,
+        file: &SceneFile,
+        mesh: &Mesh,
+        images: &mut Images,
+        loading: &Loading,
+    ) -> Result<Option<Arc<TimeSteps>>> {
         if file.steps.iter().all(|step| step.meshes == file.meshes) {
             return Ok(None);
         }
         let step = |step: &FileStep| {
-            let (now, _) = self.merged(&step.meshes, images)?;
+            let (now, _) = self.merged(&step.meshes, images, loading)?;
             let now = Arc::unwrap_or_clone(now);
             if (&now.triangles, &now.radii, &now.corner_normals) != (&mesh.triangles, &mesh.radii, &mesh.corner_normals)
             {
@@ -279,13 +304,14 @@ impl Library {
     }
 
     /// A mesh in the world, and its objects: one, or one for each copy.
-    fn placed(&self, spec: &MeshSpec, images: &mut Images) -> Result<(Mesh, Vec<Object>)> {
+    fn placed(&self, spec: &MeshSpec, images: &mut Images, loading: &Loading) -> Result<(Mesh, Vec<Object>)> {
         let (scale, rotate, translate) = (DVec3::ONE, DVec3::ZERO, DVec3::ZERO);
         let own = MeshSpec { scale, rotate, translate, places: None, ..spec.clone() };
         let key = (own, images.read);
-        let mesh = self.meshes.get(&key, !self.is_for_once, |_| true, || load_unplaced(&key.0, images))?;
+        let make = |loading: &Loading| load_unplaced(&key.0, images, loading);
+        let mesh = self.meshes.get(&key, !self.is_for_once, |_| true, loading, make)?;
         let mesh = Arc::try_unwrap(mesh).unwrap_or_else(|kept| (*kept).clone());
-        placed(mesh, spec)
+        placed(mesh, spec, loading)
     }
 }
 
@@ -303,12 +329,11 @@ mod tests {
     fn load(library: &Library, folder: &Path, keys: &str) -> (Scene, Arc<Camera>, Inputs) {
         let path = folder.join("scene.toml");
         std::fs::write(&path, scene(keys)).unwrap();
-        let (loaded, inputs) = noted(|| {
-            let scene = library.scene(file::load(&path, &[], 0.0).unwrap(), ImagesRead::All).unwrap();
-            let camera = library.camera(&scene, None).unwrap();
-            (scene, camera)
-        });
-        (loaded.0, loaded.1, inputs)
+        let loading = Loading::default();
+        let file = file::load(&path, &[], 0.0, &loading).unwrap();
+        let scene = library.scene(file, ImagesRead::All, &loading).unwrap();
+        let camera = library.camera(&scene, None, &loading).unwrap();
+        (scene, camera, loading.into_inputs())
     }
 
     /// In quadratic time, with each name trying all numbers from 1, this would take hours.
@@ -337,7 +362,7 @@ mod tests {
         // a panorama does not look at the scene
         let rotated = load(&library, dir.path(), "rotate = [0, 30, 0]");
         assert!(!Arc::ptr_eq(&first.0.mesh, &rotated.0.mesh) && Arc::ptr_eq(&first.1, &rotated.1));
-        let alone = Scene::load(&dir.path().join("scene.toml"), &[], 0.0).unwrap();
+        let alone = Scene::load(&dir.path().join("scene.toml"), &[], 0.0, &Loading::default()).unwrap();
         assert!(*rotated.0.mesh == *alone.mesh);
         // the file is another one
         std::fs::write(dir.path().join("a.obj"), obj(-0.25)).unwrap();

@@ -4,7 +4,7 @@ use crate::camera::kinds::calibrated;
 use crate::camera::pose;
 use crate::input::reader::{Field, Source};
 use crate::input::tree::{Entry, Node, Value};
-use crate::input::{Error, Result, files};
+use crate::input::{Error, Loading, Result};
 use glam::{DMat3, DQuat, DVec3};
 use serde::Deserialize;
 use std::path::Path;
@@ -31,7 +31,7 @@ pub(super) fn expand(root: &mut Node, source: &Source) -> Result<()> {
             return Err(beside.error("poses says it already; remove one of the two"));
         }
     }
-    let Poses { all, convention } = read(&field.path()?)?;
+    let Poses { all, convention } = read(&field.path()?, field.loading())?;
     let place = field.node().place;
     let entry = |key: &str, value: Value| Entry { key: key.into(), place, node: Node { value, place } };
     let list = |numbers: &[f64]| Value::List(numbers.iter().map(|x| Node { value: Value::Float(*x), place }).collect());
@@ -55,12 +55,12 @@ pub(super) fn expand(root: &mut Node, source: &Source) -> Result<()> {
 }
 
 /// Reads a folder of COLMAP's, `transforms.json`, or lines of TUM's 8 or KITTI's 12 numbers.
-fn read(path: &Path) -> Result<Poses> {
+fn read(path: &Path, loading: &Loading) -> Result<Poses> {
     if calibrated::file::has_images(path) {
-        let all = calibrated::file::poses(path)?.into_iter().map(|placed| (placed.eye, placed.rotation)).collect();
+        let all = calibrated::file::poses(path, loading)?.into_iter().map(|placed| (placed.eye, placed.rotation)).collect();
         return Ok(Poses { all, convention: "opencv" });
     }
-    let text = files::read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
+    let text = loading.read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
     let poses = if text.trim_start().starts_with('{') {
         transforms(&text).map(|all| Poses { all, convention: "opengl" })
     } else {

@@ -2,7 +2,7 @@
 
 use super::file::SkySpec;
 use crate::geometry::texture::{Images, Texels, Texture, Wrap};
-use crate::input::Result;
+use crate::input::{Loading, Result};
 use glam::{DVec2, DVec3};
 use half::f16;
 use rayon::prelude::*;
@@ -32,8 +32,8 @@ const LOBE_SIDE: u32 = 16;
 impl Sky {
     /// # Errors
     /// [`crate::input::Error::Input`] if its image cannot be read.
-    pub fn new(spec: &SkySpec, images: &mut Images) -> Result<Sky> {
-        let sky = Sky::of(images.load(&spec.file)?, spec.strength as f32, spec.rotate / 360.0);
+    pub fn new(spec: &SkySpec, images: &mut Images, loading: &Loading) -> Result<Sky> {
+        let sky = Sky::of(images.load(&spec.file, loading)?, spec.strength as f32, spec.rotate / 360.0);
         Ok(Sky { is_seen: spec.is_seen, ..sky })
     }
 

@@ -30,7 +30,7 @@ mod view;
 
 use crate::gpu::device::one_line;
 use crate::input::{Error, Result};
-use args::{Caps, Cli, Command};
+use args::{Cli, Command};
 use clap::Parser;
 use clap::error::{ContextKind, ErrorKind};
 use say::complain;
@@ -82,7 +82,6 @@ pub fn parsed<P: Parser>(arguments: Vec<OsString>) -> Result<Option<P>> {
 fn run(arguments: Vec<OsString>, started: Instant) -> Result<()> {
     lab::start_if_needed(&arguments)?;
     let Some(cli) = parsed::<Cli>(arguments)? else { return Ok(()) };
-    cli.command.caps().into_iter().for_each(Caps::apply);
     match &cli.command {
         Command::Render(args) => render::run(args, started),
         Command::Compare(args) => compare::run(args),

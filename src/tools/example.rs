@@ -224,12 +224,12 @@ mod tests {
         let path = example.write(dir.path()).unwrap();
         let floor = 2;
         for (flock, triangles) in [(300, 400), (700, 800), (1100, 1200), (1500, 1600)] {
-            let scene = Scene::load(&path, &[format!("mesh.0.file=flock-{flock}.obj")], 0.0).unwrap();
+            let scene = Scene::load(&path, &[format!("mesh.0.file=flock-{flock}.obj")], 0.0, &Loading::default()).unwrap();
             assert_eq!(scene.mesh.triangles.len(), triangles + floor);
         }
         for cameras in [100, 256, 512] {
             let keys = [format!("camera.mirror.cameras={cameras}")];
-            let camera = Scene::load(&path, &keys, 0.0).unwrap().camera().unwrap();
+            let camera = Scene::load(&path, &keys, 0.0, &Loading::default()).unwrap().camera().unwrap();
             assert_eq!(camera.optics.as_ref().unwrap().piece_count(), cameras);
         }
     }
@@ -240,7 +240,7 @@ mod tests {
         let path = EXAMPLES.iter().find(|e| e.name == "surround").unwrap().write(dir.path()).unwrap();
         for (width, height) in [(800, 400), (800, 600), (300, 500)] {
             let size = [format!("image.width={width}"), format!("image.height={height}")];
-            let camera = Scene::load(&path, &size, 0.0).unwrap().camera().unwrap();
+            let camera = Scene::load(&path, &size, 0.0, &Loading::default()).unwrap().camera().unwrap();
             let ray = |x: f64, y: f64| {
                 let (i, j) = (x.floor(), y.floor());
                 camera.with_sample_offset(x - i - 0.5, y - j - 0.5).ray(i as u32, j as u32).unwrap()
@@ -268,7 +268,7 @@ mod tests {
             let path = example.write(dir.path()).unwrap();
             assert!(example.scene.starts_with("# "), "{}", example.name);
             assert_eq!(example.scene.contains("After"), example.figure.is_some(), "{}", example.name);
-            let scene = Scene::load(&path, &[], 0.0).unwrap();
+            let scene = Scene::load(&path, &[], 0.0, &Loading::default()).unwrap();
             assert_eq!(scene.output.color, Some(dir.path().join(format!("{}.png", example.name))));
             let camera = scene.camera().unwrap();
             // of the gallery's cameras some say how they are built, and all with optics, and where borders of pieces are drawn

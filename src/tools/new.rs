@@ -1,7 +1,7 @@
 //! Scenes for the user's own model: a commented template for each task, its places and lengths filled in from the model's bounds.
 
 use crate::geometry::mesh::joined;
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use crate::scene::{Scene, file};
 use glam::{DMat3, DVec3};
 use std::fmt::Write;
@@ -183,7 +183,9 @@ pub fn list() -> String {
 /// The scene of one table.
 fn of_table(table: &str) -> Result<Scene> {
     let camera = "[camera]\nkind = \"pinhole\"\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nvfov = 40\n";
-    Scene::from_file(file::of_text(&format!("{table}{camera}"), Path::new("new.toml"), 0.0)?)
+    let loading = Loading::default();
+    let file = file::of_text(&format!("{table}{camera}"), Path::new("new.toml"), 0.0, &loading)?;
+    Scene::from_file(file, &loading)
 }
 
 /// Middle and radius of the ball around bounds.
@@ -272,7 +274,7 @@ mod tests {
             let path = dir.path().join("cube.toml");
             std::fs::write(&path, text).unwrap();
             // what moves is in the middle then
-            let scene = Scene::load(&path, overrides, 0.45).unwrap();
+            let scene = Scene::load(&path, overrides, 0.45, &Loading::default()).unwrap();
             let camera = scene.camera().unwrap();
             let frame = image(&scene, &camera, &[Channel::A]);
             let alpha = frame.f32(Channel::A).unwrap();

@@ -5,7 +5,7 @@ use crate::engine::{Engine, RunOptions};
 use crate::gpu::GpuOptions;
 use crate::gpu::device::{AdapterFeatures, NO_ADAPTER};
 use crate::gpu::kernels::{RaysKind, Variant};
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use crate::jobs::judged::judge;
 use crate::scene::Scene;
 use crate::tools::example::{EXAMPLES, Example};
@@ -96,7 +96,8 @@ impl Tester {
         let path = view.example.write(folder.path())?;
         let [width, height] = SIZES[usize::from(view.fallback)];
         let size = [format!("image.width={width}"), format!("image.height={height}")];
-        let scene = Scene::load(&path, if view.example.name == OWN_SIZE { &[] } else { &size }, 0.0)?;
+        let overrides: &[String] = if view.example.name == OWN_SIZE { &[] } else { &size };
+        let scene = Scene::load(&path, overrides, 0.0, &Loading::default())?;
         let camera = Arc::new(scene.camera()?);
         let engine = self.engine(view.fallback)?;
         let wanted = Wanted::of(camera.channels());

@@ -6,7 +6,7 @@ use crate::image::{read_pairs, write_text};
 use crate::input::load::read_text;
 use crate::input::parse::{self, Format};
 use crate::input::tree::Node;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use crate::scene::file::{self, SceneFile};
 use serde::Deserialize;
 use serde_json::Value as Json;
@@ -56,6 +56,8 @@ pub struct Document {
     undo: Vec<String>,
     redo: Vec<String>,
     gesture: Option<Gesture>,
+    /// Those of the scene, whatever its text asks for.
+    limits: Limits,
 }
 
 impl Document {
@@ -63,8 +65,8 @@ impl Document {
     ///
     /// # Errors
     /// Those of [`file::load`].
-    pub fn open(path: &Path) -> Result<Document> {
-        let text = read_text(path)?;
+    pub fn open(path: &Path, limits: Limits) -> Result<Document> {
+        let text = read_text(path, &Loading::new(limits))?;
         let (target, text, saved) = match Format::of(path)? {
             Format::Toml => (path.to_owned(), text.clone(), Some(text)),
             Format::Json => {
@@ -81,7 +83,8 @@ impl Document {
             return Err(Error::input(format!("{name}: {bytes} bytes of text; view takes at most {TEXT_MAX}")));
         }
         let (undo, redo) = (Vec::new(), Vec::new());
-        Ok(Document { path: path.to_owned(), target: Some(target), text, saved, undo, redo, gesture: None })
+        let (path, target) = (path.to_owned(), Some(target));
+        Ok(Document { path, target, text, saved, undo, redo, gesture: None, limits })
     }
 
     /// The document of a scene in memory: its camera, a table in TOML or, where it begins with a brace, JSON; and the size of the image.
@@ -89,7 +92,7 @@ impl Document {
     ///
     /// # Errors
     /// [`Error::Input`] for a table that is neither.
-    pub fn of_camera(camera: &str, size: Option<(u32, u32)>, folder: &Path) -> Result<Document> {
+    pub fn of_camera(camera: &str, size: Option<(u32, u32)>, folder: &Path, limits: Limits) -> Result<Document> {
         let path = folder.join("scene.toml");
         let format = if camera.trim_start().starts_with('{') { Format::Json } else { Format::Toml };
         let mut scene = serde_json::Map::new();
@@ -100,7 +103,7 @@ impl Document {
         let root = parse::parse(&Json::Object(scene).to_string(), Format::Json, &path)?;
         let text = values::toml(&root).map_err(Error::input)?;
         let (undo, redo) = (Vec::new(), Vec::new());
-        Ok(Document { path, target: None, text, saved: None, undo, redo, gesture: None })
+        Ok(Document { path, target: None, text, saved: None, undo, redo, gesture: None, limits })
     }
 
     /// Applies the changes of a command line: the image's size, and `key=value` texts as of `--set`.
@@ -130,6 +133,10 @@ impl Document {
     /// The scene file, from whose folder relative paths start.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    pub fn limits(&self) -> Limits {
+        self.limits
     }
 
     pub fn text(&self) -> &str {
@@ -163,7 +170,7 @@ impl Document {
     /// # Errors
     /// Those of [`file::load`].
     pub fn scene_file(&self, frame: f64) -> Result<SceneFile> {
-        file::of_text(&self.text, &self.path, frame)
+        file::of_text(&self.text, &self.path, frame, &self.loading())
     }
 
     /// All values at a frame: keyframed ones as numbers.
@@ -171,14 +178,15 @@ impl Document {
     /// # Errors
     /// [`Error::Input`] for text that is not TOML, and for wrong keyframes.
     pub fn values(&self, frame: f64) -> Result<Json> {
-        file::values(&self.text, &self.path, frame).map(|root| values::json(&root))
+        let root = file::values(&self.text, &self.path, frame, &self.loading())?;
+        Ok(values::json(&root))
     }
 
     /// What moves from frame to frame.
     pub fn keys(&self) -> Keys {
         // of text that cannot be read, nothing does
         let Ok(root) = self.root() else { return Keys::default() };
-        let Ok(expanded) = file::expanded(&self.text, &self.path) else { return Keys::default() };
+        let Ok(expanded) = file::expanded(&self.text, &self.path, &self.loading()) else { return Keys::default() };
         let has_poses = values::keyframed(&expanded) != values::keyframed(&root);
         Keys { frames: values::frames(&expanded), paths: values::keyframed(&root), has_poses }
     }
@@ -248,7 +256,7 @@ impl Document {
             return Err(Error::input("camera: its offsets are in no file"));
         };
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        let (columns, rows, offsets) = read_pairs(&folder.join(file))?;
+        let (columns, rows, offsets) = read_pairs(&folder.join(file), &self.loading())?;
         if offsets.len() > OFFSETS_MAX {
             let size = format!("{columns} x {rows}");
             return Err(Error::input(format!(
@@ -335,7 +343,10 @@ impl Document {
         let (file, on_disk) = match &self.saved {
             Some(saved) => (target, parse::parse(saved, Format::Toml, target)?),
             // of JSON, which the text was made from
-            None => (&self.path, parse::parse(&read_text(&self.path)?, Format::Json, &self.path)?),
+            None => {
+                let text = read_text(&self.path, &self.loading())?;
+                (&self.path, parse::parse(&text, Format::Json, &self.path)?)
+            }
         };
         let Some(sets) = values::assignments(&on_disk, &self.root()?) else {
             return Err(Error::input("a section was removed, which no --set can say; save the scene first"));
@@ -352,6 +363,11 @@ impl Document {
         let name = picture.file_name().unwrap_or_default().to_string_lossy().into_owned();
         words.extend(["-o".into(), quoted(&name)]);
         Ok(words.join(" "))
+    }
+
+    /// Reads what the text names.
+    fn loading(&self) -> Loading {
+        Loading::new(self.limits)
     }
 
     fn root(&self) -> Result<Node> {
@@ -381,7 +397,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join(name);
         std::fs::write(&path, text).unwrap();
-        let document = Document::open(&path).unwrap();
+        let document = Document::open(&path, Limits::default()).unwrap();
         (dir, document)
     }
 

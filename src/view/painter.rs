@@ -18,7 +18,7 @@ use crate::geometry::texture::ImagesRead;
 use crate::gpu::device::GpuOptions;
 use crate::image::png_bytes;
 use crate::image::tone::Tone;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options, samples};
 use crate::reference;
 use crate::scene::labels::Labels;
@@ -56,6 +56,7 @@ const LANES_TRIANGLES: usize = 1 << 20;
 pub struct Loader {
     library: Library,
     path: PathBuf,
+    limits: Limits,
     /// A scene in memory, whose text is that of the camera alone.
     base: Option<Scene>,
     /// The meshes of `base` and of the last text, and these in one.
@@ -66,13 +67,14 @@ pub struct Loader {
 type Joined = (Arc<Mesh>, Vec<Object>);
 
 impl Loader {
-    pub fn new(path: &Path, base: Option<Scene>) -> Loader {
-        Loader { library: Library::default(), path: path.to_owned(), base, joined: Mutex::default() }
+    pub fn new(path: &Path, limits: Limits, base: Option<Scene>) -> Loader {
+        Loader { library: Library::default(), path: path.to_owned(), limits, base, joined: Mutex::default() }
     }
 
     pub fn scene(&self, at: &At) -> Result<Scene> {
-        let file = file::of_text(&at.text, &self.path, at.frame)?;
-        let scene = self.library.scene(file, ImagesRead::All).map_err(|e| e.at(self.path.display()))?;
+        let loading = Loading::new(self.limits);
+        let file = file::of_text(&at.text, &self.path, at.frame, &loading)?;
+        let scene = self.library.scene(file, ImagesRead::All, &loading).map_err(|e| e.at(self.path.display()))?;
         match &self.base {
             Some(base) => self.with_base(scene, base),
             None => Ok(scene),
@@ -124,7 +126,7 @@ impl Loader {
     }
 
     pub fn camera(&self, scene: &Scene, size: Option<(u32, u32)>) -> Result<Arc<Camera>> {
-        self.library.camera(scene, size).map_err(|e| e.at(self.path.display()))
+        self.library.camera(scene, size, &Loading::new(self.limits)).map_err(|e| e.at(self.path.display()))
     }
 
     /// A camera for pictures `eighths` / 8 as large as `scene`'s own, or of its own size where the camera has only that.
@@ -317,7 +319,7 @@ impl Painter {
         let shown = job.asked.look.shown;
         let count = if job.asked.quality == Quality::Rest { job.asked.look.samples } else { 1 };
         let wanted = shown.wanted();
-        check_memory(camera.width, camera.height, wanted.channels.len() + 3, 0)?;
+        check_memory((camera.width, camera.height), wanted.channels.len() + 3, 0, scene.limits)?;
         let lane = match job.asked.quality {
             _ if scene.mesh.triangles.len() >= LANES_TRIANGLES => 0,
             quality => quality as usize,

@@ -117,7 +117,7 @@ impl Recipe for BottomUp {
         if !self.discontinuous {
             check_folds(setting, &graph)?;
         }
-        let mut built = graph.morphed(&plain, self.join.morph).build(self.join.bend, size)?;
+        let mut built = graph.morphed(&plain, self.join.morph).build(self.join.bend, setting)?;
         if self.discontinuous {
             built.notes.push("the views are not joined: the picture breaks where they meet what is between".into());
         }

@@ -1,12 +1,12 @@
 //! From a graph to layers: connecting legs straight, in straight parts, or curved.
 
 use super::super::curve::{Curve, CurveMap, Curves};
-use super::super::recipe::Built;
+use super::super::recipe::{Built, Setting};
 use super::super::{LAYERS_MAX, Pieces, Rays, mesh};
 use super::{Graph, Leg, Net};
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::input::reader::{Field, Table};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Result};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -54,7 +54,8 @@ pub(super) fn unit_number(field: &Field) -> Result<f64> {
 
 impl Graph {
     /// The layers of the graph, its connecting legs bent as asked.
-    pub fn build(&self, bend: Bend, size: (u32, u32)) -> Result<Built> {
+    pub fn build(&self, bend: Bend, setting: &Setting) -> Result<Built> {
+        let (size, limits) = (setting.size()?, setting.limits());
         let legs: Vec<Leg> = self.legs.iter().flat_map(|leg| leg.bent(bend)).collect();
         if legs.len() > LAYERS_MAX {
             let n = legs.len();
@@ -64,7 +65,7 @@ impl Graph {
             )));
         }
         let mut notes = Vec::new();
-        let layers = legs.iter().map(|leg| self.net.rays(leg, size, &mut notes)).collect::<Result<_>>()?;
+        let layers = legs.iter().map(|leg| self.net.rays(leg, size, &mut notes, limits)).collect::<Result<_>>()?;
         Ok(Built { t_range: Some([0.0, 1.0]), notes, ..Built::of_layers(size, layers) })
     }
 }
@@ -92,17 +93,24 @@ fn curve(points: &[Vec<DVec3>; 4], vertex: usize) -> Curve {
 }
 
 impl Net {
-    fn rays(&self, leg: &Leg, size: (u32, u32), notes: &mut Vec<String>) -> Result<Rays> {
+    fn rays(&self, leg: &Leg, size: (u32, u32), notes: &mut Vec<String>, limits: Limits) -> Result<Rays> {
         Ok(match leg {
-            Leg::Straight([from, to]) => Rays::Pieces(self.pieces(from, to, size, notes)?),
+            Leg::Straight([from, to]) => Rays::Pieces(self.pieces([from, to], size, notes, limits)?),
             Leg::Connecting([a, b, c, d]) => {
-                let legs = [self.pieces(a, b, size, notes)?, self.pieces(c, d, size, &mut Vec::new())?];
+                let first = self.pieces([a, b], size, notes, limits)?;
+                let legs = [first, self.pieces([c, d], size, &mut Vec::new(), limits)?];
                 Rays::Curves(Curves::new(size.0, size.1, Arc::new(CurvedLeg { legs, size })))
             }
         })
     }
 
-    fn pieces(&self, from: &[DVec3], to: &[DVec3], size: (u32, u32), notes: &mut Vec<String>) -> Result<Pieces> {
+    fn pieces(
+        &self,
+        [from, to]: [&[DVec3]; 2],
+        size: (u32, u32),
+        notes: &mut Vec<String>,
+        limits: Limits,
+    ) -> Result<Pieces> {
         let unit = DVec2::new(size.0 as f64, size.1 as f64);
         let vertex = |k: usize| {
             let image = (self.places_px[k] / unit).to_array();
@@ -110,7 +118,7 @@ impl Net {
         };
         let vertices = (0..self.places_px.len()).map(vertex).collect();
         let spec = MeshCameraSpec { vertices, triangles: self.triangles.clone(), normalize: false };
-        mesh::compile(&spec, size.0, size.1, notes)
+        mesh::compile(&spec, size, notes, limits)
     }
 }
 

@@ -13,7 +13,7 @@ use super::view::{Pinhole, View, beyond};
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::values::length;
-use crate::input::limits;
+use crate::input::limits::CORNERS;
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
@@ -103,7 +103,7 @@ fn read_region(field: &Field) -> Result<Region> {
         (None, Some(polygon)) => {
             let corner = |f: Field| f.numbers("two numbers, as [a, b]").map(DVec2::from_array);
             let corners: Vec<_> = polygon.items("a list of corners")?.map(corner).collect::<Result<_>>()?;
-            limits::CORNERS.check(corners.len() as u64).map_err(|e| polygon.error(e))?;
+            polygon.limits().check(CORNERS, corners.len() as u64).map_err(|e| polygon.error(e))?;
             if corners.len() < 3 || outline::is_tangled(&corners) {
                 return Err(polygon.error("give three or more corners in order, no side crossing another"));
             }
@@ -161,7 +161,7 @@ impl Recipe for TopDown {
         };
         let graph = legs::with_leaves(&plain, [leaf(leaf_depth, self.near), leaf(far, far)], depths);
         let folds = graph.folds(setting.bounds());
-        let mut built = graph.morphed(&plain, self.join.morph).build(self.join.bend, size)?;
+        let mut built = graph.morphed(&plain, self.join.morph).build(self.join.bend, setting)?;
         built.notes.extend(far_note(self.far, far));
         built.notes.extend(
             fold_note(folds).map(|note| note + "; make band wider, or move the regions' eyes nearer to the root's"),

@@ -127,7 +127,7 @@ impl Recipe for Track {
             }
         }
         let folds = graph.folds(setting.bounds());
-        let mut built = graph.morphed(&plain, self.join.morph).build(self.join.bend, size)?;
+        let mut built = graph.morphed(&plain, self.join.morph).build(self.join.bend, setting)?;
         built.notes.extend(notes.into_iter().chain(fold_note(folds)));
         Ok(Built { unfulfilled, ..built })
     }

@@ -46,7 +46,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         (None, Some(index)) => Which::Index(index),
         (None, None) => Which::Only,
     };
-    let calibration = file::read(&file.path()?, which)?;
+    let calibration = file::read(&file.path()?, which, file.loading())?;
     let pose = match calibration.placed {
         None => Pose::read(table)?,
         Some(placed) => match POSE.iter().filter(|key| **key != "distance").find_map(|key| table.get(key)) {
@@ -61,7 +61,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 pub fn read_opencv(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&["kind", "t_range", "file", "model"], &SHUTTER[..], &POSE, &KEYS].concat())?;
     let file = table.need("file", "\"camera.yml\"")?;
-    let found = file::opencv::read(&file.path()?)?;
+    let found = file::opencv::read(&file.path()?, file.loading())?;
     let named = table.optional("model", |field| match field.text()? {
         "brown" => Ok(false),
         "fisheye" => Ok(true),

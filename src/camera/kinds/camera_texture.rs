@@ -11,7 +11,7 @@ use crate::camera::pieces::{Piece, Pieces, side};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::image::read_pairs;
-use crate::input::limits;
+use crate::input::limits::CELLS;
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use bilinear::Inverse;
@@ -61,7 +61,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 fn read_offsets(table: &Table) -> Result<Offsets> {
     let (field, grid) = match (table.get("file"), table.get("offsets")) {
         (Some(file), None) => {
-            let (columns, rows, at) = read_pairs(&file.path()?)?;
+            let (columns, rows, at) = read_pairs(&file.path()?, file.loading())?;
             (file, Offsets { columns, rows, at })
         }
         (None, Some(offsets)) => {
@@ -75,7 +75,7 @@ fn read_offsets(table: &Table) -> Result<Offsets> {
         return Err(field.error(format_args!("{size} make no cell; give at least 2 x 2")));
     }
     let size = format!("{} x {}", grid.columns - 1, grid.rows - 1);
-    limits::CELLS.check_as(grid.at.len() as u64, size).map_err(|e| field.error(e))?;
+    field.limits().check_as(CELLS, grid.at.len() as u64, size).map_err(|e| field.error(e))?;
     if grid.at.iter().any(|o| !o.is_finite()) {
         return Err(field.error("an offset is not finite; use finite numbers"));
     }

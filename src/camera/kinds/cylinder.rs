@@ -85,7 +85,7 @@ fn build_strips(map: &Central<Wall>, n: u32, setting: &Setting) -> Result<Built>
     let above = highest * (1.0 / delta.cos() - 1.0) * f64::from(h) / (tan[1] - tan[0]);
     let note =
         format!("{n} strips; from the exact cylinder at most {beside:.4} px beside, {above:.4} px above or below");
-    let built = Grid::new(n, 1.0, (w, h))?.build(map);
+    let built = Grid::new(n, 1.0, setting)?.build(map);
     Ok(Built { notes: vec![note], ..built })
 }
 

@@ -21,7 +21,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&["kind", "t_range", "eye", "mesh"])?;
     let eye = table.need("eye", "[0, 0, 0]")?.vec3()?;
     let path: Field = table.need("mesh", "\"screen.obj\"")?;
-    Ok(Arc::new(Display { mesh: through(eye, &load_textured(&path.path()?)?) }))
+    Ok(Arc::new(Display { mesh: through(eye, &load_textured(&path.path()?, path.loading())?) }))
 }
 
 /// Every corner is a vertex of its own: pieces may join on the screen and not in the image, or the other way round.
@@ -39,7 +39,8 @@ impl Recipe for Display {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let (w, h) = setting.size()?;
         let mut notes = Vec::new();
-        let pieces = compile(&self.mesh, w, h, &mut notes).map_err(|e| e.at("camera.mesh as a camera of kind mesh"))?;
+        let pieces = compile(&self.mesh, (w, h), &mut notes, setting.limits());
+        let pieces = pieces.map_err(|e| e.at("camera.mesh as a camera of kind mesh"))?;
         Ok(Built { notes, ..Built::new((w, h), Rays::Pieces(pieces)) })
     }
 }

@@ -58,7 +58,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 /// N x 6 numbers: P and D of each ray.
 fn read_list(file: &Field) -> Result<Arc<dyn Recipe>> {
     let path = file.path()?;
-    let rows = read_npy_rows::<6>(&path)?;
+    let rows = read_npy_rows::<6>(&path, file.loading())?;
     let ray = |r: [f64; 6]| Ray { origin: DVec3::new(r[0], r[1], r[2]), direction: DVec3::new(r[3], r[4], r[5]) };
     Ok(Arc::new(List { path, rays: rows.into_iter().map(ray).collect() }))
 }

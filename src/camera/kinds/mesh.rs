@@ -25,7 +25,7 @@ impl Recipe for MeshCameraSpec {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let (width, height) = setting.size()?;
         let mut notes = Vec::new();
-        let pieces = compile(self, width, height, &mut notes)?;
+        let pieces = compile(self, (width, height), &mut notes, setting.limits())?;
         Ok(Built { notes, ..Built::new((width, height), Rays::Pieces(pieces)) })
     }
 }

@@ -51,7 +51,7 @@ impl From<Raymap> for CameraKind {
 impl Recipe for Raymap {
     /// The image's size is that of the files, which the scene may only repeat.
     fn build(&self, setting: &Setting) -> Result<Built> {
-        built(Field::load(&self.origins, &self.directions)?, setting)
+        built(Field::load(&self.origins, &self.directions, setting.loading())?, setting)
     }
 }
 

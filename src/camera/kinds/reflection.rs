@@ -14,9 +14,9 @@ use crate::geometry::bvh::Aabb;
 use crate::geometry::load::load_mesh;
 use crate::geometry::spec::{MeshSpec, read_mesh};
 use crate::geometry::texture::Images;
-use crate::input::limits;
+use crate::input::limits::ROUGH_BOUNCES;
 use crate::input::reader::{Field, Table};
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -197,20 +197,20 @@ fn read_mode(key: &Field, source: &Source) -> Result<Mode> {
 
 impl Source {
     /// The corners of a box around the surface.
-    fn bounds(&self) -> Result<(DVec3, DVec3)> {
+    fn bounds(&self, loading: &Loading) -> Result<(DVec3, DVec3)> {
         let Aabb { lo, hi } = match self {
             Source::Shape(shape, _) => shape.smooth().bounds(),
-            Source::Mesh(..) => Aabb::around(&self.facets(None)?.positions),
+            Source::Mesh(..) => Aabb::around(&self.facets(None, loading)?.positions),
         };
         Ok((lo, hi))
     }
 
     /// The surface tessellated into facets, about `count` where that is given.
-    fn facets(&self, count: Option<usize>) -> Result<Facets> {
+    fn facets(&self, count: Option<usize>, loading: &Loading) -> Result<Facets> {
         match self {
             Source::Shape(shape, own) => Ok(shape.facets(count.unwrap_or(*own))),
             Source::Mesh(spec, own) => {
-                let facets = Facets::of_mesh(&load_mesh(spec, &mut Images::left_out())?)?;
+                let facets = Facets::of_mesh(&load_mesh(spec, &mut Images::left_out(), loading)?)?;
                 count.or(*own).map_or_else(|| Ok(facets.clone()), |n| facets.resampled(n))
             }
         }
@@ -223,7 +223,7 @@ impl Recipe for Optical {
         let mut eye = eye_in(setting)?;
         if eye.scene_use != SceneUse::Nothing {
             // the surface is in view, too
-            eye = eye_in(&setting.and(self.source.bounds()?))?;
+            eye = eye_in(&setting.and(self.source.bounds(setting.loading())?))?;
         }
         self.check_eye(&eye, setting)?;
         let central = || centre(&eye);
@@ -232,7 +232,7 @@ impl Recipe for Optical {
             let bounces = u64::from(eye.width) * u64::from(eye.height) * u64::from(rays) * u64::from(depth);
             let shown =
                 format_args!("{} x {} pixels with {rays} rays to depth {depth}: {bounces}", eye.width, eye.height);
-            limits::ROUGH_BOUNCES.check_as(bounces, shown).map_err(|e| e.at("camera.rays"))?;
+            setting.limits().check_as(ROUGH_BOUNCES, bounces, shown).map_err(|e| e.at("camera.rays"))?;
         }
         let (surface, note) = match (self.facets, &self.source) {
             (Mode::Exact, Source::Shape(shape, _)) => {
@@ -249,7 +249,7 @@ impl Recipe for Optical {
                     (Some(_), Some(px)) => format!(", off by {px:.3} px (95th percentile)"),
                     (Some(_), None) => ", as few as there may be: no pixel sees them".into(),
                 };
-                let (facets, as_of) = self.matched(facets)?;
+                let (facets, as_of) = self.matched(facets, setting.loading())?;
                 let note = format!("the surface is tessellated into {n} facet{}{off}{as_of}", plural(n));
                 (Surface::Facets { facets, law }, note)
             }
@@ -312,9 +312,9 @@ impl Optical {
     }
 
     /// The facets with the normals of the coarser copy, if any; and a note on it.
-    fn matched(&self, facets: Facets) -> Result<(Facets, String)> {
+    fn matched(&self, facets: Facets, loading: &Loading) -> Result<(Facets, String)> {
         let Some(count) = self.cameras else { return Ok((facets, String::new())) };
-        let coarse = self.source.facets(Some(count)).map_err(|e| e.at("camera"))?;
+        let coarse = self.source.facets(Some(count), loading).map_err(|e| e.at("camera"))?;
         let n = coarse.triangles.len();
         Ok((facets.shot_at(&coarse), format!(" that reflect rays as {n} camera facet{} would", plural(n))))
     }
@@ -322,13 +322,16 @@ impl Optical {
     /// The facets; and their error in pixels if their number follows from it.
     fn tessellate(&self, eye: &Camera, law: Law, setting: &Setting) -> Result<(Facets, Option<f64>)> {
         let at = |e: Error| e.at("camera");
-        let Some(most) = self.facets_error else { return Ok((self.source.facets(None).map_err(at)?, None)) };
+        let loading = setting.loading();
+        let Some(most) = self.facets_error else {
+            return Ok((self.source.facets(None, loading).map_err(at)?, None));
+        };
         let once = |surface| Optics { depth: 1, ..self.optics.with(surface, None) };
         let truth = match &self.source {
             Source::Shape(shape, _) => Surface::Smooth(shape.smooth()),
             // a mesh is what it is
             Source::Mesh(spec, _) => Surface::Facets {
-                facets: Facets::of_mesh(&load_mesh(spec, &mut Images::left_out())?).map_err(at)?,
+                facets: Facets::of_mesh(&load_mesh(spec, &mut Images::left_out(), loading)?).map_err(at)?,
                 law: Law::Normals,
             },
         };
@@ -336,7 +339,7 @@ impl Optical {
         let middle = setting.bounds().map_or(DVec3::ZERO, |(lo, hi)| (lo + hi) / 2.0);
         let mut count = COUNT_LEAST;
         loop {
-            let facets = self.source.facets(Some(count)).map_err(at)?;
+            let facets = self.source.facets(Some(count), loading).map_err(at)?;
             let off = error_px(eye, &truth, &once(Surface::Facets { facets: facets.clone(), law }), middle);
             if off.is_none_or(|px| px <= most) || 2 * count > COUNT_MAX as usize {
                 return Ok((facets, off));

@@ -73,7 +73,7 @@ fn build_cells(map: &Central<Angles>, n: u32, setting: &Setting) -> Result<Built
     if bound >= 1.0 {
         return Err(Error::input(format!("camera.strips = {n}: too few to tell directions apart; give more")));
     }
-    let grid = Grid::new(n, rows, setting.size()?)?;
+    let grid = Grid::new(n, rows, setting)?;
     let bound_deg = bound.asin().to_degrees();
     let note =
         format!("{} cells; a ray differs from the exact sphere's by at most {bound_deg:.4} degrees", grid.cells());

@@ -4,9 +4,9 @@ use super::central::{Central, Lens};
 use crate::camera::bundle::Bundle;
 use crate::camera::mesh::interpolated;
 use crate::camera::pieces::{Piece, Pieces};
-use crate::camera::recipe::Built;
+use crate::camera::recipe::{Built, Setting};
 use crate::camera::{RayMap, Rays};
-use crate::input::limits;
+use crate::input::limits::CELLS;
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
@@ -21,7 +21,7 @@ pub fn read(table: &Table) -> Result<Option<u32>> {
         return Err(field.error("strips and pieces both split the image; give one of them"));
     }
     let strips = field.integer(1, STRIPS_MAX)?;
-    limits::CELLS.check(strips).map_err(|e| field.error(e))?;
+    field.limits().check(CELLS, strips).map_err(|e| field.error(e))?;
     // it is at most STRIPS_MAX, under 2^32
     Ok(Some(strips as u32))
 }
@@ -38,10 +38,11 @@ pub struct Grid {
 impl Grid {
     /// # Errors
     /// [`Error::Input`] for more cells than fit.
-    pub fn new(columns: u32, rows: f64, (width, height): (u32, u32)) -> Result<Grid> {
+    pub fn new(columns: u32, rows: f64, setting: &Setting) -> Result<Grid> {
+        let (width, height) = setting.size()?;
         let cells = f64::from(columns) * rows;
         let at = |e: Error| e.at(format_args!("camera.strips = {columns}"));
-        limits::CELLS.check_as(cells as u64, format_args!("{columns} x {rows}")).map_err(at)?;
+        setting.limits().check_as(CELLS, cells as u64, format_args!("{columns} x {rows}")).map_err(at)?;
         if cells > STRIPS_MAX as f64 {
             return Err(at(Error::input(format!(
                 "{columns} x {rows} cells are more than can be numbered; give fewer"

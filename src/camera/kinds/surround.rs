@@ -11,7 +11,7 @@ use crate::geometry::generate::icosphere;
 use crate::geometry::obj;
 use crate::geometry::texture::Images;
 use crate::input::Result;
-use crate::input::limits;
+use crate::input::limits::CAMERAS;
 use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -41,7 +41,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let (field, mesh, scale) = match table.get("file") {
         Some(file) => {
             table.allow(&["kind", "t_range", "file", "center", "scale", "up", "columns"])?;
-            let mesh = obj::load(&file.path()?, &mut Images::left_out()).map_err(|e| e.at("camera.file"))?;
+            let mesh = obj::load(&file.path()?, &mut Images::left_out(), file.loading());
+            let mesh = mesh.map_err(|e| e.at("camera.file"))?;
             (file, mesh, table.or("scale", 1.0, length)?)
         }
         None => {
@@ -52,7 +53,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
             (radius, icosphere(level as u32), scale)
         }
     };
-    limits::CAMERAS.check(mesh.triangles.len() as u64).map_err(|e| field.error(e))?;
+    field.limits().check(CAMERAS, mesh.triangles.len() as u64).map_err(|e| field.error(e))?;
     let columns = table.optional("columns", |f| f.integer(1, mesh.triangles.len().div_ceil(2).max(1) as u64))?;
     let columns = columns.map(|n| n as usize);
     let (vertices, triangles) = welded(&mesh.positions, &mesh.triangles);

@@ -108,7 +108,9 @@ fn read_triangle(field: &Field) -> Result<[u32; 3]> {
 
 fn read_pieces_file(field: &Field) -> Result<(Vec<CameraVertex>, Vec<[u32; 3]>)> {
     let path = field.path()?;
-    let bytes = crate::input::files::read(&path)
+    let bytes = field
+        .loading()
+        .read(&path)
         .map_err(|e| field.error(format_args!("{} cannot be read: {e}; check the path", path.display())))?;
     parse_pieces(&bytes, &path)
 }

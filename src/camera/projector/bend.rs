@@ -89,7 +89,7 @@ mod tests {
 
     fn read(text: &str) -> Surface {
         let (node, path) = (parse_set_value(text), Path::new(""));
-        Surface::read(&Field::new(&Source::new(path, path), "surface", &node)).unwrap()
+        Surface::read(&Field::new(&Source::new(path, path, &Loading::default()), "surface", &node)).unwrap()
     }
 
     #[test]

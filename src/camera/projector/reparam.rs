@@ -141,7 +141,7 @@ fn read_magnify(table: &Table) -> Result<Reparam> {
 fn read_table(table: &Table) -> Result<Reparam> {
     table.allow(&["kind", "file"])?;
     let field = table.need("file", "\"places.npy\"")?;
-    let (width, height, places) = read_pairs(&field.path()?).map_err(|e| field.error(e))?;
+    let (width, height, places) = read_pairs(&field.path()?, field.loading()).map_err(|e| field.error(e))?;
     if !places.iter().any(|p| p.is_finite()) {
         return Err(field.error("the table holds no pair of finite numbers"));
     }

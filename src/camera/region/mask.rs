@@ -1,7 +1,7 @@
 //! Masks: images whose white texels are a region.
 
 use crate::geometry::texture::decoded;
-use crate::input::{Error, Result, files};
+use crate::input::{Error, Loading, Result};
 use glam::{DVec2, UVec2};
 use std::path::Path;
 
@@ -25,8 +25,8 @@ impl Mask {
     ///
     /// # Errors
     /// [`Error::Missing`] or [`Error::Read`] if it cannot be read; [`Error::Input`] naming it if it is no image, or no texel is inside.
-    pub fn load(path: &Path) -> Result<Mask> {
-        let bytes = files::read(path).map_err(|e| Error::unreadable(path, e))?;
+    pub fn load(path: &Path, loading: &Loading) -> Result<Mask> {
+        let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
         let texels = decoded(&bytes).map_err(|e| e.at(path.display()))?.into_rgba16();
         let is_inside = |[r, g, b, opacity]: [u32; 4]| r + g + b >= 3 * HALF && opacity >= HALF;
         let inside: Vec<bool> = texels.pixels().map(|texel| is_inside(texel.0.map(u32::from))).collect();

@@ -7,7 +7,7 @@
 
 use super::bound::{Judge, Verdict};
 use super::grid::{Bends, Cells, balanced, bends, even, strips};
-use crate::input::limits;
+use crate::input::limits::PIECES;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -38,7 +38,7 @@ fn refine_strips(judge: &Judge, error_px: f64, axis: Bends) -> Cells {
         let wide = |k: usize| borders[k + 1] - borders[k] > PIECE_MIN_PX;
         let split = |k: usize| wide(k) && cells.verdicts[2 * k..2 * k + 2].iter().any(|v| asks(v, error_px));
         let halved: Vec<usize> = (0..borders.len() - 1).filter(|&k| split(k)).collect();
-        if halved.is_empty() || cells.triangles.len() + 2 * halved.len() > limits::PIECES.most as usize {
+        if halved.is_empty() || cells.triangles.len() + 2 * halved.len() > PIECES.most as usize {
             return cells;
         }
         borders.extend(halved.iter().map(|&k| (borders[k] + borders[k + 1]) / 2.0).collect::<Vec<_>>());
@@ -59,7 +59,7 @@ fn refine_triangles(judge: &Judge, error_px: f64) -> Cells {
         let over: Vec<u32> =
             new.into_iter().filter(|&t| asks(&mesh.cells.verdicts[t as usize], error_px) && mesh.is_large(t)).collect();
         for t in over {
-            if mesh.cells.triangles.len() + 2 > limits::PIECES.most as usize {
+            if mesh.cells.triangles.len() + 2 > PIECES.most as usize {
                 break;
             }
             // it may have been split with a neighbour already

@@ -219,7 +219,7 @@ mod tests {
         let ours = teapot(10).positions;
         // The file has six digits or so.
         const ROUNDED: f64 = 1e-5;
-        for p in obj::load(&path, &mut Images::left_out()).unwrap().positions {
+        for p in obj::load(&path, &mut Images::left_out(), &Loading::default()).unwrap().positions {
             assert!(ours.iter().any(|q| q.distance(p) < ROUNDED), "{p}");
         }
     }

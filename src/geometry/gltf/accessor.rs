@@ -8,7 +8,6 @@ use gltf::buffer::View;
 
 use super::MAX_TRIANGLES;
 use super::source::Source;
-use crate::input::limits::memory;
 use crate::input::{Error, Result};
 
 impl Source {
@@ -125,7 +124,8 @@ impl Source {
             None if count > 3 * MAX_TRIANGLES => return Err(format!("{count} elements are too many; split the file")),
             None => {
                 let bytes = 8 * count as u64 * components as u64;
-                memory::check(bytes, format_args!("{count} elements"), "split the file").map_err(|e| e.to_string())?;
+                let what = format_args!("{count} elements");
+                self.limits.check_memory(bytes, what, "split the file").map_err(|e| e.to_string())?;
                 vec![0.0; count * components]
             }
         };

@@ -11,7 +11,7 @@ use gltf::{Document, buffer};
 
 use super::Files;
 use crate::geometry::texture::is_missing;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use serde_json::Value as Json;
 
 /// How to find the files that a glTF file names.
@@ -20,6 +20,7 @@ pub(super) struct FileAccess<'a> {
     /// The folder of the glTF file.
     pub folder: &'a Path,
     pub files: Files,
+    pub loading: &'a Loading,
 }
 
 /// What was read from a file, or the path where it does not exist.
@@ -34,6 +35,7 @@ pub(super) struct Source {
     pub buffers: Vec<Arc<Vec<u8>>>,
     /// What is wrong with its materials, which not every reader uses.
     pub material_error: Option<Error>,
+    pub limits: Limits,
 }
 
 impl Source {
@@ -55,7 +57,7 @@ impl Source {
             buffers.push(bytes);
         }
         drop(known);
-        Ok(Source { document, buffers, material_error })
+        Ok(Source { document, buffers, material_error, limits: access.loading.limits() })
     }
 
     /// The bytes of an image's file.
@@ -238,7 +240,7 @@ fn read_uri(uri: &str, access: FileAccess) -> std::result::Result<Found<Vec<u8>>
             "{name:?} is outside of the glTF's folder; move it there, or set outside_files = true in the [[mesh]]"
         ));
     }
-    match crate::input::files::read(&file) {
+    match access.loading.read(&file) {
         Ok(bytes) => Ok(Found::Present(bytes)),
         Err(e) if is_missing(&e) => Ok(Found::Missing(file)),
         Err(e) => Err(format!("{} cannot be read: {e}", file.display())),

@@ -5,8 +5,8 @@ use super::*;
 use crate::geometry::spec::AnimationSpec;
 use crate::testing::model;
 
-fn here() -> FileAccess<'static> {
-    FileAccess { folder: Path::new(""), files: Files::Below }
+fn here(loading: &Loading) -> FileAccess<'_> {
+    FileAccess { folder: Path::new(\"\"), files: Files::Below, loading }
 }
 
 /// The bytes of a quad's four positions (f32), six u16 indices and a strip's four u8 indices: 64 bytes.
@@ -48,7 +48,7 @@ fn load_quad(edit: impl FnOnce(&mut serde_json::Value)) -> Result<Mesh> {
     std::fs::write(folder.path().join("quad.bin"), quad_bytes()).unwrap();
     let path = folder.path().join("quad.gltf");
     std::fs::write(&path, serde_json::to_vec(&json).unwrap()).unwrap();
-    load(&path, Files::Below, &Images::default(), None)
+    load(&path, Files::Below, &Images::default(), None, &Loading::default())
 }
 
 fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
@@ -79,7 +79,7 @@ fn external_inline_and_binary_buffers_are_the_same() {
     let uri = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAA\
                AAABAAIAAgABAAMAAAECAw==";
     assert_eq!(load_quad(|json| json["buffers"][0]["uri"] = uri.into()).unwrap(), external);
-    assert_eq!(parse(&quad_glb(), here(), &Images::default(), None).unwrap(), external);
+    assert_eq!(parse(&quad_glb(), here(&Loading::default()), &Images::default(), None).unwrap(), external);
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn normals_and_colours_are_placed() {
 }
 
 #[test]
-fn wrong_documents_say_where() {
+fn wrong_documents_say_where(&Loading::default()) {
     type Edit = fn(&mut serde_json::Value);
     let cases: [(Edit, &str); 18] = [
         (|j| j["accessors"][0]["count"] = 5.into(), "accessor 0: exceeds buffer view 0 of 48 bytes"),
@@ -204,10 +204,10 @@ fn wrong_documents_say_where() {
         b"[1]",
         b"\xff\xfe",
     ] {
-        assert!(matches!(parse(bytes, here(), &Images::default(), None), Err(Error::Input(_))));
+        assert!(matches!(parse(bytes, here(&Loading::default()), &Images::default(), None), Err(Error::Input(_))));
     }
     assert!(
-        load(Path::new("no/such.glb"), Files::Below, &Images::default(), None)
+        load(Path::new("no/such.glb"), Files::Below, &Images::default(), None, &Loading::default())
             .unwrap_err()
             .to_string()
             .starts_with("no/such.glb: cannot be read")
@@ -271,7 +271,7 @@ fn load_textured_quad(images: &Images, edit: impl FnOnce(&mut serde_json::Value)
     let binary = [quad_bytes(), uvs, two_texels()].concat();
     let mut text = serde_json::to_vec(&json).unwrap();
     text.resize(text.len().next_multiple_of(4), b' ');
-    parse(&glb(&text, &binary), here(), images, None)
+    parse(&glb(&text, &binary), here(&Loading::default()), images, None)
 }
 
 #[test]
@@ -306,7 +306,7 @@ fn files_outside_of_the_folder_are_refused_unless_allowed() {
         let mut json = quad_json();
         json["buffers"][0]["uri"] = uri.into();
         std::fs::write(&path, serde_json::to_vec(&json).unwrap()).unwrap();
-        load(&path, files, &Images::default(), None)
+        load(&path, files, &Images::default(), None, &Loading::default())
     };
     let absolute = place.path().join("quad.bin").display().to_string();
     let mut outside =
@@ -338,7 +338,7 @@ fn buffers_of_one_file_share_its_bytes() {
     let buffer = json["buffers"][0].clone();
     json["buffers"] = vec![buffer; 3].into();
     let bytes = serde_json::to_vec(&json).unwrap();
-    let source = Source::parse(&bytes, FileAccess { folder: folder.path(), files: Files::Below }).unwrap();
+    let source = Source::parse(&bytes, FileAccess { folder: folder.path(), files: Files::Below, loading: &Loading::default() }).unwrap();
     assert!(source.buffers.len() == 3 && source.buffers.iter().all(|b| Arc::ptr_eq(b, &source.buffers[0])));
 }
 
@@ -426,7 +426,7 @@ fn models_have_the_counts_and_bounds_of_their_list() {
         ("kaykit-city/gltf/building_H.gltf", 1885, [-1.003, 0.0, -1.0], [1.003, 3.05, 1.0]),
     ] {
         let Some(path) = model(name) else { continue };
-        let mesh = load(&path, Files::Below, &Images::default(), None).unwrap();
+        let mesh = load(&path, Files::Below, &Images::default(), None, &Loading::default()).unwrap();
         assert_eq!(mesh.triangles.len(), triangles, "{name}");
         assert_eq!((mesh.corner_normals.len(), mesh.material_of.len()), (triangles, triangles));
         assert!(mesh.normals.iter().all(|n| n.is_normalized()));
@@ -452,7 +452,7 @@ proptest! {
             bytes[place] = value;
         }
         bytes.truncate(if is_cut { cut.index(bytes.len()) } else { bytes.len() });
-        let _ = parse(&bytes, here(), &Images::default(), None);
+        let _ = parse(&bytes, here(&Loading::default()), &Images::default(), None);
     }
 
     #[test]
@@ -462,7 +462,7 @@ proptest! {
         let place = place % numbers.len();
         let at = text.match_indices(|c: char| c.is_ascii_digit()).nth(place).unwrap().0;
         let changed = format!("{}{value}{}", &text[..at], &text[at + 1..]);
-        let _ = parse(&glb(changed.replace("\"uri\":\"quad.bin\",", "").as_bytes(), &quad_bytes()), here(), &Images::default(), None);
+        let _ = parse(&glb(changed.replace("\"uri\":\"quad.bin\",", "").as_bytes(), &quad_bytes()), here(&Loading::default()), &Images::default(), None);
     }
 }
 
@@ -489,7 +489,7 @@ fn colours_of_vertices_are_linear() {
         let load = |json: &serde_json::Value| {
             let path = folder.path().join("quad.gltf");
             std::fs::write(&path, serde_json::to_vec(json).unwrap()).unwrap();
-            load(&path, Files::Below, &Images::default(), None)
+            load(&path, Files::Below, &Images::default(), None, &Loading::default())
         };
         let mesh = load(&json).unwrap();
         assert_eq!(mesh.colors, [[1.0, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0; 3], [1.0; 3]]);
@@ -529,7 +529,7 @@ fn load_animated(time: f64, more: &[(&str, &[f32])], edit: impl FnOnce(&mut serd
     std::fs::write(folder.path().join("more.bin"), bytes).unwrap();
     let path = folder.path().join("quad.gltf");
     std::fs::write(&path, serde_json::to_vec(&json).unwrap()).unwrap();
-    load(&path, Files::Below, &Images::default(), Some(&AnimationSpec { name: "a".into(), time }))
+    load(&path, Files::Below, &Images::default(), Some(&AnimationSpec { name: "a".into(), time }), &Loading::default())
 }
 
 /// One channel of an animation "a" by accessors 3 and 4.

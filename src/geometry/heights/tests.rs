@@ -17,7 +17,7 @@ fn ascii_grids_are_read_from_the_north_west() {
     assert!(grid.samples[..5] == [1.0, 2.0, 3.0, 4.0, 5.0] && grid.samples[5].is_nan());
     let place = grid.georeference.unwrap();
     assert_eq!((place.cell, place.middle), (DVec2::splat(10.0), DVec2::new(500_015.0, 4_000_005.0)));
-    let mesh = mesh(&grid, &spec(None)).unwrap();
+    let mesh = mesh(&grid, &spec(None), Limits::default()).unwrap();
     let at = |x, y, z| DVec3::new(x, y, z);
     let corners = [at(-10., 2., -5.), at(0., 4., -5.), at(10., 6., -5.), at(-10., 8., 5.), at(0., 10., 5.)];
     assert_eq!(mesh.positions, corners);
@@ -34,7 +34,7 @@ fn ascii_grids_are_read_from_the_north_west() {
 
 #[test]
 fn cells_may_be_given() {
-    let mesh = mesh(&asc::read(ASC.as_bytes()).unwrap(), &spec(Some(DVec2::new(1.0, 3.0)))).unwrap();
+    let mesh = mesh(&asc::read(ASC.as_bytes()).unwrap(), &spec(Some(DVec2::new(1.0, 3.0))), Limits::default()).unwrap();
     assert_eq!(mesh.bounds(), Some((DVec3::new(-1.0, 2.0, -1.5), DVec3::new(1.0, 10.0, 1.5))));
 }
 
@@ -64,8 +64,8 @@ fn wrong_grids_say_what_is_wrong() {
     let nan = asc::read(format!("{header}NODATA_value nan\n  nan 2\n3 4\n").as_bytes()).unwrap();
     assert!(nan.samples[0].is_nan() && nan.samples[1..] == [2.0, 3.0, 4.0]);
     let none = asc::read(format!("{header}1 2\n-9999 -9999\n").as_bytes()).unwrap();
-    assert!(mesh(&none, &spec(None)).unwrap_err().to_string().contains("no surface"));
-    assert!(read(Path::new("missing.asc")).unwrap_err().to_string().contains("missing.asc: cannot be read"));
+    assert!(mesh(&none, &spec(None), Limits::default()).unwrap_err().to_string().contains("no surface"));
+    assert!(read(Path::new("missing.asc"), &Loading::default()).unwrap_err().to_string().contains("missing.asc: cannot be read"));
 }
 
 #[test]
@@ -73,23 +73,23 @@ fn gray_pngs_are_heights() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.png");
     image::ImageBuffer::<image::Luma<u16>, _>::from_raw(2, 2, vec![0u16, 1, 300, 65535]).unwrap().save(&path).unwrap();
-    let grid = read(&path).unwrap();
+    let grid = read(&path, &Loading::default()).unwrap();
     assert_eq!(grid, Grid { columns: 2, rows: 2, samples: vec![0.0, 1.0, 300.0, 65535.0], georeference: None });
     image::GrayImage::from_raw(2, 2, vec![1, 2, 3, 255]).unwrap().save(&path).unwrap();
-    assert_eq!(read(&path).unwrap().samples, [1.0, 2.0, 3.0, 255.0]);
+    assert_eq!(read(&path, &Loading::default()).unwrap().samples, [1.0, 2.0, 3.0, 255.0]);
     image::GrayAlphaImage::from_raw(2, 2, vec![1, 255, 2, 1, 3, 0, 4, 9]).unwrap().save(&path).unwrap();
-    let samples = read(&path).unwrap().samples;
+    let samples = read(&path, &Loading::default()).unwrap().samples;
     assert!([samples[0], samples[1], samples[3]] == [1.0, 2.0, 4.0] && samples[2].is_nan());
     image::RgbImage::new(2, 2).save(&path).unwrap();
-    assert!(read(&path).unwrap_err().to_string().contains("is in colour"));
+    assert!(read(&path, &Loading::default()).unwrap_err().to_string().contains("is in colour"));
     // a decoder would turn heights of 0 to 15 into 0 to 255
     let mut encoder = png::Encoder::new(std::fs::File::create(&path).unwrap(), 2, 2);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.set_depth(png::BitDepth::Four);
     encoder.write_header().unwrap().write_image_data(&[0x12, 0x3f]).unwrap();
-    assert!(read(&path).unwrap_err().to_string().contains("fewer than 8 bits"));
+    assert!(read(&path, &Loading::default()).unwrap_err().to_string().contains("fewer than 8 bits"));
     std::fs::write(&path, "P5").unwrap();
-    assert!(read(&path).unwrap_err().to_string().contains("no PNG"));
+    assert!(read(&path, &Loading::default()).unwrap_err().to_string().contains("no PNG"));
 }
 
 /// A TIFF of 3 x 2 floats with these GeoKeys. One float has no data, with the digits that GDAL writes.
@@ -128,8 +128,8 @@ fn geotiffs_say_where_they_are() {
     assert_eq!(geotiff(&area, &moved).unwrap().georeference, Some(place));
     assert_eq!(geotiff(&point, &tie).unwrap().georeference.unwrap().middle, DVec2::new(1030.0, 4990.0));
     let in_degrees = geotiff(&degrees, &tie).unwrap();
-    assert!(mesh(&in_degrees, &spec(None)).unwrap_err().to_string().contains("30 x 20 degrees"));
-    assert!(mesh(&in_degrees, &spec(Some(DVec2::ONE))).is_err_and(|e| e.to_string().contains("no surface")));
+    assert!(mesh(&in_degrees, &spec(None), Limits::default()).unwrap_err().to_string().contains("30 x 20 degrees"));
+    assert!(mesh(&in_degrees, &spec(Some(DVec2::ONE)), Limits::default()).is_err_and(|e| e.to_string().contains("no surface")));
     assert!(geotiff::read(b"II*\0").is_err_and(|e| e.contains("no TIFF")));
     let mut bytes = Cursor::new(Vec::new());
     TiffEncoder::new(&mut bytes).unwrap().write_image::<colortype::RGB8>(2, 2, &[0; 12]).unwrap();

@@ -9,7 +9,7 @@ use glam::Vec2;
 use crate::geometry::lex::{Lines, Tokens, parse_f64, quoted};
 use crate::geometry::mesh::{Material, Missing};
 use crate::geometry::texture::{Texels, Texture, Wrap, with_opacity};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 
 /// A material, and the images on it, which are not loaded yet.
 #[derive(Debug)]
@@ -61,9 +61,9 @@ impl Mapped {
     }
 
     /// The material if its images are not read. As in [`Mapped::with_images`], it is white if only an image colours it.
-    pub fn without_images(&self) -> Material {
+    pub fn without_images(&self, loading: &Loading) -> Material {
         let exists = |map: &Map| {
-            crate::input::files::note(&map.image);
+            loading.note(&map.image);
             map.image.is_file()
         };
         let is_white = self.is_white && self.map.as_ref().is_some_and(exists);
@@ -79,6 +79,7 @@ impl Mapped {
         &self,
         mut find_image: impl FnMut(&Path) -> Result<Option<Arc<Texels>>>,
         missing: &mut Vec<Missing>,
+        limits: Limits,
     ) -> Result<Material> {
         let mut find = |map: Option<&Map>, instead: &str| -> Result<Option<Arc<Texels>>> {
             let Some(map) = map else { return Ok(None) };
@@ -116,6 +117,7 @@ impl Mapped {
                     colours.map(|c| Texture { wrap: wrap_here, ..Texture::new(c) }),
                     opacity,
                     offset.as_dvec2(),
+                    limits,
                 )
                 .map_err(|e| e.at(&mask.line))?
             }
@@ -132,10 +134,10 @@ impl Mapped {
 ///
 /// # Errors
 /// [`Error::Input`] if a file cannot be read or is malformed.
-pub(super) fn load(folder: &Path, libraries: &[&str]) -> Result<Vec<Mapped>> {
+pub(super) fn load(folder: &Path, libraries: &[&str], loading: &Loading) -> Result<Vec<Mapped>> {
     let find = |name: &str| -> Option<PathBuf> {
         let is_there = |path: &PathBuf| {
-            crate::input::files::note(path);
+            loading.note(path);
             path.is_file()
         };
         [name.to_owned(), name.replace('\\', "/")].iter().map(|name| folder.join(name)).find(is_there)
@@ -153,7 +155,7 @@ pub(super) fn load(folder: &Path, libraries: &[&str]) -> Result<Vec<Mapped>> {
     last.reverse();
     let mut materials = Vec::new();
     for file in last {
-        let text = crate::input::files::read(&file).map_err(|e| Error::unreadable(&file, e))?;
+        let text = loading.read(&file).map_err(|e| Error::unreadable(&file, e))?;
         materials.extend(parse(&text, &file)?);
     }
     Ok(materials)
@@ -325,7 +327,7 @@ mod tests {
             asked.push(image.to_owned());
             Ok(Some(grey(0.25)))
         };
-        let materials: Vec<_> = read.iter().map(|m| m.with_images(&mut find, &mut Vec::new()).unwrap()).collect();
+        let materials: Vec<_> = read.iter().map(|m| m.with_images(&mut find, &mut Vec::new(), Limits::default()).unwrap()).collect();
         assert_eq!(asked, [Path::new("in/my image.png"), Path::new("in/m.png")]);
         let [a, b, c] = &materials[..] else { panic!("three") };
         assert_eq!(read[0].placement(), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.0)));
@@ -351,12 +353,12 @@ mod tests {
             true => Ok(Some(row(&[0.25]))),
             false => Ok(Some(row(&[0.0, 0.0, 1.0, 1.0]))),
         };
-        let texels = read[0].with_images(image, &mut Vec::new()).unwrap().texture.unwrap().texels;
+        let texels = read[0].with_images(image, &mut Vec::new(), Limits::default()).unwrap().texture.unwrap().texels;
         let seen: Vec<_> = texels.rgba.iter().map(|t| [t[0].to_f32(), t[3].to_f32()]).collect();
         assert_eq!(seen, [[0.25, 1.0], [0.25, 1.0], [0.25, 0.0], [0.25, 0.0]]);
 
         let other = parse(b"newmtl a\nmap_Kd c.png\nmap_d -s 2 2 m.png", Path::new("a.mtl")).unwrap();
-        let message = other[0].with_images(image, &mut Vec::new()).unwrap_err().to_string();
+        let message = other[0].with_images(image, &mut Vec::new(), Limits::default()).unwrap_err().to_string();
         assert_eq!(message, "a.mtl:3: map_d: its -s and -clamp are not map_Kd's; give the same");
     }
 
@@ -368,7 +370,7 @@ mod tests {
         let with = |material: usize, there: &[&str]| {
             let mut missing = Vec::new();
             let find = |image: &Path| Ok(there.iter().any(|t| image == Path::new(t)).then(grey));
-            let material = read[material].with_images(find, &mut missing).unwrap();
+            let material = read[material].with_images(find, &mut missing, Limits::default()).unwrap();
             let texture = material.texture.as_ref().map(|t| (t.texels.rgba[0].map(half::f16::to_f32), t.cutoff));
             (
                 material.diffuse,
@@ -400,7 +402,7 @@ mod tests {
             assert!(message.starts_with(expected), "{message}");
         }
         let read = parse(b"newmtl a\n\nmap_Kd a.png", Path::new("a.mtl")).unwrap();
-        let message = read[0].with_images(|_| Err(Error::input("gone")), &mut Vec::new()).unwrap_err().to_string();
+        let message = read[0].with_images(|_| Err(Error::input("gone")), &mut Vec::new(), Limits::default()).unwrap_err().to_string();
         assert_eq!(message, "a.mtl:3: map_Kd: gone; texture = false shows none");
     }
 }

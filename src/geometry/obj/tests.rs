@@ -107,7 +107,7 @@ fn wrong_text_names_file_line_and_remedy() {
     assert!(message_of("\u{1}\u{2}\u{7f}garbage").starts_with("cow.obj: has no OBJ statements"));
     assert!(message_of("v 0 0 0\0").starts_with("cow.obj: is binary"));
     assert!(message_of(QUAD).starts_with("cow.obj: has no faces"));
-    let missing = load(Path::new("no/such.obj"), &mut Images::default()).unwrap_err().to_string();
+    let missing = load(Path::new("no/such.obj"), &mut Images::default(), &Loading::default()).unwrap_err().to_string();
     assert!(missing.starts_with("no/such.obj: cannot be read"), "{missing}");
 }
 
@@ -201,9 +201,9 @@ fn material_files_lie_beside_the_obj() {
     write("bad.mtl", "newmtl b\nKd 0\n\nKd 0 y 0\n");
     write("good.obj", &format!("mtllib my walls.mtl\nmtllib b.mtl none.mtl\n{QUAD}usemtl b\nf 1 2 3"));
     write("bad.obj", &format!("mtllib bad.mtl\n{QUAD}f 1 2 3"));
-    let mesh = load(&folder.path().join("good.obj"), &mut Images::default()).unwrap();
+    let mesh = load(&folder.path().join("good.obj"), &mut Images::default(), &Loading::default()).unwrap();
     assert_eq!((mesh.materials.len(), &mesh.material_of[..]), (2, &[1][..]));
-    let message = load(&folder.path().join("bad.obj"), &mut Images::default()).unwrap_err().to_string();
+    let message = load(&folder.path().join("bad.obj"), &mut Images::default(), &Loading::default()).unwrap_err().to_string();
     assert!(message.contains("bad.mtl:4: Kd value \"y\""), "{message}");
 }
 
@@ -217,7 +217,7 @@ fn images_that_are_not_needed_are_not_read() {
     let load = |used: &str, read: ImagesRead| {
         let path = folder.path().join("a.obj");
         std::fs::write(&path, format!("mtllib a.mtl\n{QUAD}usemtl {used}\nf 1 2 3")).unwrap();
-        load(&path, &mut Images::of(read)).map(|mesh| mesh.materials[mesh.material_of[0] as usize].diffuse)
+        load(&path, &mut Images::of(read), &Loading::default()).map(|mesh| mesh.materials[mesh.material_of[0] as usize].diffuse)
     };
     for read in [ImagesRead::All, ImagesRead::Masks, ImagesRead::None] {
         load("plain", read).unwrap();
@@ -238,12 +238,12 @@ fn missing_images_are_listed_and_left_out() {
     std::fs::write(folder.path().join("a.mtl"), "newmtl gone\nKd 0 0.5 1\nmap_Kd no.png").unwrap();
     let path = folder.path().join("a.obj");
     std::fs::write(&path, format!("mtllib a.mtl\n{QUAD}usemtl gone\nf 1 2 3")).unwrap();
-    let mesh = load(&path, &mut Images::default()).unwrap();
+    let mesh = load(&path, &mut Images::default(), &Loading::default()).unwrap();
     assert_eq!((mesh.materials[0].diffuse, &mesh.materials[0].texture), ([0.0, 0.5, 1.0], &None));
     let [missing] = &mesh.missing[..] else { panic!("{:?}", mesh.missing) };
     assert!(missing.what.ends_with("no.png"), "{missing:?}");
     assert!(missing.why.contains("a.mtl:3: map_Kd: the file does not exist; the material's own colour"), "{missing:?}");
-    let masked = load(&path, &mut Images::of(ImagesRead::Masks)).unwrap();
+    let masked = load(&path, &mut Images::of(ImagesRead::Masks), &Loading::default()).unwrap();
     assert_eq!((masked.missing, masked.materials), (vec![], mesh.materials));
 }
 
@@ -257,7 +257,7 @@ fn a_library_that_is_named_often_is_read_once() {
     let often = "mtllib a.mtl\nmtllib b.mtl ./a.mtl\n".repeat(1000);
     for (last, diffuse) in [("", [1.0, 0.0, 0.0]), ("mtllib b.mtl\n", [0.0, 1.0, 0.0])] {
         write("o.obj", &format!("{often}{last}{QUAD}usemtl x\nf 1 2 3"));
-        let mesh = load(&folder.path().join("o.obj"), &mut Images::default()).unwrap();
+        let mesh = load(&folder.path().join("o.obj"), &mut Images::default(), &Loading::default()).unwrap();
         assert_eq!(mesh.materials.len(), 3);
         assert_eq!(mesh.materials[mesh.material_of[0] as usize].diffuse, diffuse);
     }
@@ -329,15 +329,15 @@ fn models_have_the_counts_of_their_list() {
         ("suzanne.obj", 968, 507, 1),
     ] {
         let Some(path) = model(name) else { continue };
-        let mesh = load(&path, &mut Images::default()).unwrap();
+        let mesh = load(&path, &mut Images::default(), &Loading::default()).unwrap();
         let found = (mesh.triangles.len(), mesh.positions.len(), mesh.materials.len());
         assert_eq!(found, (triangles, positions, materials), "{name}");
         assert_eq!(mesh.material_of.len(), triangles);
         assert!(mesh.normals.iter().all(|n| n.is_normalized()));
         let text = std::fs::read(&path).unwrap();
         let folder = path.parent().unwrap();
-        let (chunked, _) = parse_in_chunks(&text, "a", 1000, |libraries| mtl::load(folder, libraries)).unwrap();
-        let plain = load(&path, &mut Images::left_out()).unwrap();
+        let (chunked, _) = parse_in_chunks(&text, "a", 1000, |libraries| mtl::load(folder, libraries, &Loading::default())).unwrap();
+        let plain = load(&path, &mut Images::left_out(), &Loading::default()).unwrap();
         assert_eq!(plain, chunked, "{name}");
         assert_eq!((mesh.triangles, mesh.uvs), (chunked.triangles, chunked.uvs), "{name}");
     }

@@ -3,7 +3,7 @@
 use super::element::{Skipped, number, set_color};
 use super::{Wrong, check_sizes, first, linear, read, read_file};
 use crate::geometry::spheres::Points;
-use crate::input::Result;
+use crate::input::{Limits, Loading, Result};
 use glam::DVec3;
 use ply_rs_bw::parser::Reader;
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
@@ -43,14 +43,14 @@ impl PropertyAccess for Point {
 ///
 /// # Errors
 /// [`crate::input::Error::Missing`] or [`crate::input::Error::Read`] if it cannot be read; [`crate::input::Error::Input`] naming it.
-pub fn load_points(path: &Path) -> Result<Points> {
-    read_file(path, parse)
+pub fn load_points(path: &Path, loading: &Loading) -> Result<Points> {
+    read_file(path, loading, parse)
 }
 
-fn parse(bytes: &[u8]) -> std::result::Result<Points, Wrong> {
+fn parse(bytes: &[u8], limits: Limits) -> std::result::Result<Points, Wrong> {
     let mut reader = Reader::new(bytes);
     let header = first(bytes, &mut reader)?;
-    check_sizes(&header, bytes.len())?;
+    check_sizes(&header, bytes.len(), limits)?;
     let Some(vertex) = header.elements.get("vertex") else {
         return Err(Wrong::File("has no vertices, of which spheres are made".into()));
     };

@@ -24,7 +24,7 @@ fn mesh(bytes: &[u8]) -> Mesh {
 }
 
 fn parsed(bytes: &[u8]) -> std::result::Result<(Mesh, Vec<String>), String> {
-    parse(bytes).map_err(|wrong| match wrong {
+    parse(bytes, Limits::default()).map_err(|wrong| match wrong {
         Wrong::Line(line, text) => format!("line {line}: {text}"),
         Wrong::File(text) => text,
         Wrong::Memory(e) => e.to_string(),

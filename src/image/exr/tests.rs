@@ -44,7 +44,7 @@ fn every_channel_round_trips_bit_for_bit() {
         for (width, height) in [(1, 1), (37, 19), (128, 65)] {
             let frame = sample(width, height);
             write_exr(path, &frame, &[]).unwrap();
-            let back = read_exr(path).unwrap();
+            let back = read_exr(path, &Loading::default()).unwrap();
             assert_eq!((back.width, back.height), (width, height));
             assert_eq!(bits(&back), bits(&frame));
         }
@@ -68,7 +68,7 @@ fn attributes_are_kept_and_bytes_repeat() {
             let value = image.layer_data.attributes.other.get(&Text::from_slice_unchecked(name.as_bytes()));
             assert_eq!(value, Some(&AttributeValue::Text(Text::from_slice_unchecked(text.as_bytes()))));
         }
-        assert_eq!(bits(&read_exr(path).unwrap()), bits(&frame));
+        assert_eq!(bits(&read_exr(path, &Loading::default()).unwrap()), bits(&frame));
     });
 }
 
@@ -95,14 +95,14 @@ fn frames_that_cannot_be_written_leave_no_file() {
 fn other_programs_files_are_read_as_far_as_they_go() {
     in_folder(|path| {
         write_foreign(path, "Z", FlatSamples::F16(vec![f16::from_f32(1.5), f16::INFINITY]));
-        assert_eq!(read_exr(path).unwrap().f32(Channel::Z), Some(&[1.5, f32::INFINITY][..]));
+        assert_eq!(read_exr(path, &Loading::default()).unwrap().f32(Channel::Z), Some(&[1.5, f32::INFINITY][..]));
         for (name, samples, why) in [
             ("diffuse.R", FlatSamples::F32(vec![1.0, 2.0]), "none of its channels is known"),
             ("triangle.id", FlatSamples::F32(vec![1.0, 2.0]), "must be of type UINT"),
             ("R", FlatSamples::U32(vec![1, 2]), "must be of type FLOAT or HALF"),
         ] {
             write_foreign(path, name, samples);
-            let error = read_exr(path).unwrap_err();
+            let error = read_exr(path, &Loading::default()).unwrap_err();
             assert!(error.exit_code() == 2 && error.to_string().contains(why), "{error}");
         }
         // cropped to the second column
@@ -110,7 +110,7 @@ fn other_programs_files_are_read_as_far_as_they_go() {
         let mut image = Image::from_channels((2, 1), AnyChannels::sort([samples].into_iter().collect()));
         image.layer_data.attributes.layer_position = ::exr::prelude::Vec2(1, 0);
         image.write().to_file(path).unwrap();
-        let error = read_exr(path).unwrap_err();
+        let error = read_exr(path, &Loading::default()).unwrap_err();
         assert!(
             error.exit_code() == 2 && error.to_string().contains("its data window is not its display window"),
             "{error}"
@@ -121,12 +121,12 @@ fn other_programs_files_are_read_as_far_as_they_go() {
 #[test]
 fn files_that_are_no_exr_are_input_errors() {
     in_folder(|path| {
-        assert!(matches!(read_exr(path), Err(Error::Missing(text)) if text.contains("cannot be read")));
+        assert!(matches!(read_exr(path, &Loading::default()), Err(Error::Missing(text)) if text.contains("cannot be read")));
         for bytes in [&b""[..], b"v 0 0 0", &[0x76, 0x2f, 0x31, 0x01], &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0]] {
             std::fs::write(path, bytes).unwrap();
-            assert!(matches!(read_exr(path), Err(Error::Input(_))));
+            assert!(matches!(read_exr(path, &Loading::default()), Err(Error::Input(_))));
         }
-        assert!(matches!(read_exr(path.parent().unwrap()), Err(Error::Read(_))));
+        assert!(matches!(read_exr(path.parent().unwrap(), &Loading::default()), Err(Error::Read(_))));
     });
 }
 
@@ -137,7 +137,7 @@ fn a_cut_file_is_an_error_at_every_length() {
         let whole = std::fs::read(path).unwrap();
         for keep in (0..whole.len()).step_by(17) {
             std::fs::write(path, &whole[..keep]).unwrap();
-            assert!(matches!(read_exr(path), Err(Error::Input(_))), "{keep} of {}", whole.len());
+            assert!(matches!(read_exr(path, &Loading::default()), Err(Error::Input(_))), "{keep} of {}", whole.len());
         }
     });
 }
@@ -182,7 +182,7 @@ proptest! {
             let at = at.index(bytes.len() - put.len());
             bytes[at..at + put.len()].copy_from_slice(&put);
             std::fs::write(path, bytes).unwrap();
-            let _ = read_exr(path);
+            let _ = read_exr(path, &Loading::default());
         });
     }
 }
@@ -215,7 +215,7 @@ fn strips_make_the_whole_image_as_tiles() {
         };
         in_folder(|path| {
             write(path).unwrap();
-            assert_eq!(bits(&read_exr(path).unwrap()), bits(&whole));
+            assert_eq!(bits(&read_exr(path, &Loading::default()).unwrap()), bits(&whole));
             let bytes = std::fs::read(path).unwrap();
             write(path).unwrap();
             assert!(std::fs::read(path).unwrap() == bytes);

@@ -1,35 +1,28 @@
 //! The limit on memory: the free memory, or what the user grants. Work that needs more is refused before it allocates.
 
-use super::are_lifted;
+use super::Limits;
 use crate::input::{Error, Result};
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Bytes that the user grants the process; 0 if the free memory is the limit.
-static GRANTED: AtomicU64 = AtomicU64::new(0);
-
-/// From now on the process may use this much memory in total, however much is free.
-pub fn grant(bytes: u64) {
-    GRANTED.store(bytes, Ordering::Relaxed);
-}
-
-/// Bytes that may still be allocated: the rest of what is granted; or else the least of what the machine, the control
-/// group and the process's address space have left. `None` if the system does not say.
-pub fn free() -> Option<u64> {
-    match GRANTED.load(Ordering::Relaxed) {
-        0 => free_here(),
-        granted => Some(granted.saturating_sub(status("VmRSS:").unwrap_or(0))),
+impl Limits {
+    /// Bytes that may still be allocated: the rest of what is granted; or else the least of what the machine, the control
+    /// group and the process's address space have left. `None` if the system does not say.
+    pub(crate) fn free_memory(self) -> Option<u64> {
+        match self.memory {
+            None => free_here(),
+            Some(granted) => Some(granted.saturating_sub(status("VmRSS:").unwrap_or(0))),
+        }
     }
-}
 
-/// Refuses work that takes about `bytes` if fewer are free. `what` is the work, and `advice` how to make it smaller.
-///
-/// # Errors
-/// [`Error::Work`] with both numbers.
-pub fn check(bytes: u64, what: impl std::fmt::Display, advice: &str) -> Result<()> {
-    match free() {
-        Some(free) if bytes > free && !are_lifted() => Err(too_large(bytes, free, what, advice)),
-        _ => Ok(()),
+    /// Refuses work that takes about `bytes` if fewer are free. `what` is the work, and `advice` how to make it smaller.
+    ///
+    /// # Errors
+    /// [`Error::Work`] with both numbers.
+    pub(crate) fn check_memory(self, bytes: u64, what: impl std::fmt::Display, advice: &str) -> Result<()> {
+        match self.free_memory() {
+            Some(free) if bytes > free && !self.are_lifted => Err(too_large(bytes, free, what, advice)),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -92,6 +85,16 @@ mod tests {
              --no-limits"
         );
         assert_eq!(error.exit_code(), 1);
+    }
+
+    #[test]
+    fn a_budget_is_less_what_the_process_uses() {
+        let budget = Limits::default().memory(1 << 10);
+        let error = budget.check_memory(1 << 11, "work", "do less").unwrap_err();
+        let free = if cfg!(target_os = "linux") { Some(0) } else { Some(1 << 10) };
+        assert_eq!(budget.free_memory(), free);
+        assert!(error.to_string().starts_with("work takes about 0.0 GiB"), "{error}");
+        assert!(Limits::none().memory(1 << 10).check_memory(1 << 11, "work", "do less").is_ok());
     }
 
     #[test]

@@ -5,8 +5,8 @@ use super::manifest;
 use super::paths::Paths;
 use crate::geometry::texture::ImagesRead;
 use crate::image::check_writable;
-use crate::input::files::{Inputs, noted};
-use crate::input::{Error, Result};
+use crate::input::files::Inputs;
+use crate::input::{Error, Loading, Result};
 use crate::jobs::job::load_from;
 use crate::jobs::outputs::{Kind, LOG, MANIFEST, Outputs};
 use crate::scene::library::Library;
@@ -46,9 +46,10 @@ impl Checks<'_> {
         }
         for task in self.jobs.products() {
             let job = task.job()?;
+            let loading = Loading::new(job.limits);
             // an error in the scene is reported when its frame is rendered
-            let (_, inputs) = noted(|| load_from(library, &job.scene, &job.change, |_| ImagesRead::All));
-            self.refuse_inputs(&outputs, &inputs)?;
+            let _ = load_from(library, &job.scene, &job.change, |_| ImagesRead::All, &loading);
+            self.refuse_inputs(&outputs, &loading.into_inputs())?;
         }
         Ok(())
     }

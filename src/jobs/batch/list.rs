@@ -3,10 +3,10 @@
 use super::manifest::key_of;
 use super::names::{fill, plain};
 use crate::camera::kinds::calibrated;
-use crate::input::limits;
+use crate::input::limits::FRAMES;
 use crate::input::load::with_tree;
 use crate::input::reader::{Field, Table};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use crate::jobs::outputs::{EXR, Kind, PICTURE, POINTS, REPORT};
 use crate::jobs::{Change, EngineName, RenderJob, options};
 use std::path::{Path, PathBuf};
@@ -15,6 +15,8 @@ pub struct Jobs {
     all: Vec<Job>,
     /// Folder of the file, which paths start from.
     dir: PathBuf,
+    /// Those of the list, and of each of its frames.
+    limits: Limits,
 }
 
 #[derive(Debug)]
@@ -57,6 +59,7 @@ pub struct Task<'a> {
     pub(super) losses: u32,
     job: &'a Job,
     dir: &'a Path,
+    limits: Limits,
 }
 
 /// Files that a job writes, by key and flag; their names differ from frame to frame.
@@ -88,8 +91,8 @@ impl Jobs {
     ///
     /// # Errors
     /// [`Error::Input`] if it is no list, is empty, or has wrong flags.
-    pub fn read(path: &Path) -> Result<Jobs> {
-        let all: Vec<Job> = with_tree(path, |root| {
+    pub fn read(path: &Path, loading: &Loading) -> Result<Jobs> {
+        let all: Vec<Job> = with_tree(path, loading, |root| {
             let table = root.table()?;
             table.allow(&["job"])?;
             let list = table.need("job", "[{ scene = \"scene.toml\", color = \"out-{frame:04}.png\" }]")?;
@@ -100,9 +103,10 @@ impl Jobs {
             return Err(Error::input(format!("{}: has no jobs; {hint}", path.display())));
         }
         let dir = absolute(path).parent().unwrap_or(Path::new("")).to_owned();
-        let jobs = Jobs { all, dir };
+        let limits = loading.limits();
+        let jobs = Jobs { all, dir, limits };
         let frames = jobs.all.iter().fold(0, |sum: u64, job| sum.saturating_add(job.frames_in_all()));
-        limits::FRAMES.check(frames).map_err(|e| e.at(path.display()))?;
+        limits.check(FRAMES, frames).map_err(|e| e.at(path.display()))?;
         if frames >= FRAMES_MAX as u64 {
             return Err(Error::input(format!(
                 "{}: more than {FRAMES_MAX:.0e} frames; use fewer swept values or frames",
@@ -153,6 +157,7 @@ impl Jobs {
             losses: 0,
             job,
             dir: &self.dir,
+            limits: self.limits,
         }
     }
 
@@ -194,6 +199,7 @@ impl Task<'_> {
     pub(crate) fn job(&self) -> Result<RenderJob> {
         let mut job = RenderJob::of(&self.job.scene);
         job.change = Change { frame: self.frame, ..Change::default() };
+        job.limits = self.limits;
         for (flag, value) in &self.job.flags {
             let value = self.filled(flag, value.as_deref().unwrap_or_default())?;
             set(&mut job, flag, value).map_err(|e| {
@@ -360,7 +366,7 @@ fn read_job(k: usize, field: &Field, path: &Path) -> Result<Job> {
         if sweep.iter().any(|swept: &Swept| swept.key == IMAGE) {
             return Err(table.error("sweep.image: images sweeps it already; remove one of the two"));
         }
-        let names = calibrated::file::images(folder)?;
+        let names = calibrated::file::images(folder, table.loading())?;
         let values = names.into_iter().map(|name| serde_json::Value::from(name).to_string()).collect();
         sweep.push(Swept { key: IMAGE.into(), values });
     }
@@ -412,6 +418,6 @@ fn read_frames(field: &Field) -> Result<Vec<f64>> {
             "first = {first}, last = {last}, step = {step} gives no frames, or more than {FRAMES_MAX:.0e}"
         )));
     }
-    limits::FRAMES.check(steps as u64 + 1).map_err(|e| field.error(e))?;
+    field.limits().check(FRAMES, steps as u64 + 1).map_err(|e| field.error(e))?;
     Ok((0..=steps as u64).map(|k| first + step * k as f64).collect())
 }

@@ -47,6 +47,7 @@ impl<'a> Run<'a> {
         frames: usize,
         manifest: &'a Manifest,
         library: &'a Library,
+        slots: Arc<Slots>,
         options: &BatchOptions,
         watch: &'a Watch<'a>,
     ) -> Run<'a> {
@@ -56,7 +57,7 @@ impl<'a> Run<'a> {
             library,
             watch,
             counts: Mutex::new(Counts { all: frames, ..Counts::default() }),
-            slots: Slots::of_this_machine(),
+            slots,
             resumes: options.resume,
             fail_fast: options.fail_fast,
             workers: AtomicUsize::new(0),

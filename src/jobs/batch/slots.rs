@@ -1,6 +1,6 @@
 //! Memory budget for frames in flight: one is always admitted, more as long as all fit.
 
-use crate::input::limits::memory;
+use crate::input::Limits;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 pub struct Slots {
@@ -20,8 +20,8 @@ const UNKNOWN: u64 = 1 << 30;
 
 impl Slots {
     /// Half of the free memory.
-    pub fn of_this_machine() -> Arc<Slots> {
-        Slots::new(memory::free().unwrap_or(UNKNOWN) / 2)
+    pub fn of_this_machine(limits: Limits) -> Arc<Slots> {
+        Slots::new(limits.free_memory().unwrap_or(UNKNOWN) / 2)
     }
 
     fn new(most: u64) -> Arc<Slots> {

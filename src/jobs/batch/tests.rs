@@ -46,7 +46,7 @@ fn run_list(
         return None;
     };
     prepare(&mut workers[0]);
-    let batch = Batch::open(&list, None, Vec::new()).unwrap();
+    let batch = Batch::open(&list, None, Vec::new(), Limits::default()).unwrap();
     let options = BatchOptions { writers: Some(2), ..BatchOptions::default() };
     let manifest = Manifest::open(&batch.paths.own, &[], false).unwrap();
     let mut started = Started { batch: &batch, options, own: None, workers, manifest };

@@ -174,8 +174,7 @@ impl Reader<'_> {
     fn read<'a>(self, run: &Run<'a>, task: Task<'a>) -> Result<Ready<'a>> {
         let started = Instant::now();
         let job = task.job()?;
-        let (work, inputs) = crate::input::files::noted(|| Work::read_of_many(job, run.library()));
-        let work = work?;
+        let (work, inputs) = Work::read_of_many(job, run.library())?;
         run.tell_missing(work.missing());
         let slot = run.slots().reserve(work.bytes());
         work.check_memory()?;

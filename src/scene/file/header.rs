@@ -5,7 +5,7 @@ use crate::camera::pose::Pose;
 use crate::camera::spec::{CameraKind, CameraSpec};
 use crate::input::reader::{Field, Source};
 use crate::input::tree::{Entry, Node, Value};
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use serde_json::{Map, Value as Json};
 use std::path::{Path, PathBuf};
 
@@ -45,7 +45,7 @@ impl CameraKeys {
     /// # Errors
     /// [`Error::Input`] for text that is neither.
     pub fn of_table(table: &str, folder: &Path) -> Result<CameraKeys> {
-        super::read_table(table, "camera", folder, |field| {
+        super::read_table(table, "camera", (folder, &Loading::default()), |field| {
             Ok(CameraKeys { camera: Some(field.node().clone()), dir: folder.into(), ..CameraKeys::default() })
         })
     }
@@ -54,12 +54,12 @@ impl CameraKeys {
     ///
     /// # Errors
     /// [`Error::Input`] if there is no such number.
-    pub fn number(&self, key: &str) -> Result<f64> {
+    pub fn number(&self, key: &str, loading: &Loading) -> Result<f64> {
         let mut all = Vec::new();
         if let Some(camera) = &self.camera {
             numbers(camera, "", &mut all);
         }
-        let of_file = self.spec(None)?.kind.recipe.numbers();
+        let of_file = self.spec(None, loading)?.kind.recipe.numbers();
         all.extend(of_file.into_iter().map(|(name, value)| (name.into(), value)));
         if let Some((_, value)) = all.iter().find(|(name, _)| name == key) {
             return Ok(*value);
@@ -74,13 +74,13 @@ impl CameraKeys {
     ///
     /// # Errors
     /// [`Error::Input`] if it cannot have this value.
-    pub fn with_number(&self, key: &str, value: f64) -> Result<CameraSpec> {
-        let Some(mut camera) = self.camera.clone() else { return self.spec(None) };
+    pub fn with_number(&self, key: &str, value: f64, loading: &Loading) -> Result<CameraSpec> {
+        let Some(mut camera) = self.camera.clone() else { return self.spec(None, loading) };
         if let Some(number) = number_mut(&mut camera, key) {
             *number = Value::Float(value);
-            return self.spec(Some(&camera));
+            return self.spec(Some(&camera), loading);
         }
-        let spec = self.spec(None)?;
+        let spec = self.spec(None, loading)?;
         match spec.kind.recipe.with_number(key, value)? {
             Some(recipe) => Ok(CameraSpec { kind: CameraKind { recipe, ..spec.kind }, ..spec }),
             None => Err(Error::input(format!("camera.{key}: there is no such number"))),
@@ -88,14 +88,14 @@ impl CameraKeys {
     }
 
     /// Of these keys, or of its own.
-    fn spec(&self, keys: Option<&Node>) -> Result<CameraSpec> {
+    fn spec(&self, keys: Option<&Node>, loading: &Loading) -> Result<CameraSpec> {
         let Some(camera) = keys.or(self.camera.as_ref()) else {
             return Err(Error::input(
                 "the camera has no keys whose numbers could change; give it by its kind and keys",
             ));
         };
         let path = Path::new("camera");
-        read_camera_of_scene(&Field::new(&Source::new(path, &self.dir), "camera", camera))
+        read_camera_of_scene(&Field::new(&Source::new(path, &self.dir, loading), "camera", camera))
     }
 
     /// The folder that relative paths in them start from.
@@ -125,8 +125,9 @@ impl CameraKeys {
 
     /// The pose of the camera, or of the eye in front of its mirror or lens; `None` if it has none.
     pub fn pose(&self) -> Option<Pose> {
-        let path = Path::new("");
-        let source = Source::new(path, path);
+        // a pose names no file
+        let (path, loading) = (Path::new(""), Loading::default());
+        let source = Source::new(path, path, &loading);
         let table = Field::new(&source, "camera", self.camera.as_ref()?).table().ok()?;
         match table.get("eye").filter(Field::is_table) {
             Some(eye) => Pose::read(&eye.table().ok()?).ok(),

@@ -3,8 +3,9 @@
 use super::header::take;
 use super::{SceneFile, read_tree};
 use crate::input::parse::{Format, parse};
+use crate::input::reader::Source;
 use crate::input::tree::{Entry, Node, Value};
-use crate::input::{Error, Result, overrides};
+use crate::input::{Error, Loading, Result, overrides};
 use std::path::Path;
 
 /// The scene of a camera in a picture's header: the camera, and the meshes that it looks at. `text` is a JSON object with the entries of
@@ -12,7 +13,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// [`Error::Input`] naming the picture at `path` and the key.
-pub fn load_header(text: &str, path: &Path, overrides: &[String]) -> Result<SceneFile> {
+pub fn load_header(text: &str, path: &Path, overrides: &[String], loading: &Loading) -> Result<SceneFile> {
     let Node { value: Value::Table(mut entries), place } = parse(text, Format::Json, path)? else {
         return Err(no_camera(path));
     };
@@ -39,7 +40,8 @@ pub fn load_header(text: &str, path: &Path, overrides: &[String]) -> Result<Scen
     let given = [("image", image), ("camera", camera)].into_iter().chain(others.into_iter().flatten());
     let mut root = table(given.collect());
     overrides::apply(&mut root, overrides)?;
-    read_tree(root, path, &path.parent().unwrap_or(Path::new("")).join(folder))
+    let dir = path.parent().unwrap_or(Path::new("")).join(folder);
+    read_tree(root, &Source::new(path, &dir, loading))
 }
 
 fn no_camera(path: &Path) -> Error {

@@ -257,7 +257,7 @@ fn load_pieces(pieces: &str) -> Result<SceneFile> {
     std::fs::write(dir.path().join("pieces.json"), pieces).unwrap();
     let path = dir.path().join("scene.toml");
     std::fs::write(&path, "[camera]\nkind = 'mesh'\nfile = 'pieces.json'\n").unwrap();
-    load(&path, &["camera.normalize=true".into()], 0.0)
+    load(&path, &["camera.normalize=true".into()], 0.0, &Loading::default())
 }
 
 #[test]
@@ -300,12 +300,12 @@ fn files_that_cannot_be_read_say_so() {
         if let Some(bytes) = bytes {
             std::fs::write(&path, bytes).unwrap();
         }
-        load(&path, &[], 0.0).unwrap_err().to_string()
+        load(&path, &[], 0.0, &Loading::default()).unwrap_err().to_string()
     };
     assert!(fails("none.toml", None).contains("none.toml: cannot be read: "));
     assert!(fails("spot.obj", Some(b"v 0 0 0")).contains("a scene is a .toml or .json file"));
     assert!(fails("bad.toml", Some(b"a = 1\nb = '\xff'")).contains("line 2 is not UTF-8"));
-    assert!(load(dir.path(), &[], 0.0).is_err());
+    assert!(load(dir.path(), &[], 0.0, &Loading::default()).is_err());
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::SIDE_MAX;
 use super::load::{Numbers, RawGrid, read_numbers};
 use super::spec::Placement;
 use crate::image::NumberType;
-use crate::input::{Error, Result, files};
+use crate::input::{Error, Loading, Result, files};
 use flate2::read::{GzDecoder, ZlibDecoder};
 use glam::DVec3;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
@@ -46,10 +46,10 @@ type Parsed<T> = std::result::Result<T, String>;
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if a file cannot be read; [`Error::Input`] naming the header.
-pub fn read_headed(path: &Path) -> Result<Numbers> {
+pub fn read_headed(path: &Path, loading: &Loading) -> Result<Numbers> {
     let wrong = |why: String| Error::input(format!("{}: {why}", path.display()));
     let unreadable = |path: &Path, e: std::io::Error| Error::unreadable(path, format_args!("{e}; check the path"));
-    let mut reader = BufReader::new(files::open(path).map_err(|e| unreadable(path, e))?);
+    let mut reader = BufReader::new(loading.open(path).map_err(|e| unreadable(path, e))?);
     let is_nrrd = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("nrrd") || e.eq_ignore_ascii_case("nhdr"));
     let header = if is_nrrd { nrrd(&mut reader) } else { meta(&mut reader) }.map_err(wrong)?;
     let mut data = match &header.file {
@@ -60,7 +60,7 @@ pub fn read_headed(path: &Path) -> Result<Numbers> {
                 return Err(wrong(format!("{name:?} is outside of the header's folder; move it there")));
             }
             let file = folder.join(name);
-            BufReader::new(files::open(&file).map_err(|e| unreadable(&file, e))?)
+            BufReader::new(loading.open(&file).map_err(|e| unreadable(&file, e))?)
         }
     };
     match header.skip {
@@ -68,10 +68,11 @@ pub fn read_headed(path: &Path) -> Result<Numbers> {
         None => data.seek(SeekFrom::End(-(header.grid.bytes() as i64))).map(drop),
     }
     .map_err(|e| wrong(format!("the numbers are not where the header says: {e}")))?;
+    let (grid, limits) = (&header.grid, loading.limits());
     let values = match header.packing {
-        Packing::None => read_numbers(&mut data, &header.grid),
-        Packing::Gzip => read_numbers(&mut GzDecoder::new(data), &header.grid),
-        Packing::Zlib => read_numbers(&mut ZlibDecoder::new(data), &header.grid),
+        Packing::None => read_numbers(&mut data, grid, limits),
+        Packing::Gzip => read_numbers(&mut GzDecoder::new(data), grid, limits),
+        Packing::Zlib => read_numbers(&mut ZlibDecoder::new(data), grid, limits),
     };
     let values = values.map_err(|e| e.at(path.display()))?;
     Ok(Numbers { shape: header.grid.shape, values, placement: header.placement })
@@ -273,7 +274,7 @@ mod tests {
         std::fs::write(folder.path().join("late.bin"), [&[7; 5], &bytes(true)[..]].concat()).unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, [header.as_bytes(), behind].concat()).unwrap();
-        read_headed(&path)
+        read_headed(&path, &Loading::default())
     }
 
     const NRRD: &str =

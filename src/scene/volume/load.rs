@@ -5,8 +5,7 @@ use super::spec::{GridSource, GridSpec, Placement, VALUE_MAX};
 use super::{Grid, SIDE_MAX, placed};
 use crate::geometry::place::rotation_xyz;
 use crate::image::{NumberType, read_npy_volume};
-use crate::input::limits::memory;
-use crate::input::{Error, Result, files};
+use crate::input::{Error, Limits, Loading, Result};
 use glam::DVec3;
 use std::io::Read;
 use std::path::Path;
@@ -28,23 +27,25 @@ pub const DESCRIBED: [&str; 5] = ["npy", "nrrd", "nhdr", "mhd", "mha"];
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if it cannot be read; [`Error::Input`] naming it: another shape or type, or it ends early.
-pub fn read_described(path: &Path) -> Result<Numbers> {
+pub fn read_described(path: &Path, loading: &Loading) -> Result<Numbers> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy")) {
-        let (shape, values) = read_npy_volume(path, SIDE_MAX)?;
+        let (shape, values) = read_npy_volume(path, SIDE_MAX, loading)?;
         return Ok(Numbers { shape, values, placement: None });
     }
-    read_headed(path)
+    read_headed(path, loading)
 }
 
 /// The grid of a table. `given` are the numbers of [`GridSource::Given`]: how many along z, y and x, and they, x fastest.
 ///
 /// # Errors
 /// [`Error::Input`] naming the file, or "volume": another shape or type, too short or too long, or a number that is not finite.
-pub fn load_grid(spec: &GridSpec, given: Option<([u64; 3], Vec<f32>)>) -> Result<Grid> {
+pub fn load_grid(spec: &GridSpec, given: Option<([u64; 3], Vec<f32>)>, loading: &Loading) -> Result<Grid> {
     let of_shape = |(shape, values)| Numbers { shape, values, placement: None };
     let (name, numbers) = match &spec.source {
-        GridSource::Described(path) => (path.display().to_string(), read_described(path)?),
-        GridSource::Raw(path, grid) => (path.display().to_string(), of_shape((grid.shape, read_raw(path, grid)?))),
+        GridSource::Described(path) => (path.display().to_string(), read_described(path, loading)?),
+        GridSource::Raw(path, grid) => {
+            (path.display().to_string(), of_shape((grid.shape, read_raw(path, grid, loading)?)))
+        }
         GridSource::Given => ("volume".into(), of_shape(given.unwrap_or(([0; 3], Vec::new())))),
     };
     let Numbers { shape, values, placement: own } = numbers;
@@ -92,9 +93,9 @@ impl RawGrid {
 }
 
 /// Reads a file of numbers alone. It must be as long as its shape says.
-fn read_raw(path: &Path, grid: &RawGrid) -> Result<Vec<f32>> {
+fn read_raw(path: &Path, grid: &RawGrid, loading: &Loading) -> Result<Vec<f32>> {
     let unreadable = |e: std::io::Error| Error::unreadable(path, format_args!("{e}; check the path"));
-    let mut file = files::open(path).map_err(unreadable)?;
+    let mut file = loading.open(path).map_err(unreadable)?;
     let has = file.metadata().map_err(unreadable)?.len();
     if has != grid.bytes() {
         let ([z, y, x], each) = (grid.shape, grid.number.size());
@@ -104,14 +105,14 @@ fn read_raw(path: &Path, grid: &RawGrid) -> Result<Vec<f32>> {
             grid.bytes()
         )));
     }
-    read_numbers(&mut file, grid).map_err(|e| e.at(path.display()))
+    read_numbers(&mut file, grid, loading.limits()).map_err(|e| e.at(path.display()))
 }
 
 /// Reads as many numbers as the grid has, and nothing behind them.
-pub(super) fn read_numbers(reader: &mut impl Read, grid: &RawGrid) -> Result<Vec<f32>> {
+pub(super) fn read_numbers(reader: &mut impl Read, grid: &RawGrid, limits: Limits) -> Result<Vec<f32>> {
     let RawGrid { number, big_endian, .. } = *grid;
     let count = grid.bytes() / number.size() as u64;
-    memory::check(grid.bytes() + 4 * count, format_args!("a volume of {count} numbers"), "use a coarser one")?;
+    limits.check_memory(grid.bytes() + 4 * count, format_args!("a volume of {count} numbers"), "use a coarser one")?;
     let mut bytes = Vec::new();
     reader.take(grid.bytes()).read_to_end(&mut bytes).map_err(|e| Error::input(format!("the numbers: {e}")))?;
     if bytes.len() as u64 != grid.bytes() {

@@ -1,7 +1,7 @@
 //! Commands and flags, each value checked as far as it can be without the scene.
 
 use crate::engine::Method;
-use crate::input::limits;
+use crate::input::{Limits, limits};
 use crate::jobs::batch::Shard;
 use crate::jobs::options::{self, Named, REPEAT_MAX, SAMPLES_MAX};
 use crate::jobs::{self, EngineName, RenderJob};
@@ -81,39 +81,10 @@ pub struct Caps {
 }
 
 impl Caps {
-    /// Applies them to the process.
-    pub fn apply(&self) {
-        if self.no_limits {
-            limits::lift();
-        }
-        if let Some(bytes) = self.memory {
-            limits::memory::grant(bytes);
-        }
-    }
-}
-
-impl Command {
-    /// The limits of a command, if it has these flags.
-    pub fn caps(&self) -> Option<&Caps> {
-        match self {
-            Command::Render(args) => Some(&args.caps),
-            Command::Compare(args) => Some(&args.caps),
-            Command::Camera(args) => Some(&args.caps),
-            Command::Batch(args) => Some(&args.caps),
-            Command::Project(args) => Some(&args.caps),
-            Command::Splat(args) => Some(&args.caps),
-            Command::Info(args) => Some(&args.caps),
-            #[cfg(feature = "view")]
-            Command::View(args) => Some(&args.caps),
-            Command::Doctor
-            | Command::Example(_)
-            | Command::New(_)
-            | Command::Completions { .. }
-            | Command::Man { .. }
-            | Command::Schema
-            | Command::Bench(_)
-            | Command::GpuReport(_) => None,
-        }
+    /// The limits that are left.
+    pub fn limits(&self) -> Limits {
+        let limits = if self.no_limits { Limits::none() } else { Limits::default() };
+        self.memory.map_or(limits, |bytes| limits.memory(bytes))
     }
 }
 
@@ -252,6 +223,7 @@ impl RenderArgs {
             moving: self.moving,
             no_cull: self.no_cull,
             method: self.method,
+            limits: self.caps.limits(),
             ..RenderJob::of(&self.scene)
         }
     }

@@ -25,7 +25,7 @@ pub fn run(args: &BatchArgs) -> Result<()> {
     let Some(list) = &args.jobs else { return Err(Error::input("no list of jobs")) };
     let beside = [(&args.csv, TABLE), (&args.report, REPORT), (&args.log, LOG)];
     let beside = beside.into_iter().filter_map(|(path, kind)| Some((path.clone()?, kind))).collect();
-    let batch = Batch::open(list, args.shard, beside)?;
+    let batch = Batch::open(list, args.shard, beside, args.caps.limits())?;
     if args.gather {
         return gather(args, list, &batch);
     }

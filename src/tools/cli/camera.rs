@@ -8,8 +8,7 @@ use crate::camera::Camera;
 use crate::camera::describe::Description;
 use crate::geometry::texture::ImagesRead;
 use crate::image::read_exr_texts;
-use crate::input::files::noted;
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use crate::jobs::outputs;
 use crate::jobs::{CAMERA, check_memory, load_shape};
 use crate::scene::library::Library;
@@ -28,9 +27,12 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     let Some(path) = &args.scene else { return Err(Error::input("no scene given; see anamorph camera --help")) };
     let is_picture = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
     let progress = Progress::start("building the camera");
-    let load = || if is_picture { load_picture(path, args) } else { load_shape(path, &(&args.change).into()) };
-    let (loaded, inputs) = noted(load);
-    let (scene, camera) = loaded?;
+    let limits = args.caps.limits();
+    let loading = Loading::new(limits);
+    let (scene, camera) = match is_picture {
+        true => load_picture(path, args, &loading)?,
+        false => load_shape(path, &(&args.change).into(), &loading)?,
+    };
     progress.now("writing");
     let files = [
         (&args.export, outputs::PIECES),
@@ -38,13 +40,13 @@ pub fn run(args: &CameraArgs) -> Result<()> {
         (&args.rays, outputs::RAYS),
         (&args.diagram, outputs::DIAGRAM),
     ];
-    outputs::check(&inputs, files.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind))))?;
+    outputs::check(&loading.into_inputs(), files.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind))))?;
     if args.rays.is_some() || args.export_povray.is_some() {
         let numbers: usize = export::pixel_shape(&camera).iter().product();
-        check_memory(camera.width, camera.height, numbers.div_ceil(NUMBERS_A_CHANNEL), 0)?;
+        check_memory((camera.width, camera.height), numbers.div_ceil(NUMBERS_A_CHANNEL), 0, limits)?;
     }
     if let Some(file) = &args.export {
-        export::write_pieces(file, &scene.camera, &camera)?;
+        export::write_pieces(file, &scene.camera, &camera, limits)?;
     }
     if let Some(file) = &args.export_povray {
         povray::write(file, &scene, &camera)?;
@@ -67,7 +69,7 @@ pub fn run(args: &CameraArgs) -> Result<()> {
 }
 
 /// The camera in the header of an EXR, and the meshes that it looks at.
-fn load_picture(path: &Path, args: &CameraArgs) -> Result<(Scene, Arc<Camera>)> {
+fn load_picture(path: &Path, args: &CameraArgs, loading: &Loading) -> Result<(Scene, Arc<Camera>)> {
     let name = path.display();
     if args.change.frame != 0.0 {
         return Err(Error::input(format!("--frame: {name} holds the camera of one frame only; leave --frame out")));
@@ -78,15 +80,15 @@ fn load_picture(path: &Path, args: &CameraArgs) -> Result<(Scene, Arc<Camera>)> 
             "--export-povray {file}: {name} holds a camera but no scene; give the scene file"
         )));
     }
-    let texts = read_exr_texts(path)?;
+    let texts = read_exr_texts(path, loading)?;
     let text = texts.into_iter().find(|(name, _)| name == CAMERA).map(|(_, text)| text);
     let text = text
         .ok_or_else(|| Error::input(format!("{name}: its header holds no camera; give an EXR that anamorph wrote")))?;
-    let file = file::load_header(&text, path, &args.change.set)?;
+    let file = file::load_header(&text, path, &args.change.set, loading)?;
     let library = Library::for_once();
     let at = |e: Error| e.at(path.display());
-    let scene = library.scene(file, ImagesRead::Masks).map_err(at)?;
-    let camera = library.camera(&scene, args.change.size).map_err(at)?;
+    let scene = library.scene(file, ImagesRead::Masks, loading).map_err(at)?;
+    let camera = library.camera(&scene, args.change.size, loading).map_err(at)?;
     Ok((scene, camera))
 }
 

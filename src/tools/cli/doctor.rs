@@ -4,7 +4,7 @@ use super::say::print;
 use crate::gpu::GpuOptions;
 use crate::gpu::device::{AdapterFeatures, adapters};
 use crate::gpu::needs::lacks;
-use crate::input::limits::memory;
+use crate::input::Limits;
 use crate::input::{Error, Result};
 use crate::tools::self_test::{Tester, views};
 use std::fmt;
@@ -67,7 +67,7 @@ fn program() -> Finding {
 }
 
 fn free_memory() -> Finding {
-    let Some(free) = memory::free() else { return good("free memory: the system does not say") };
+    let Some(free) = Limits::default().free_memory() else { return good("free memory: the system does not say") };
     let says = format!("{:.1} GB of memory free", free as f64 / 1e9);
     if free >= LITTLE {
         good(says)

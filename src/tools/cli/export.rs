@@ -4,7 +4,7 @@ use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::camera::spec::CameraSpec;
 use crate::camera::{Bundle, Camera, Pieces, Rays, mesh};
 use crate::image::{write_npy_f64, write_text};
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Result};
 use crate::reference::{Path, Reference, Segment};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -43,7 +43,7 @@ fn is_one(w: &f64) -> bool {
 ///
 /// # Errors
 /// [`Error::Input`] for ray fields and curves, which have no pieces, and for pieces that overlap.
-pub fn write_pieces(path: &FilePath, spec: &CameraSpec, camera: &Camera) -> Result<()> {
+pub fn write_pieces(path: &FilePath, spec: &CameraSpec, camera: &Camera, limits: Limits) -> Result<()> {
     if camera.optics.is_some() {
         let kind = camera.kind;
         return Err(Error::input(format!(
@@ -53,7 +53,7 @@ pub fn write_pieces(path: &FilePath, spec: &CameraSpec, camera: &Camera) -> Resu
     let mut layers = match spec.kind.recipe::<MeshCameraSpec>() {
         // exactly as written, without rounding by a conversion and its inverse
         Some(mesh) => vec![PiecesFile::of(&plain(mesh))],
-        None => camera.layers.iter().map(|layer| layer_file(camera, layer)).collect::<Result<_>>()?,
+        None => camera.layers.iter().map(|layer| layer_file(camera, layer, limits)).collect::<Result<_>>()?,
     };
     let text = match layers.len() {
         1 => serde_json::to_string_pretty(&layers.remove(0)),
@@ -63,11 +63,11 @@ pub fn write_pieces(path: &FilePath, spec: &CameraSpec, camera: &Camera) -> Resu
     write_text(path, &(text + "\n"))
 }
 
-fn layer_file(camera: &Camera, layer: &Rays) -> Result<PiecesFile> {
+fn layer_file(camera: &Camera, layer: &Rays, limits: Limits) -> Result<PiecesFile> {
     let each = match layer {
         Rays::Pieces(pieces) => {
             let spec = as_mesh(pieces, camera);
-            let checked = mesh::compile(&spec, camera.width, camera.height, &mut Vec::new());
+            let checked = mesh::compile(&spec, (camera.width, camera.height), &mut Vec::new(), limits);
             checked.map_err(|e| Error::input(format!("--export: no mesh camera has these pieces: {e}")))?;
             return Ok(PiecesFile::of(&spec));
         }

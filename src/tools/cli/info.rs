@@ -57,7 +57,7 @@ struct Paths {
 
 pub fn run(args: &InfoArgs) -> Result<()> {
     if let Some(file) = &args.file {
-        return contents::run(file, args.json);
+        return contents::run(file, args.json, args.caps.limits());
     }
     let adapters: Vec<AdapterInfo> = adapters().iter().enumerate().map(|(k, a)| of_adapter(a, k == 0)).collect();
     let engine = if adapters.is_empty() { "reference" } else { "compute" };

@@ -31,7 +31,7 @@ mod tests {
         for kind in names() {
             // the error for an unknown key lists the known ones
             std::fs::write(&path, format!("[camera]\nkind = {kind:?}\nunknown = 1\n")).unwrap();
-            let refusal = file::load(&path, &[], 0.0).unwrap_err().to_string();
+            let refusal = file::load(&path, &[], 0.0, &Loading::default()).unwrap_err().to_string();
             assert!(refusal.contains("unknown key \"unknown\""), "{refusal}");
             let reads = refusal.contains("quaternion") || nested.contains(&kind);
             let help = keys(kind).unwrap();

@@ -12,8 +12,7 @@ use crate::engine::stage::solve::Solve;
 use crate::gpu::Gpu;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER, adapters};
 use crate::image::{read_points, write_text};
-use crate::input::files::noted;
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use crate::jobs::outputs;
 use crate::jobs::project::each_solved;
 use crate::jobs::{EngineName, load_shape};
@@ -38,12 +37,12 @@ struct Line {
 pub fn run(args: &ProjectArgs) -> Result<()> {
     args.device.check()?;
     let progress = Progress::start("building the camera");
-    let read = || Ok::<_, Error>((read_points(&args.points)?, load_shape(&args.scene, &(&args.change).into())?));
-    let (read, inputs) = noted(read);
-    let (points, (_, camera)) = read?;
+    let loading = Loading::new(args.caps.limits());
+    let points = read_points(&args.points, &loading)?;
+    let (_, camera) = load_shape(&args.scene, &(&args.change).into(), &loading)?;
     drop(progress);
     refuse_optics(&camera)?;
-    outputs::check(&inputs, args.output.iter().map(|path| (path.as_path(), outputs::IMAGES)))?;
+    outputs::check(&loading.into_inputs(), args.output.iter().map(|path| (path.as_path(), outputs::IMAGES)))?;
     let gpu = args.device.open(points.len())?;
     let projector = Projector::new(&camera);
     let mut whole = String::new();

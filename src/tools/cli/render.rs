@@ -8,7 +8,7 @@ use crate::engine::Engine;
 use crate::engine::left_out::LeftOut;
 use crate::geometry::mesh::Missing;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER};
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use crate::jobs::job::of_compute_only;
 use crate::jobs::{Backend, EngineName, Work, load_shape, refuse_missing};
 use crate::reference;
@@ -22,7 +22,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     let job = args.job();
     if let Some((x, y)) = args.pixel {
         job.check_options()?;
-        let (scene, camera) = load_shape(&job.scene, &job.change)?;
+        let (scene, camera) = load_shape(&job.scene, &job.change, &Loading::new(job.limits))?;
         if job.strict {
             refuse_missing(&scene)?;
         }

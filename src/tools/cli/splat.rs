@@ -6,8 +6,7 @@ use super::project::refuse_optics;
 use super::say::note;
 use crate::geometry::ply::load_points;
 use crate::image::{read_points, write_exr, write_npy, write_npy_f64, write_png};
-use crate::input::files::noted;
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use crate::jobs::splat::splat;
 use crate::jobs::{load_shape, named_as, outputs};
 use glam::DVec3;
@@ -29,12 +28,12 @@ pub fn run(args: &SplatArgs) -> Result<()> {
         ));
     }
     let progress = Progress::start("building the camera");
-    let read = || Ok::<_, Error>((read(&args.points)?, load_shape(&args.scene, &(&args.change).into())?));
-    let (read, inputs) = noted(read);
-    let ((points, colors), (_, camera)) = read?;
+    let loading = Loading::new(args.caps.limits());
+    let (points, colors) = read(&args.points, &loading)?;
+    let (_, camera) = load_shape(&args.scene, &(&args.change).into(), &loading)?;
     drop(progress);
     refuse_optics(&camera)?;
-    outputs::check(&inputs, files.iter().filter_map(|(path, kind)| Some((path.as_deref()?, *kind))))?;
+    outputs::check(&loading.into_inputs(), files.iter().filter_map(|(path, kind)| Some((path.as_deref()?, *kind))))?;
     let gpu = args.device.open(points.len())?;
     let progress = Progress::start("splatting");
     let all = splat(&camera, &points, gpu.as_ref())?;
@@ -57,7 +56,7 @@ pub fn run(args: &SplatArgs) -> Result<()> {
 /// Points, and their colours (linear) if the file has some.
 type Cloud = (Vec<DVec3>, Option<Vec<[f32; 3]>>);
 
-fn read(path: &Path) -> Result<Cloud> {
+fn read(path: &Path, loading: &Loading) -> Result<Cloud> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply")) {
         let is_text = ["npy", "csv", "txt", "xyz"]
             .iter()
@@ -68,9 +67,9 @@ fn read(path: &Path) -> Result<Cloud> {
                 "{name}: points are read from .ply, .npy, .csv, .txt or .xyz files only"
             )));
         }
-        return Ok((read_points(path)?, None));
+        return Ok((read_points(path, loading)?, None));
     }
-    let points = load_points(path)?;
+    let points = load_points(path, loading)?;
     match points.centres.iter().position(|p| !p.is_finite()) {
         Some(k) => Err(Error::input(format!("{}: vertex {k} is not finite; leave it out", path.display()))),
         None => Ok((points.centres, points.colors)),

@@ -10,7 +10,7 @@ use crate::view::{Document, Options, Server};
 pub fn run(args: &ViewArgs) -> Result<()> {
     let progress = Progress::start("reading the scene");
     let change = &args.change;
-    let mut document = Document::open(&args.scene)?;
+    let mut document = Document::open(&args.scene, args.caps.limits())?;
     document.change(change.size, &change.set, change.frame)?;
     let gpu = GpuOptions { adapter: args.adapter.clone(), ..Default::default() };
     let options = Options { port: args.port, token: args.token.clone(), frame: change.frame, gpu };

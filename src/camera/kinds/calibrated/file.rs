@@ -7,7 +7,7 @@ mod rig;
 mod xml;
 
 use crate::camera::calibration::{Intrinsics, Model};
-use crate::input::{Error, Result, files};
+use crate::input::{Error, Loading, Result};
 use glam::{DMat2, DQuat, DVec2, DVec3};
 use std::path::Path;
 
@@ -72,11 +72,11 @@ fn few(listed: &str) -> String {
 ///
 /// # Errors
 /// [`Error::Input`], [`Error::Missing`] or [`Error::Read`] naming the file: it cannot be read, is none of these, or has no such camera.
-pub fn read(path: &Path, which: Which) -> Result<Calibration> {
+pub fn read(path: &Path, which: Which, loading: &Loading) -> Result<Calibration> {
     if colmap::is_model(path) {
-        return colmap::read(path, which);
+        return colmap::read(path, which, loading);
     }
-    let text = files::read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
+    let text = loading.read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
     let read = if rig::is_rig(&text) {
         rig::parse(&text, which)
     } else if kalibr::is_chain(&text) {
@@ -94,16 +94,16 @@ pub fn read(path: &Path, which: Which) -> Result<Calibration> {
 ///
 /// # Errors
 /// [`Error::Input`], [`Error::Missing`] or [`Error::Read`] naming the file of images: it cannot be read, or has none.
-pub fn images(model: &Path) -> Result<Vec<String>> {
-    colmap::images(model)
+pub fn images(model: &Path, loading: &Loading) -> Result<Vec<String>> {
+    colmap::images(model, loading)
 }
 
 /// The poses of those images, in the same order.
 ///
 /// # Errors
 /// As [`images`].
-pub fn poses(model: &Path) -> Result<Vec<Placed>> {
-    colmap::poses(model)
+pub fn poses(model: &Path, loading: &Loading) -> Result<Vec<Placed>> {
+    colmap::poses(model, loading)
 }
 
 /// It is a folder that COLMAP wrote, or its file of images.

@@ -6,7 +6,7 @@ use crate::geometry::load::load_mesh;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::spec::{MeshSource, MeshSpec};
 use crate::geometry::texture::Images;
-use crate::input::{Error, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use crate::scene::Scene;
 use crate::scene::volume::load::{DESCRIBED, Numbers, read_described};
 use crate::tools::cli::say::print;
@@ -102,11 +102,12 @@ struct Heights {
     cell_in_metres: Option<[f64; 2]>,
 }
 
-pub fn run(path: &Path, json: bool) -> Result<()> {
+pub fn run(path: &Path, json: bool, limits: Limits) -> Result<()> {
+    let loading = Loading::new(limits);
     if DESCRIBED.contains(&extension(path).as_str()) {
-        return show(&VolumeContents::read(path)?, json);
+        return show(&VolumeContents::read(path, &loading)?, json);
     }
-    show(&read(path)?, json)
+    show(&read(path, &loading)?, json)
 }
 
 fn show(contents: &(impl Serialize + fmt::Display), json: bool) -> Result<()> {
@@ -121,20 +122,21 @@ fn extension(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
 }
 
-fn read(path: &Path) -> Result<Contents> {
+fn read(path: &Path, loading: &Loading) -> Result<Contents> {
     if matches!(extension(path).as_str(), "toml" | "json") {
-        let scene = Scene::load(path, &[], 0.0)?;
+        let scene = Scene::load(path, &[], 0.0, loading)?;
         let kind = scene.camera.kind.name;
         return Ok(Contents { camera: Some(kind), ..Contents::of(path, "scene", scene.objects.len(), &scene.mesh) });
     }
     if heights::is_height_image(path) {
-        let grid = heights::read(path)?;
+        let grid = heights::read(path, loading)?;
         // a GeoTIFF in degrees has no size in world units: its mesh is described in degrees
         let cell = grid.georeference.filter(|g| g.in_degrees).map(|g| g.cell);
-        let mesh = heights::mesh(&grid, &HeightSpec { file: path.into(), height_scale: 1.0, cell })?;
+        let spec = HeightSpec { file: path.into(), height_scale: 1.0, cell };
+        let mesh = heights::mesh(&grid, &spec, loading.limits())?;
         return Ok(Contents { heights: Some(Heights::of(&grid)), ..Contents::of(path, "model", 1, &mesh) });
     }
-    let mesh = load_mesh(&MeshSpec::of(MeshSource::File(path.into())), &mut Images::left_out())?;
+    let mesh = load_mesh(&MeshSpec::of(MeshSource::File(path.into())), &mut Images::left_out(), loading)?;
     Ok(Contents::of(path, "model", 1, &mesh))
 }
 
@@ -159,8 +161,8 @@ impl Contents {
 }
 
 impl VolumeContents {
-    fn read(path: &Path) -> Result<VolumeContents> {
-        let Numbers { shape, mut values, placement } = read_described(path)?;
+    fn read(path: &Path, loading: &Loading) -> Result<VolumeContents> {
+        let Numbers { shape, mut values, placement } = read_described(path, loading)?;
         values.retain(|value| !value.is_nan());
         values.sort_unstable_by(f32::total_cmp);
         let at = |share: f64| values.get((share * (values.len().max(1) - 1) as f64) as usize).copied();

@@ -2,7 +2,7 @@
 
 use super::{Calibration, Placed, Which, intrinsics};
 use crate::camera::calibration::{Coefficients, Model, Projection};
-use crate::input::{Error, Result, files};
+use crate::input::{Error, Loading, Result};
 use glam::{DQuat, DVec2, DVec3};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read as _};
@@ -51,17 +51,17 @@ pub fn is_model(path: &Path) -> bool {
     path.is_dir() || matches!(path.file_name().and_then(|n| n.to_str()), Some("cameras.bin" | "cameras.txt"))
 }
 
-pub fn read(path: &Path, which: Which) -> Result<Calibration> {
+pub fn read(path: &Path, which: Which, loading: &Loading) -> Result<Calibration> {
     let cameras = file(path, "cameras");
     let refuse = |path: &Path, why: String| Error::input(format!("{}: {why}", path.display()));
-    let all = load(&cameras, camera_lines, camera_records)?;
+    let all = load(&cameras, loading, camera_lines, camera_records)?;
     let by_id = |which: Which| {
         let all = all.iter().map(|c| (c.id, c)).collect();
         which.of(all).and_then(calibration).map_err(|why| refuse(&cameras, why))
     };
     let Which::Image(name) = which else { return by_id(which) };
     let images = file(path, "images");
-    let image = in_order(&images)?.into_iter().find(|i| i.name == name);
+    let image = in_order(&images, loading)?.into_iter().find(|i| i.name == name);
     let image = image.ok_or_else(|| refuse(&images, format!("has no image {name:?}")))?;
     let placed = Some(image.placed().map_err(|why| refuse(&images, why))?);
     Ok(Calibration { placed, ..by_id(Which::Index(image.camera))? })
@@ -84,20 +84,20 @@ pub fn has_images(path: &Path) -> bool {
 }
 
 /// The names of all images, in order.
-pub fn images(path: &Path) -> Result<Vec<String>> {
-    Ok(in_order(&file(path, "images"))?.into_iter().map(|image| image.name).collect())
+pub fn images(path: &Path, loading: &Loading) -> Result<Vec<String>> {
+    Ok(in_order(&file(path, "images"), loading)?.into_iter().map(|image| image.name).collect())
 }
 
 /// The poses of all images, in the order of their names.
-pub fn poses(path: &Path) -> Result<Vec<Placed>> {
+pub fn poses(path: &Path, loading: &Loading) -> Result<Vec<Placed>> {
     let file = file(path, "images");
     let placed = |image: &Image| image.placed().map_err(|why| Error::input(format!("{}: {why}", file.display())));
-    in_order(&file)?.iter().map(placed).collect()
+    in_order(&file, loading)?.iter().map(placed).collect()
 }
 
 /// The images of a file, at least one, by name.
-fn in_order(file: &Path) -> Result<Vec<Image>> {
-    let mut images = load(file, image_lines, image_records)?;
+fn in_order(file: &Path, loading: &Loading) -> Result<Vec<Image>> {
+    let mut images = load(file, loading, image_lines, image_records)?;
     images.sort_by(|a, b| a.name.cmp(&b.name));
     if let Some(twice) = images.windows(2).find(|pair| pair[0].name == pair[1].name) {
         return Err(Error::input(format!("{}: has two images {:?}", file.display(), twice[0].name)));
@@ -120,13 +120,18 @@ fn file(path: &Path, name: &str) -> PathBuf {
 
 type Parsed<T> = std::result::Result<Vec<T>, String>;
 
-fn load<T>(path: &Path, lines: fn(&str) -> Parsed<T>, records: fn(&mut Bytes) -> Parsed<T>) -> Result<Vec<T>> {
+fn load<T>(
+    path: &Path,
+    loading: &Loading,
+    lines: fn(&str) -> Parsed<T>,
+    records: fn(&mut Bytes) -> Parsed<T>,
+) -> Result<Vec<T>> {
     let unreadable =
         |e: std::io::Error| Error::unreadable(path, format_args!("{e}; a COLMAP model has cameras and images"));
     let parsed = if path.extension().is_some_and(|e| e == "bin") {
-        records(&mut Bytes(BufReader::new(files::open(path).map_err(unreadable)?)))
+        records(&mut Bytes(BufReader::new(loading.open(path).map_err(unreadable)?)))
     } else {
-        lines(&files::read_to_string(path).map_err(unreadable)?)
+        lines(&loading.read_to_string(path).map_err(unreadable)?)
     };
     parsed.map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }

@@ -2,7 +2,7 @@
 
 use super::{Calibration, xml};
 use crate::camera::calibration::{Intrinsics, Model};
-use crate::input::{Error, Result};
+use crate::input::{Error, Loading, Result};
 use glam::DVec2;
 use serde::Deserialize;
 use std::path::Path;
@@ -71,9 +71,10 @@ pub(super) struct Matrix {
 ///
 /// # Errors
 /// [`Error::Input`] naming the file: it cannot be read, is not such a file, or its matrices have another form.
-pub fn read(path: &Path) -> Result<OpenCvFile> {
+pub fn read(path: &Path, loading: &Loading) -> Result<OpenCvFile> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
-    let text = crate::input::files::read_to_string(path)
+    let text = loading
+        .read_to_string(path)
         .map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
     parse(&text).map_err(refuse)
 }
