@@ -5,6 +5,7 @@ use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::gpu::device::NO_ADAPTER;
 use anamorph::internals::gpu::{Gpu, GpuOptions};
 use anamorph::internals::image::frame::Channel;
+use anamorph::internals::input::Loading;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::tools::example::EXAMPLES;
 use criterion::Criterion;
@@ -48,7 +49,7 @@ fn kernels(
     };
     let folder = tempfile::tempdir()
         .map_err(|e| anamorph::internals::input::Error::work(format!("no temporary folder: {e}")))?;
-    let scene = Scene::load(&example.write(folder.path())?, set, 0.0)?;
+    let scene = Scene::load(&example.write(folder.path())?, set, 0.0, &Loading::default())?;
     let camera = scene.camera()?;
     let wanted = Wanted { srgb8: true, ..Wanted::of(vec![Channel::T, Channel::TriangleId]) };
     let mut frames = engine.prepare(&scene, &camera, &wanted, &RunOptions::default())?;

@@ -4,6 +4,7 @@ use anamorph::internals::geometry::obj;
 use anamorph::internals::geometry::texture::Images;
 use anamorph::internals::gpu::device::NO_ADAPTER;
 use anamorph::internals::gpu::{Gpu, GpuOptions};
+use anamorph::internals::input::Loading;
 use anamorph::internals::tools::example::EXAMPLES;
 use criterion::{Criterion, Throughput};
 use std::fmt::Write;
@@ -38,7 +39,7 @@ fn load(criterion: &mut Criterion, folder: &std::path::Path, bytes: usize) -> an
     let mut group = criterion.benchmark_group("load");
     group.throughput(Throughput::Bytes(text.len() as u64));
     group.bench_function("obj", |bencher| {
-        bencher.iter(|| obj::load(&path, &mut Images::left_out()).expect("a file as above"))
+        bencher.iter(|| obj::load(&path, &mut Images::left_out(), &Loading::default()).expect("a file as above"))
     });
     group.finish();
     Ok(())

@@ -15,7 +15,7 @@ use anamorph::internals::geometry::texture::Images;
 use anamorph::internals::geometry::{gltf, heights, obj, ply, stl};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::image::{read_npy_rows, read_pairs, read_points, read_vectors};
-use anamorph::internals::input::Error;
+use anamorph::internals::input::{Error, Limits, Loading};
 use anamorph::internals::reference::image::judge;
 use anamorph::internals::scene::file;
 use anamorph::internals::scene::volume::load::load_grid;
@@ -29,9 +29,9 @@ const SIZE: (u32, u32) = (16, 16);
 /// Memory limit: enough for a mesh of some million triangles.
 const BYTES: u64 = 1 << 30;
 
-/// Sets the memory limit, so that the outcome does not depend on the free memory. To be called before the first case.
-pub fn grant_memory() {
-    anamorph::internals::input::limits::memory::grant(BYTES);
+/// A load with this memory limit, so that the outcome does not depend on the free memory.
+fn loading() -> Loading {
+    Loading::new(Limits::default().memory(BYTES))
 }
 
 fn check_refused(error: &Error) {
@@ -53,25 +53,25 @@ fn read<T>(name: &str, data: &[u8], read: impl FnOnce(&std::path::Path) -> Resul
 /// A scene file: TOML, or JSON where it begins with a brace.
 pub fn scene(data: &[u8]) {
     let name = if data.trim_ascii_start().first() == Some(&b'{') { "scene.json" } else { "scene.toml" };
-    read(name, data, |path| file::load(path, &[], 0.0));
+    read(name, data, |path| file::load(path, &[], 0.0, &loading()));
 }
 
 pub fn obj(data: &[u8]) {
-    read("mesh.obj", data, |path| obj::load(path, &mut Images::default()));
+    read("mesh.obj", data, |path| obj::load(path, &mut Images::default(), &loading()));
 }
 
 pub fn ply(data: &[u8]) {
-    read("mesh.ply", data, |path| ply::load(path, &mut Images::default()));
+    read("mesh.ply", data, |path| ply::load(path, &mut Images::default(), &loading()));
 }
 
 pub fn stl(data: &[u8]) {
-    read("mesh.stl", data, stl::load);
+    read("mesh.stl", data, |path| stl::load(path, &loading()));
 }
 
 /// Text, or binary where it begins as that does.
 pub fn gltf(data: &[u8]) {
     let name = if data.starts_with(b"glTF") { "mesh.glb" } else { "mesh.gltf" };
-    read(name, data, |path| gltf::load(path, gltf::Files::Below, &Images::default(), None));
+    read(name, data, |path| gltf::load(path, gltf::Files::Below, &Images::default(), None, &loading()));
 }
 
 /// A height image: a TIFF or a PNG if it begins like one, or else an ASCII grid.
@@ -81,7 +81,9 @@ pub fn heights(data: &[u8]) {
         [0x89, ..] => "dem.png",
         _ => "dem.asc",
     };
-    read(name, data, |path| heights::load(&HeightSpec { file: path.into(), height_scale: 1.0, cell: None }));
+    read(name, data, |path| {
+        heights::load(&HeightSpec { file: path.into(), height_scale: 1.0, cell: None }, &loading())
+    });
 }
 
 /// A material library, read through an OBJ that names it.
@@ -90,16 +92,16 @@ pub fn mtl(data: &[u8]) {
     read("m.mtl", data, |path| {
         let mesh = path.with_file_name("mesh.obj");
         std::fs::write(&mesh, obj).expect("a temporary file");
-        obj::load(&mesh, &mut Images::default())
+        obj::load(&mesh, &mut Images::default(), &loading())
     });
 }
 
 /// An array, read by all readers of arrays.
 pub fn npy(data: &[u8]) {
-    read("a.npy", data, read_vectors);
-    read("a.npy", data, read_pairs);
-    read("a.npy", data, read_points);
-    read("a.npy", data, read_npy_rows::<3>);
+    read("a.npy", data, |path| read_vectors(path, &loading()));
+    read("a.npy", data, |path| read_pairs(path, &loading()));
+    read("a.npy", data, |path| read_points(path, &loading()));
+    read("a.npy", data, |path| read_npy_rows::<3>(path, &loading()));
 }
 
 /// A volume: a NRRD or an array if it begins like one, or else a MetaImage.
@@ -113,7 +115,7 @@ pub fn volume(data: &[u8]) {
         let cube = Placement::Box { min: DVec3::ZERO, max: DVec3::ONE };
         let source = GridSource::Described(path.into());
         let placement = (name == "a.npy").then_some(cube);
-        load_grid(&GridSpec { source, placement, rotate: DVec3::ZERO }, None)
+        load_grid(&GridSpec { source, placement, rotate: DVec3::ZERO }, None, &loading())
     });
 }
 
@@ -135,17 +137,18 @@ pub fn calibration(data: &[u8]) {
         };
         let size = "image = { width = 24, height = 16 }";
         std::fs::write(&scene, format!("{size}\n[camera]\nkind = \"calibrated\"\n{keys}\n")).expect("a temporary file");
-        anamorph::internals::scene::Scene::load(&scene, &[], 0.0)?.camera()
+        anamorph::internals::scene::Scene::load(&scene, &[], 0.0, &loading())?.camera()
     });
 }
 
 /// The keys of a camera, built for a small image.
 pub fn camera(data: &[u8]) {
     let text = [b"image = { width = 24, height = 16 }\n[camera]\n", data].concat();
-    let scene =
-        read("scene.toml", &text, |path| file::load(path, &["image.width=24".into(), "image.height=16".into()], 0.0));
+    let scene = read("scene.toml", &text, |path| {
+        file::load(path, &["image.width=24".into(), "image.height=16".into()], 0.0, &loading())
+    });
     let Some(scene) = scene else { return };
-    match anamorph::internals::scene::Scene::from_file(scene).and_then(|scene| scene.camera()) {
+    match anamorph::internals::scene::Scene::from_file(scene, &loading()).and_then(|scene| scene.camera()) {
         Ok(camera) => assert!(camera.width <= 4096 && camera.height <= 4096),
         Err(e) => check_refused(&e),
     }

@@ -21,7 +21,6 @@ fn rounds() -> usize {
 }
 
 fn run(target: &str, function: fn(&[u8]), rounds: usize) {
-    targets::grant_memory();
     let all = corpus(target);
     let mut rng = Rng(target.len() as u64);
     let changed = (0..rounds).map(|_| changed(&all, Names::Kept, &mut rng));

@@ -3,6 +3,7 @@
 mod common;
 
 use anamorph::internals::image::frame::Channel;
+use anamorph::internals::input::Loading;
 use anamorph::internals::scene::Scene;
 use anamorph_lab::gallery::gallery;
 use common::gpu::check;
@@ -17,9 +18,9 @@ fn every_picture_of_the_gallery_is_right_and_not_empty() {
     let folder = tempfile::tempdir().unwrap();
     for example in gallery() {
         let path = example.write(folder.path()).unwrap();
-        let (width, height) = Scene::load(&path, &[], 0.0).unwrap().size.unwrap();
+        let (width, height) = Scene::load(&path, &[], 0.0, &Loading::default()).unwrap().size.unwrap();
         let small = [format!("image.width={WIDTH}"), format!("image.height={}", height * WIDTH / width)];
-        let scene = Scene::load(&path, &small, 0.0).unwrap();
+        let scene = Scene::load(&path, &small, 0.0, &Loading::default()).unwrap();
         let camera = scene.camera().unwrap();
         let Some((frame, judged, _)) = check(example.name, &scene, &camera) else { return };
         let pixels = f64::from(camera.width * camera.height);

@@ -4,8 +4,8 @@
 mod fit;
 
 use anamorph::{
-    Batch, BatchEvent, BatchOptions, Camera, Caster, Channel, Error, Job, Mesh, NO_ID, Placed, Plane, RenderOptions,
-    Rendered, Renderer, Result, Scene, Shard, Views,
+    Batch, BatchEvent, BatchOptions, Camera, Caster, Channel, Error, Job, Limits, Mesh, NO_ID, Placed, Plane,
+    RenderOptions, Rendered, Renderer, Result, Scene, Shard, Views,
 };
 use std::fs;
 use std::path::Path;
@@ -243,6 +243,50 @@ fn what_is_wrong_is_said_in_one_line() {
     assert!(!Path::new("never.png").exists());
 }
 
+/// What one caller lifts or grants is no other's, also while both load.
+#[test]
+fn limits_are_those_of_a_call() {
+    let many = "image = { width = 48, height = 36 }\n\
+                camera = { kind = \"fisheye\", eye = [0, 0, 4], target = [0, 0, 0], fov = 90, pieces = 1000001 }";
+    let load = |limits: Limits| Scene::parse_within(many, ".", limits).map(drop).map_err(|e| e.to_string());
+    std::thread::scope(|scope| {
+        let lifted = scope.spawn(|| (0..100).map(|_| load(Limits::none())).collect::<Vec<_>>());
+        let others: Vec<_> = (0..100).map(|_| load(Limits::default())).collect();
+        let refused = |load: &std::result::Result<(), String>| {
+            load.as_ref().is_err_and(|e| e.contains("1000001 pieces are over the limit of 1000000"))
+        };
+        assert!(others.iter().all(refused), "{others:?}");
+        assert_eq!(lifted.join().unwrap(), vec![Ok(()); 100]);
+    });
+
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    write_obj(&path("a.obj"));
+    fs::write(path("scene.toml"), format!("{CAMERA}\n[[mesh]]\nfile = \"a.obj\"\n")).unwrap();
+    fs::write(path("jobs.toml"), "[[job]]\nscene = \"scene.toml\"\nengine = \"reference\"\nexr = \"b.exr\"\n").unwrap();
+    let scene = Scene::load(path("scene.toml"), &[], 0.0).unwrap();
+    let camera = scene.camera().unwrap();
+    let mut renderer = Renderer::reference();
+    for (limits, is_within) in [
+        (Limits::default().memory(1 << 10), false),
+        (Limits::none().memory(1 << 10), true),
+        (Limits::default().memory(1 << 50), true),
+    ] {
+        let check = |done: Result<()>| match done {
+            Err(e) => assert!(!is_within && e.to_string().contains("use --memory or --no-limits"), "{e}"),
+            Ok(()) => assert!(is_within, "{limits:?}"),
+        };
+        let options = RenderOptions { limits, ..options() };
+        check(renderer.render(&scene, &camera, &options).map(drop));
+        check(renderer.render_many(&scene, std::slice::from_ref(&camera), &options).map(drop));
+        let job = Job::new(path("scene.toml")).engine("reference").unwrap().exr(path("a.exr"));
+        check(job.limits(limits).run(&mut renderer).map(drop));
+        let batch = Batch::new(path("jobs.toml")).limits(limits);
+        let outcome = batch.run(&BatchOptions::default(), &|_, _| ()).unwrap();
+        check(outcome.failures.first().map_or(Ok(()), |(_, why)| Err(Error::Work(why.clone()))));
+    }
+}
+
 #[test]
 fn rays_are_cast_at_a_scene() {
     let (positions, triangles) = tetrahedron();
@@ -405,6 +449,7 @@ fn many_images_in_one_frame_are_those_of_one_frame_each() {
             color: true,
             samples,
             analytic: false,
+            limits: Limits::default(),
         };
         let views = renderer.render_many(&scene, cameras, &options).unwrap();
         let frames = if renderer.adapter().is_some() { 1 } else { COUNT as u64 };

@@ -7,6 +7,7 @@
 #[path = "../fuzz/mutations.rs"]
 mod mutations;
 
+use anamorph::internals::input::Loading;
 use mutations::{Names, Rng, changed, corpus};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -182,7 +183,7 @@ fn fault(folder: &Path, args: &[String], output: Option<Output>) -> Option<Strin
         let bytes = std::fs::read(folder.join(&name)).unwrap();
         let is_whole = match name.as_str() {
             "out.png" => bytes.ends_with(b"IEND\xaeB`\x82"),
-            "out.exr" => anamorph::internals::image::read_exr(&folder.join(&name)).is_ok(),
+            "out.exr" => anamorph::internals::image::read_exr(&folder.join(&name), &Loading::default()).is_ok(),
             _ => bytes.starts_with(b"\x93NUMPY"),
         };
         if !is_whole {

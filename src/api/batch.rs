@@ -36,7 +36,6 @@ impl Batch {
     }
 
     /// The limits on the list and on each of its frames.
-    #[must_use]
     pub fn limits(self, limits: Limits) -> Batch {
         Batch { limits, ..self }
     }

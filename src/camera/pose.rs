@@ -154,6 +154,7 @@ mod tests {
     use super::*;
     use crate::camera::Camera;
     use crate::camera::kinds::read_camera;
+    use crate::input::Loading;
     use crate::input::load::with_tree;
     use proptest::prelude::*;
 

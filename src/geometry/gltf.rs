@@ -335,7 +335,12 @@ impl<'a> Builder<'a> {
         }
         if vertices > self.unchecked_vertices {
             let what = format_args!("a mesh of {vertices} vertices");
-            check_memory(self.source.limits, (self.mesh.triangles.len() as u64, vertices as u64), what, "split the file")?;
+            check_memory(
+                self.source.limits,
+                (self.mesh.triangles.len() as u64, vertices as u64),
+                what,
+                "split the file",
+            )?;
             self.unchecked_vertices = 2 * vertices;
         }
         for (k, p) in self.morphed(from, Semantic::Positions, placing)?.into_iter().enumerate() {

@@ -233,7 +233,9 @@ mod tests {
     #[test]
     fn spheres_are_triangles_of_one_corner_with_a_radius() {
         let centres = vec![DVec3::X, DVec3::new(0.0, -4.0, 0.5)];
-        let mesh = spheres_of(centres.clone(), vec![2.0, 0.25], Some(vec![[0.5; 3], [0.0, 1.0, 0.0]]), Limits::default()).unwrap();
+        let mesh =
+            spheres_of(centres.clone(), vec![2.0, 0.25], Some(vec![[0.5; 3], [0.0, 1.0, 0.0]]), Limits::default())
+                .unwrap();
         assert_eq!((mesh.triangles.clone(), mesh.radius(1), mesh.radius(2)), (vec![[0; 3], [1; 3]], Some(0.25), None));
         assert_eq!((mesh.colors_of(1), mesh.materials[0].diffuse), ([[0.0, 1.0, 0.0]; 3], [1.0; 3]));
         assert_eq!(mesh.bounds(), Some((DVec3::new(-1.0, -4.25, -2.0), DVec3::new(3.0, 2.0, 2.0))));

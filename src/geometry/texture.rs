@@ -283,12 +283,7 @@ pub fn decoded(bytes: &[u8]) -> Result<DynamicImage> {
 ///
 /// # Errors
 /// [`Error::Work`] if that does not fit the free memory.
-pub fn with_opacity(
-    colours: Option<Texture>,
-    mask: Texture,
-    offset: DVec2,
-    limits: Limits,
-) -> Result<Arc<Texels>> {
+pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2, limits: Limits) -> Result<Arc<Texels>> {
     let by_alpha = mask.texels.rgba.iter().any(|t| t[3] < f16::ONE);
     let mask = Texture { cutoff: by_alpha.then_some(0.0), ..mask };
     let size = |t: &Texture| [t.texels.width, t.texels.height];

@@ -94,6 +94,7 @@ fn is_outline(edge: &Edge, on_page: OnPage) -> bool {
 mod tests {
     use super::*;
     use crate::geometry::generate::{Builtin, generate};
+    use crate::input::Limits;
 
     fn lines(builtin: Builtin) -> (usize, usize) {
         let mesh = generate(&builtin, Limits::default()).unwrap();

@@ -132,7 +132,8 @@ pub fn read_npy_columns(path: &Path, columns: &[u64], loading: &Loading) -> Resu
             Err(format!("the array's shape is {shape:?}; it must be {known}"))
         }
     };
-    let read = read_array(open(path, loading)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
+    let read =
+        read_array(open(path, loading)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
     // one of `columns` by the check above
     read.map(|(shape, numbers)| (shape[1] as usize, numbers))
 }
@@ -154,7 +155,8 @@ pub fn read_npy_grid(path: &Path, loading: &Loading) -> Result<Grid> {
         [height, width] => check_size(width, height).map(|()| width * height).map_err(|e| e.to_string()),
         _ => Err(format!("the array's shape is {shape:?}; it must be N, or height x width")),
     };
-    let read = read_array(open(path, loading)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
+    let read =
+        read_array(open(path, loading)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
     // both sides are far under 2^32 by the check above
     let size = |shape: &[u64]| shape.get(1).map(|width| (*width as u32, shape[0] as u32));
     read.map(|(shape, numbers)| Grid { size: size(&shape), numbers })
@@ -169,11 +171,7 @@ pub fn read_npy_volume(path: &Path, side_max: u64, loading: &Loading) -> Result<
     volume_of(file, side_max, loading.limits()).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-fn volume_of(
-    file: File,
-    side_max: u64,
-    limits: Limits,
-) -> std::result::Result<([u64; 3], Vec<f32>), String> {
+fn volume_of(file: File, side_max: u64, limits: Limits) -> std::result::Result<([u64; 3], Vec<f32>), String> {
     let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
     let mut reader = BufReader::with_capacity(1 << 16, file);
     let (header, header_bytes) = read_header(&mut reader)?;

@@ -89,7 +89,12 @@ mod tests {
             assert!(error.contains(line) && error.contains("three finite numbers"), "{error}");
         }
         assert!(read("p.obj", "").unwrap_err().to_string().contains(".npy, .csv"));
-        assert!(read_points(Path::new("no/such.txt"), &Loading::default()).unwrap_err().to_string().contains("cannot be read"));
+        assert!(
+            read_points(Path::new("no/such.txt"), &Loading::default())
+                .unwrap_err()
+                .to_string()
+                .contains("cannot be read")
+        );
     }
 
     #[test]
@@ -97,7 +102,10 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("p.npy");
         write_npy_f64(&path, &[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
-        assert_eq!(read_points(&path, &Loading::default()).unwrap(), [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)]);
+        assert_eq!(
+            read_points(&path, &Loading::default()).unwrap(),
+            [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)]
+        );
         write_npy_f64(&path, &[1, 3], &[1.0, f64::NAN, 3.0]).unwrap();
         assert!(read_points(&path, &Loading::default()).unwrap_err().to_string().contains("point 0 is not finite"));
         write_npy_f64(&path, &[3, 2], &[0.0; 6]).unwrap();

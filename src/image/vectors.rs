@@ -81,7 +81,10 @@ mod tests {
         write_exr(&path, &Frame { width: 2, height: 1, planes: planes.clone() }, &[]).unwrap();
         let expected = vec![DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.5, 2.5, 3.5)];
         assert_eq!(read_vectors(&path, &Loading::default()).unwrap(), (2, 1, expected));
-        assert_eq!(read_pairs(&path, &Loading::default()).unwrap(), (2, 1, vec![DVec2::new(1.0, 2.0), DVec2::new(1.5, 2.5)]));
+        assert_eq!(
+            read_pairs(&path, &Loading::default()).unwrap(),
+            (2, 1, vec![DVec2::new(1.0, 2.0), DVec2::new(1.5, 2.5)])
+        );
         write_exr(&path, &Frame { width: 2, height: 1, planes: planes[..2].into() }, &[]).unwrap();
         let missing = read_vectors(&path, &Loading::default()).unwrap_err();
         assert!(missing.exit_code() == 2 && missing.to_string().contains("no channel B"), "{missing}");
@@ -111,7 +114,9 @@ mod tests {
         fails("ends early");
         std::fs::write(&path, b"v 0 0 0").unwrap();
         fails("header is damaged");
-        assert!(read_vectors(Path::new("v.png"), &Loading::default()).unwrap_err().to_string().contains(".npy or .exr"));
+        assert!(
+            read_vectors(Path::new("v.png"), &Loading::default()).unwrap_err().to_string().contains(".npy or .exr")
+        );
         assert!(read_vectors(&dir.path().join("none.exr"), &Loading::default()).is_err());
     }
 

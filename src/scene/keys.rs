@@ -147,6 +147,7 @@ fn choices(text: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::Loading;
     use crate::scene::file;
     use std::path::Path;
 

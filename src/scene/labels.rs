@@ -82,6 +82,7 @@ impl Labels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::Loading;
 
     #[test]
     fn ids_count_objects_and_their_materials_in_order() {
@@ -92,7 +93,7 @@ mod tests {
         let meshes = "mesh = [{ builtin = \"box\" }, { file = \"two.obj\" }, { builtin = \"box\" }]";
         let camera = "camera = { kind = \"pinhole\", eye = [0, 0, 9], target = [0, 0, 0], vfov = 40 }";
         file("scene.toml", &format!("{meshes}\n{camera}\n"));
-        let mut scene = Scene::load(&dir.path().join("scene.toml"), &[], 0.0).unwrap();
+        let mut scene = Scene::load(&dir.path().join("scene.toml"), &[], 0.0, &Loading::default()).unwrap();
         // an object without triangles
         scene.objects.insert(1, Object { name: "none".into(), triangles: 0 });
         let labels = Labels::of(&scene);

@@ -240,13 +240,7 @@ impl Library {
     }
 
     /// A camera in the scene of `mesh`, which is that of `seen`.
-    fn compiled(
-        &self,
-        key: CameraKey,
-        mesh: &Arc<Mesh>,
-        seen: Surroundings,
-        loading: &Loading,
-    ) -> Result<Arc<Camera>> {
+    fn compiled(&self, key: CameraKey, mesh: &Arc<Mesh>, seen: Surroundings, loading: &Loading) -> Result<Arc<Camera>> {
         let Surroundings { beside, is_endless, .. } = seen;
         let suits = |(_, around): &(Arc<Camera>, Around)| {
             let is_same = (around.beside, around.is_endless) == (beside, is_endless);

@@ -57,10 +57,12 @@ pub(super) fn expand(root: &mut Node, source: &Source) -> Result<()> {
 /// Reads a folder of COLMAP's, `transforms.json`, or lines of TUM's 8 or KITTI's 12 numbers.
 fn read(path: &Path, loading: &Loading) -> Result<Poses> {
     if calibrated::file::has_images(path) {
-        let all = calibrated::file::poses(path, loading)?.into_iter().map(|placed| (placed.eye, placed.rotation)).collect();
+        let all =
+            calibrated::file::poses(path, loading)?.into_iter().map(|placed| (placed.eye, placed.rotation)).collect();
         return Ok(Poses { all, convention: "opencv" });
     }
-    let text = loading.read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
+    let text =
+        loading.read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
     let poses = if text.trim_start().starts_with('{') {
         transforms(&text).map(|all| Poses { all, convention: "opengl" })
     } else {
@@ -138,7 +140,7 @@ mod tests {
         let camera = "kind = \"orthographic\"\nheight = 2";
         std::fs::write(&scene, format!("[image]\nwidth = 2\nheight = 2\n[camera]\n{camera}\nposes = \"{name}\"\n"))
             .unwrap();
-        let camera = Scene::load(&scene, &[], frame)?.camera()?;
+        let camera = Scene::load(&scene, &[], frame, &Loading::default())?.camera()?;
         let at = |i, j| camera.ray(i, j).unwrap();
         let (a, b, c) = (at(0, 0), at(1, 0), at(0, 1));
         let eye = 0.5 * (b.origin + c.origin);

@@ -205,6 +205,7 @@ pub fn list() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::Loading;
     use crate::scene::Scene;
 
     #[test]
@@ -224,7 +225,8 @@ mod tests {
         let path = example.write(dir.path()).unwrap();
         let floor = 2;
         for (flock, triangles) in [(300, 400), (700, 800), (1100, 1200), (1500, 1600)] {
-            let scene = Scene::load(&path, &[format!("mesh.0.file=flock-{flock}.obj")], 0.0, &Loading::default()).unwrap();
+            let scene =
+                Scene::load(&path, &[format!("mesh.0.file=flock-{flock}.obj")], 0.0, &Loading::default()).unwrap();
             assert_eq!(scene.mesh.triangles.len(), triangles + floor);
         }
         for cameras in [100, 256, 512] {

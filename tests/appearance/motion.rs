@@ -2,6 +2,7 @@
 //! And closed forms of what moves while a frame is taken.
 
 use crate::common;
+use anamorph::internals::input::Loading;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::RunOptions;
@@ -196,7 +197,7 @@ impl Known {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene.toml");
         std::fs::write(&path, text).unwrap();
-        let scene = Scene::load(&path, &[], frame).unwrap();
+        let scene = Scene::load(&path, &[], frame, &Loading::default()).unwrap();
         let camera = scene.camera().unwrap();
         (scene, camera)
     }

@@ -4,6 +4,7 @@
 use crate::common;
 use crate::decided::Decisions;
 use crate::pictures;
+use anamorph::internals::input::Loading;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::combinations::at_once;
@@ -469,7 +470,7 @@ fn scene_files_name_pictures_by_their_frame() {
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, text).unwrap();
     let red = |frame: f64| {
-        let scene = Scene::load(&path, &[], frame).unwrap();
+        let scene = Scene::load(&path, &[], frame, &Loading::default()).unwrap();
         let [light] = &scene.projector_lights[..] else { panic!("{} lights", scene.projector_lights.len()) };
         let throw = Throw {
             mode: Mode::Light,
@@ -483,7 +484,7 @@ fn scene_files_name_pictures_by_their_frame() {
         light.picture.at(DVec2::splat(0.5))[0]
     };
     assert!(red(3.0) < 0.03 && red(4.0) > 0.9);
-    let missing = Scene::load(&path, &[], 5.0).unwrap_err();
+    let missing = Scene::load(&path, &[], 5.0, &Loading::default()).unwrap_err();
     assert_eq!(missing.exit_code(), 2);
     let text = missing.to_string();
     assert!(text.contains("projector_light.0: ") && text.contains("take-0005.png") && !text.contains('\n'), "{text}");
@@ -498,7 +499,7 @@ fn wrong_keys_and_values_are_refused_in_a_line() {
     let refused = |entry: &str| {
         let text = format!("image = {{ width = 8, height = 6 }}\n{WALL}\n{entry}\n[camera]\n{FRONT}");
         std::fs::write(&path, text).unwrap();
-        let error = Scene::load(&path, &[], 0.0).expect_err(entry);
+        let error = Scene::load(&path, &[], 0.0, &Loading::default()).expect_err(entry);
         assert_eq!(error.exit_code(), 2, "{entry}");
         let text = error.to_string();
         assert!(!text.contains('\n'), "{text}");

@@ -3,6 +3,7 @@
 
 use crate::common;
 use crate::pictures;
+use anamorph::internals::input::Loading;
 
 use anamorph::internals::camera::{Camera, Rays};
 use anamorph::internals::engine::combinations::at_once;
@@ -226,7 +227,7 @@ fn a_video_shows_each_frame_its_own_image() {
              [camera]\nkind = \"orthographic\"\neye = [0, 5, 0]\ntarget = [0, 0, 0]\nup = [0, 0, -1]\nheight = 4\n{camera}\n"
         );
         std::fs::write(&path, text).unwrap();
-        Scene::load(&path, &[], frame)
+        Scene::load(&path, &[], frame, &Loading::default())
     };
     let channels = [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB];
     let mut engine = engine_on(|_| {});

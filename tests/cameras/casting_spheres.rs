@@ -1,6 +1,7 @@
 //! Rays cast at spheres and triangles: closed forms, whole numbers, and the reference's image of each camera pixel for pixel.
 
 use crate::common;
+use anamorph::internals::input::Limits;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::camera::perturb::scene_size;
@@ -22,7 +23,7 @@ const SIZE: (u32, u32) = (64, 48);
 
 fn balls(list: &[(DVec3, f64)]) -> Mesh {
     let (centres, radii) = list.iter().copied().unzip();
-    spheres_of(centres, radii, None).unwrap()
+    spheres_of(centres, radii, None, Limits::default()).unwrap()
 }
 
 /// Triangles between spheres of many sizes: some inside others, some with a common centre, some equal.

@@ -1,6 +1,7 @@
 //! Exported cameras, read back, have the same rays.
 
 use crate::common;
+use anamorph::internals::input::Loading;
 
 use anamorph::internals::camera::{Camera, Rays};
 use common::rng::Rng;
@@ -62,8 +63,9 @@ fn there_and_back(dir: &Path, table: &str) -> (Camera, Camera) {
             serde_json::from_str(&std::fs::read_to_string(dir.join("p.json")).unwrap()).unwrap();
         let camera = serde_json::json!({ "camera": { "kind": "chain", "layers": layers["layers"] } });
         std::fs::write(dir.join("chain.json"), camera.to_string()).unwrap();
-        let scene = anamorph::internals::scene::Scene::load(&dir.join("chain.json"), &[], 0.0).unwrap();
-        Camera::in_scene(&scene.camera, Some(SIZE), &scene.mesh).unwrap()
+        let scene =
+            anamorph::internals::scene::Scene::load(&dir.join("chain.json"), &[], 0.0, &Loading::default()).unwrap();
+        Camera::in_scene(&scene.camera, Some(SIZE), &scene.mesh, &Loading::default()).unwrap()
     };
     (original, back)
 }

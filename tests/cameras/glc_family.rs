@@ -2,6 +2,7 @@
 
 use anamorph::internals::camera::glc::{Class, classify};
 use anamorph::internals::camera::{Camera, Pieces, Ray, Rays};
+use anamorph::internals::input::Loading;
 use anamorph::internals::scene::Scene;
 use glam::DVec3;
 
@@ -14,7 +15,7 @@ fn load(keys: &str) -> anamorph::internals::input::Result<Camera> {
     let path = folder.path().join("scene.toml");
     let (w, h) = SIZE;
     std::fs::write(&path, format!("image = {{ width = {w}, height = {h} }}\n[camera]\n{keys}\n")).unwrap();
-    Scene::load(&path, &[], 0.0)?.camera()
+    Scene::load(&path, &[], 0.0, &Loading::default())?.camera()
 }
 
 fn camera(keys: &str) -> Camera {

@@ -1,6 +1,7 @@
 //! `lidar`, and the points that `render --points` writes.
 
 use crate::common;
+use anamorph::internals::input::Loading;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::image::{read_npy_rows, write_npy_f64};
@@ -129,7 +130,7 @@ fn points_lie_where_the_rays_meet_the_plane() {
         .map(|r| r[4].is_finite().then(|| DVec3::new(r[0] + 0.015, 0.0, r[2])))
         .chain([None, None])
         .collect();
-    let points = read_npy_rows::<3>(&folder.path().join("p.npy")).unwrap();
+    let points = read_npy_rows::<3>(&folder.path().join("p.npy"), &Loading::default()).unwrap();
     assert_eq!(points.len(), 9);
     for (found, expected) in points.iter().zip(&expected) {
         match expected {
@@ -164,7 +165,7 @@ fn points_are_where_things_are_at_the_pixels_time() {
         std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
         let done = run(folder.path(), &["--points", "p.npy"]);
         assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-        let points = read_npy_rows::<3>(&folder.path().join("p.npy")).unwrap();
+        let points = read_npy_rows::<3>(&folder.path().join("p.npy"), &Loading::default()).unwrap();
         for (row, point) in points.iter().enumerate() {
             // rows are a third of a unit apart; below a sphere's top by its roundness
             let z = (row as f64 - 4.0) / 3.0;
@@ -186,7 +187,7 @@ fn points_are_where_things_are_at_the_pixels_time() {
         std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
         let done = run(folder.path(), &["--points", "p.npy"]);
         assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-        let points = read_npy_rows::<3>(&folder.path().join("p.npy")).unwrap();
+        let points = read_npy_rows::<3>(&folder.path().join("p.npy"), &Loading::default()).unwrap();
         assert!((points[4][1] - expected).abs() < TIME_ROUNDING, "{points:?}");
     }
     let mirror = "kind = 'reflection'\neye = { kind = 'pinhole', eye = [0, 3, 3], target = [0, 0, 0], vfov = 40 }\nmirror = { shape = 'sphere', center = [0, 0.5, 0], radius = 0.5 }\n";

@@ -3,10 +3,11 @@
 use super::program::{Place, SCENE};
 use anamorph::internals::image::frame::{Channel, Frame};
 use anamorph::internals::image::read_exr;
+use anamorph::internals::input::Loading;
 use serde_json::Value;
 
 fn frame(place: &Place, name: &str) -> Frame {
-    read_exr(&place.path().join(name)).unwrap()
+    read_exr(&place.path().join(name), &Loading::default()).unwrap()
 }
 
 fn json(text: &str) -> Value {

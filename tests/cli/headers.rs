@@ -3,12 +3,13 @@
 use super::program::{Place, SCENE};
 use anamorph::internals::image::frame::{Channel, NO_ID};
 use anamorph::internals::image::{read_exr, read_exr_texts, write_npy_f64, write_png};
+use anamorph::internals::input::Loading;
 use exr::meta::MetaData;
 use serde_json::Value;
 
 /// A text attribute of a header.
 fn text(place: &Place, file: &str, name: &str) -> String {
-    let texts = read_exr_texts(&place.path().join(file)).unwrap();
+    let texts = read_exr_texts(&place.path().join(file), &Loading::default()).unwrap();
     texts.into_iter().find(|(own, _)| own == name).unwrap_or_else(|| panic!("{file}: no {name}")).1
 }
 
@@ -213,7 +214,7 @@ fn all_channels_and_the_names_of_objects_and_materials() {
     let of = |scene: &str, list: &str, more: &[&str]| {
         let args = ["render", scene, "--engine", "reference", "--channels", list, "--exr", "a.exr"];
         place.works(&[&args[..], more].concat());
-        read_exr(&place.path().join("a.exr")).unwrap()
+        read_exr(&place.path().join("a.exr"), &Loading::default()).unwrap()
     };
     let names = |frame: &anamorph::internals::image::frame::Frame| {
         frame.planes.iter().map(|p| p.0.name()).collect::<Vec<_>>().join(" ")
@@ -241,11 +242,11 @@ fn all_channels_and_the_names_of_objects_and_materials() {
     assert_eq!(text(&place, "a.exr", "anamorph.objects"), "[\"left\",\"box\"]");
     assert_eq!(json(&text(&place, "a.exr", "anamorph.materials")).as_array().unwrap().len(), 2);
     of("boxes.toml", "Z", &[]);
-    let texts = read_exr_texts(&place.path().join("a.exr")).unwrap();
+    let texts = read_exr_texts(&place.path().join("a.exr"), &Loading::default()).unwrap();
     assert!(!texts.iter().any(|(name, _)| name == "anamorph.objects" || name == "anamorph.materials"));
     if place.has_adapter() {
         place.works(&["render", "boxes.toml", "--channels", "all", "--exr", "gpu.exr"]);
-        assert_eq!(names(&read_exr(&place.path().join("gpu.exr")).unwrap()), names(&all));
+        assert_eq!(names(&read_exr(&place.path().join("gpu.exr"), &Loading::default()).unwrap()), names(&all));
     }
 }
 
@@ -321,7 +322,8 @@ fn a_target_that_cannot_be_tracked_is_reported_and_the_frame_rendered() {
     let report = json(&std::fs::read_to_string(place.path().join("r.json")).unwrap());
     assert!(report["unmet"][0].as_str().unwrap().starts_with("target 0 is not tracked"));
     render(&place, "scene.toml", "p.exr", &[]);
-    let [tracked, plain] = ["t.exr", "p.exr"].map(|name| read_exr(&place.path().join(name)).unwrap());
+    let [tracked, plain] =
+        ["t.exr", "p.exr"].map(|name| read_exr(&place.path().join(name), &Loading::default()).unwrap());
     assert_eq!(tracked, plain);
     assert!(place.works(&["camera", "track.toml"]).contains("note     target 0 is not tracked"));
 }

@@ -3,6 +3,7 @@
 use super::program::Place;
 use anamorph::internals::image::frame::{Channel, Frame};
 use anamorph::internals::image::{read_exr, write_npy_f64};
+use anamorph::internals::input::Loading;
 use serde_json::Value;
 use std::path::Path;
 
@@ -14,7 +15,7 @@ fn seen(place: &Place, meshes: &str) -> Frame {
     place.write("s.toml", format!("{HEAD}{meshes}"));
     let channels = "R,G,B,A,Z,triangle.id,N,P,albedo";
     place.works(&["render", "s.toml", "--exr", "s.exr", "--engine", "reference", "--channels", channels]);
-    read_exr(&place.path().join("s.exr")).unwrap()
+    read_exr(&place.path().join("s.exr"), &Loading::default()).unwrap()
 }
 
 /// A translation, a mirroring and a shear, row by row.
@@ -221,7 +222,7 @@ fn fitted(place: &Place, printed: &str, mesh: &str) -> Frame {
     let camera = &printed[printed.find("[camera]").unwrap()..];
     place.write("fit.toml", format!("{camera}\n[[mesh]]\n{mesh}\n"));
     place.works(&["render", "fit.toml", "--exr", "fit.exr", "--engine", "reference", "--size", "64x64"]);
-    read_exr(&place.path().join("fit.exr")).unwrap()
+    read_exr(&place.path().join("fit.exr"), &Loading::default()).unwrap()
 }
 
 fn assert_fits(frame: &Frame) {

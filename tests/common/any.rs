@@ -15,6 +15,7 @@ use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::geometry::place;
 use anamorph::internals::geometry::spheres::spheres_of;
 use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
+use anamorph::internals::input::Limits;
 use anamorph::internals::scene::Scene;
 use glam::DVec3;
 use std::sync::Arc;
@@ -81,7 +82,7 @@ pub fn with_spheres(rng: &mut Rng, scene: &mut Scene) {
         list.push((centre, radius));
     }
     let (centres, radii) = list.into_iter().unzip();
-    let mut own = spheres_of(centres, radii, None).unwrap();
+    let mut own = spheres_of(centres, radii, None, Limits::default()).unwrap();
     own.materials[0].two_sided = rng.below(3) > 0;
     let mut all = vec![(*scene.mesh).clone(), own];
     if rng.below(2) == 0 {

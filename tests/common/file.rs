@@ -1,7 +1,7 @@
 //! Scenes written as a user writes them.
 
 use anamorph::internals::camera::Camera;
-use anamorph::internals::input::Result;
+use anamorph::internals::input::{Loading, Result};
 use anamorph::internals::scene::Scene;
 
 /// The scene of a TOML text.
@@ -9,7 +9,7 @@ pub fn load(text: &str) -> Result<Scene> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, text).unwrap();
-    Scene::load(&path, &[], 0.0)
+    Scene::load(&path, &[], 0.0, &Loading::default())
 }
 
 /// A scene of `meshes` ([[mesh]] tables) in an image of a size, with a camera of these keys.

@@ -4,6 +4,7 @@ use super::cameras::{MeshShape, mesh_spec};
 use super::rng::Rng;
 use anamorph::internals::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use anamorph::internals::camera::{Camera, Curve, CurveMap, Curves, Ray, Rays, mesh};
+use anamorph::internals::input::Limits;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -29,7 +30,8 @@ pub fn chain(seed: u64, layers: usize, (columns, rows): (u32, u32), shape: MeshS
 
 /// A chain of mesh cameras.
 pub fn of_layers(layers: Vec<MeshCameraSpec>, (width, height): (u32, u32)) -> Camera {
-    let compiled = |spec: &MeshCameraSpec| mesh::compile(spec, width, height, &mut Vec::new()).unwrap();
+    let compiled =
+        |spec: &MeshCameraSpec| mesh::compile(spec, (width, height), &mut Vec::new(), Limits::default()).unwrap();
     let layers = layers.iter().map(|spec| Rays::Pieces(compiled(spec))).collect::<Vec<_>>();
     Camera {
         kind: "chain",

@@ -54,6 +54,7 @@ pub fn scene(mesh: Mesh) -> Scene {
         casters: None,
         camera_steps: Vec::new(),
         output: OutputSpec::default(),
+        limits: Default::default(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Cameras as a person writes them: the text of a scene file's `[camera]`.
 
 use anamorph::internals::camera::Camera;
-use anamorph::internals::input::Result;
+use anamorph::internals::input::{Loading, Result};
 use anamorph::internals::scene::Scene;
 use std::path::Path;
 
@@ -9,8 +9,8 @@ use std::path::Path;
 pub fn camera_in(folder: &Path, table: &str, size: Option<(u32, u32)>) -> Result<Camera> {
     let path = folder.join("written.toml");
     std::fs::write(&path, format!("[camera]\n{table}\n")).unwrap();
-    let scene = Scene::load(&path, &[], 0.0)?;
-    Camera::in_scene(&scene.camera, size.or(scene.size), &scene.mesh)
+    let scene = Scene::load(&path, &[], 0.0, &Loading::default())?;
+    Camera::in_scene(&scene.camera, size.or(scene.size), &scene.mesh, &Loading::default())
 }
 
 /// The camera of a `[camera]` table without files.

@@ -1,6 +1,7 @@
 //! The channel `certified` where there are spheres: what is proven is right, most is proven, and nothing that cannot be is.
 
 use crate::common;
+use anamorph::internals::input::Limits;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
@@ -27,7 +28,7 @@ const PROVEN_LEAST: f64 = 0.999;
 
 fn balls(list: &[(DVec3, f64)]) -> Mesh {
     let (centres, radii) = list.iter().copied().unzip();
-    spheres_of(centres, radii, None).unwrap()
+    spheres_of(centres, radii, None, Limits::default()).unwrap()
 }
 
 /// Spheres of many sizes, some inside of others, and triangles that cut them.

@@ -1,6 +1,7 @@
 //! Whole frames of the engine against the f64 reference, by margin. Nothing to do without an adapter.
 
 use crate::common;
+use anamorph::internals::input::Loading;
 
 use anamorph::internals::camera::glc;
 use anamorph::internals::camera::kinds::glc::Glc;
@@ -283,9 +284,9 @@ fn load(name: &str) -> Option<Mesh> {
     }
     Some(
         if name.ends_with(".obj") {
-            obj::load(&path, &mut Images::default())
+            obj::load(&path, &mut Images::default(), &Loading::default())
         } else {
-            gltf::load(&path, gltf::Files::Below, &Images::default(), None)
+            gltf::load(&path, gltf::Files::Below, &Images::default(), None, &Loading::default())
         }
         .unwrap(),
     )

@@ -5,7 +5,7 @@ use crate::common;
 use anamorph::internals::camera::Camera;
 use anamorph::internals::camera::change::{PixelRay, rate};
 use anamorph::internals::engine::stage::gradient::Gradient;
-use anamorph::internals::input::Result;
+use anamorph::internals::input::{Loading, Result};
 use anamorph::internals::reference::gradient::{Direction, Edge, PixelChange, changes};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::gradients::{Changes, HIT_NUMBERS, NONE, Seen, VERTEX_DIRECTIONS};
@@ -131,12 +131,12 @@ impl View {
     }
 
     fn camera_at(&self, key: &str, value: f64) -> Result<Camera> {
-        let spec = self.scene.camera_keys.with_number(key, value)?;
-        Camera::in_scene(&spec, Some((self.camera.width, self.camera.height)), &self.scene.mesh)
+        let spec = self.scene.camera_keys.with_number(key, value, &Loading::default())?;
+        Camera::in_scene(&spec, Some((self.camera.width, self.camera.height)), &self.scene.mesh, &Loading::default())
     }
 
     fn rates(&self, key: &str) -> anamorph::internals::camera::change::Rate {
-        let value = self.scene.camera_keys.number(key).unwrap();
+        let value = self.scene.camera_keys.number(key, &Loading::default()).unwrap();
         rate(&self.camera, (key, value), &|v| self.camera_at(key, v), true).unwrap()
     }
 }
@@ -245,7 +245,7 @@ fn the_reference_is_the_limit_of_differences_by_numbers_of_the_camera() {
     for case in &CASES {
         let view = View::of_case(case);
         for key in case.numbers {
-            let value = view.scene.camera_keys.number(key).unwrap();
+            let value = view.scene.camera_keys.number(key, &Loading::default()).unwrap();
             let rates = view.rates(key);
             // three steps that are not those of the derivative
             let step = 0.37 * rates.step;
@@ -556,7 +556,7 @@ fn what_does_not_change_smoothly_has_no_gradient() {
         "kind = \"panorama\"\ncenter = [0, 0, 0]\nradius = 3\nelevation = 2\nheight = 2.4\npieces = 24",
     );
     let refused = |key: &str| {
-        let value = view.scene.camera_keys.number(key).unwrap();
+        let value = view.scene.camera_keys.number(key, &Loading::default()).unwrap();
         let error = rate(&view.camera, (key, value), &|v| view.camera_at(key, v), false).unwrap_err();
         assert!(error.exit_code() == 2 && !error.to_string().contains('\n'), "{error}");
         error.to_string()

@@ -1,6 +1,7 @@
 //! What raster finds, trace finds, to the last bit; and `--method auto` traces where that costs less.
 
 use crate::common;
+use anamorph::internals::input::Loading;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
@@ -199,7 +200,7 @@ fn what_takes_too_many_rounds_is_rasterized() {
     let folder = tempfile::tempdir().unwrap();
     let example = EXAMPLES.iter().find(|e| e.name == "tree").unwrap();
     let keys = ["image.width=120", "image.height=90", "camera.near=70", "camera.cut=60"].map(str::to_owned);
-    let scene = Scene::load(&example.write(folder.path()).unwrap(), &keys, 0.0).unwrap();
+    let scene = Scene::load(&example.write(folder.path()).unwrap(), &keys, 0.0, &Loading::default()).unwrap();
     let camera = scene.camera().unwrap();
     let Some((frame, ..)) = common::gpu::check("tree", &scene, &camera) else { return };
     assert!(common::gpu::hits(&frame) > 5000);

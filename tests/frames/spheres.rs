@@ -1,6 +1,7 @@
 //! Spheres: closed forms, agreement with the reference through cameras of all kinds, random scenes, light, time, and errors.
 
 use crate::common;
+use anamorph::internals::input::{Limits, Loading};
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout};
@@ -28,7 +29,7 @@ use std::sync::Arc;
 const SIZE: (u32, u32) = (80, 60);
 
 fn balls(list: &[(DVec3, f64)]) -> Mesh {
-    spheres_of(list.iter().map(|s| s.0).collect(), list.iter().map(|s| s.1).collect(), None).unwrap()
+    spheres_of(list.iter().map(|s| s.0).collect(), list.iter().map(|s| s.1).collect(), None, Limits::default()).unwrap()
 }
 
 /// The frames of the reference and, with an adapter, of the engine, all channels.
@@ -458,7 +459,7 @@ fn files_of_spheres_are_read() {
         let path = folder.path().join("scene.toml");
         let camera = "[camera]\nkind = \"pinhole\"\neye = [0, 0, 9]\ntarget = [0, 0, 0]\nvfov = 40\n";
         std::fs::write(&path, format!("image = {{ width = 8, height = 6 }}\n[[spheres]]\n{keys}\n{camera}")).unwrap();
-        Scene::load(&path, &[], 0.0)
+        Scene::load(&path, &[], 0.0, &Loading::default())
     };
     let mesh = |keys: &str| load(keys).unwrap().mesh;
     for (keys, radii, color) in [

@@ -2,6 +2,7 @@
 //! Nothing to do without an adapter.
 
 use crate::common;
+use anamorph::internals::input::Loading;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::combinations::at_once;
@@ -186,9 +187,9 @@ fn a_large_image_is_a_tiled_file_and_a_streamed_one() {
     let bytes = std::fs::read(path("large.exr")).unwrap();
     // bit 9 of the version: a single part of tiles
     assert_eq!(u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]) & 0x200, 0x200);
-    let file = read_exr(&path("large.exr")).unwrap();
-    let scene = Scene::load(&path("scene.toml"), &[], 0.0).unwrap();
-    let camera = Camera::in_scene(&scene.camera, Some((width, height)), &scene.mesh).unwrap();
+    let file = read_exr(&path("large.exr"), &Loading::default()).unwrap();
+    let scene = Scene::load(&path("scene.toml"), &[], 0.0, &Loading::default()).unwrap();
+    let camera = Camera::in_scene(&scene.camera, Some((width, height)), &scene.mesh, &Loading::default()).unwrap();
     let wanted = Wanted { srgb8: true, ..Wanted::of(vec![Channel::Z]) };
     let at_once = engine.render(&scene, camera, &wanted, &RunOptions::default()).unwrap();
     assert_eq!((file.width, file.height), (width, height));

@@ -4,6 +4,7 @@ use anamorph::internals::camera::recipe::{Built, Setting, Surroundings};
 use anamorph::internals::camera::tessellate::Tessellation;
 use anamorph::internals::camera::{Pieces, Ray, RayMap, Rays};
 use anamorph::internals::geometry::mesh::Mesh;
+use anamorph::internals::input::Loading;
 use anamorph::internals::scene::Scene;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::HashMap;
@@ -56,7 +57,7 @@ impl RayMap for Swelling {
 fn tessellate(tessellation: Tessellation, map: Arc<dyn RayMap>) -> Built {
     // a ball around the two corners that holds all of T_RANGE
     let mesh = Mesh { positions: vec![DVec3::splat(-20.0), DVec3::splat(20.0)], ..Mesh::default() };
-    tessellation.build(map, &Setting::new(Some(SIZE), &mesh, T_RANGE)).unwrap()
+    tessellation.build(map, &Setting::new(Some(SIZE), &mesh, T_RANGE, &Loading::default())).unwrap()
 }
 
 fn pieces(built: &Built) -> &Pieces {
@@ -235,7 +236,8 @@ fn jumps_rims_and_folds_are_distinguished() {
     }
     let left_out = tessellate(Tessellation::Count(200), Arc::new(Odd::Rim));
     assert!(left_out.notes.last().unwrap().contains("left out"), "{:?}", left_out.notes);
-    let few = Tessellation::Count(1).build(Arc::new(Odd::Rim), &Setting::new(Some(SIZE), &Mesh::default(), T_RANGE));
+    let few = Tessellation::Count(1)
+        .build(Arc::new(Odd::Rim), &Setting::new(Some(SIZE), &Mesh::default(), T_RANGE, &Loading::default()));
     assert!(few.unwrap_err().to_string().contains("camera.pieces"));
 }
 
@@ -243,7 +245,8 @@ fn jumps_rims_and_folds_are_distinguished() {
 fn without_a_scene_the_bound_is_that_of_the_whole_range() {
     for t_range in [[0.0, f64::INFINITY], [f64::NEG_INFINITY, f64::INFINITY], [1.0, 2.0]] {
         let mesh = Mesh::default();
-        let setting = Setting::new(Some(SIZE), &mesh, t_range);
+        let loading = Loading::default();
+        let setting = Setting::new(Some(SIZE), &mesh, t_range, &loading);
         let built = Tessellation::Count(1024).build(Arc::new(Sphere), &setting).unwrap();
         assert_eq!(
             reported(&built),
@@ -260,7 +263,9 @@ fn what_is_beside_or_beyond_the_mesh_counts_too() {
     let behind = Some((DVec3::new(0.0, 0.0, 9.0), DVec3::new(0.0, 0.0, 11.0)));
     let built = |beside, is_endless| {
         let seen = Surroundings { mesh: &mesh, beside, is_endless };
-        Tessellation::Auto { error_px: 0.25 }.build(Arc::new(Sphere), &Setting::new(Some(SIZE), seen, T_RANGE)).unwrap()
+        Tessellation::Auto { error_px: 0.25 }
+            .build(Arc::new(Sphere), &Setting::new(Some(SIZE), seen, T_RANGE, &Loading::default()))
+            .unwrap()
     };
     let [alone, beside, endless] = [built(None, false), built(behind, false), built(None, true)];
     // the largest way from a piece's ray to the exact one, in radians
@@ -289,7 +294,7 @@ fn bad_keys_are_named() {
         let path = folder.path().join("scene.toml");
         let ring = "kind = \"panorama\"\nradius = 5\nheight = 2\n";
         std::fs::write(&path, format!("image = {{ width = 40, height = 30 }}\n[camera]\n{ring}{keys}\n")).unwrap();
-        Scene::load(&path, &[], 0.0)?.camera()
+        Scene::load(&path, &[], 0.0, &Loading::default())?.camera()
     };
     for (keys, says) in [
         ("pieces = 0", "camera.pieces: expected a whole number from 1 to"),

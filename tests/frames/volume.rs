@@ -1,6 +1,7 @@
 //! Volumes: closed forms of the reference, the engine's frames against the reference, and frames without a volume.
 
 use crate::common;
+use anamorph::internals::input::Loading;
 
 use anamorph::internals::camera::{Camera, Curve, CurveMap, Curves, Rays};
 use anamorph::internals::engine::plan::Wanted;
@@ -476,7 +477,7 @@ fn refusal(keys: &str, file: (&str, &[u8])) -> String {
     let path = folder.path().join("scene.toml");
     let camera = "[camera]\nkind = \"pinhole\"\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nvfov = 40\n";
     std::fs::write(&path, format!("image = {{ width = 8, height = 8 }}\n{camera}[volume]\n{keys}\n")).unwrap();
-    let error = Scene::load(&path, &[], 0.0).expect_err(keys);
+    let error = Scene::load(&path, &[], 0.0, &Loading::default()).expect_err(keys);
     assert_eq!(error.exit_code(), 2, "{error}");
     let text = error.to_string();
     assert!(!text.contains('\n'), "{text}");
@@ -582,7 +583,7 @@ fn files_of_every_type_hold_the_same_numbers() {
         let text =
             format!("image = {{ width = 8, height = 8 }}\n{camera}[volume]\nfile = \"{name}\"\n{keys}\n{placed}\n");
         std::fs::write(&path, text).unwrap();
-        let scene = Scene::load(&path, &[], 0.0).unwrap();
+        let scene = Scene::load(&path, &[], 0.0, &Loading::default()).unwrap();
         let grid = scene.volume.unwrap().grid;
         assert_eq!(grid.sides, [4, 3, 2], "{name}");
         assert!(grid.values.iter().zip(&numbers).all(|(a, b)| *a == f32::from(*b)), "{name}");

@@ -19,6 +19,7 @@ use anamorph::internals::geometry::spheres::spheres_of;
 use anamorph::internals::geometry::texture::{Texels, Texture};
 use anamorph::internals::gpu::kernels::Snippet;
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::input::Limits;
 use anamorph::internals::reference::image::{image, judge};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
@@ -193,7 +194,8 @@ fn proven(engine: &mut Engine) -> Result<(), String> {
 fn proven_spheres(engine: &mut Engine) -> Result<(), String> {
     let wanted = centres(&[Channel::TriangleId, Channel::Certified]);
     let balls = |list: &[(DVec3, f64)]| {
-        spheres_of(list.iter().map(|b| b.0).collect(), list.iter().map(|b| b.1).collect(), None).unwrap()
+        spheres_of(list.iter().map(|b| b.0).collect(), list.iter().map(|b| b.1).collect(), None, Limits::default())
+            .unwrap()
     };
     let mut rng = Rng(8);
     let list: Vec<(DVec3, f64)> = (0..40).map(|_| (rng.vector(), 0.02 + 0.2 * rng.unit())).collect();

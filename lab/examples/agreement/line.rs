@@ -8,7 +8,7 @@ use anamorph::internals::engine::{Engine, Rendered, RunOptions};
 use anamorph::internals::gpu::kernels::RaysKind;
 use anamorph::internals::image::compare::{Comparison, Quantiles, compare};
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
-use anamorph::internals::input::{Error, Result};
+use anamorph::internals::input::{Error, Loading, Result};
 use anamorph::internals::reference::image::judge;
 use anamorph::internals::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -99,7 +99,7 @@ impl Line {
 
 /// A frame's figures, and its picture: RGBA, 8 bits each.
 pub fn measure(engine: &mut Engine, scene: &Path) -> Result<(Figures, Vec<u8>)> {
-    let scene = Scene::load(scene, &[], 0.0)?;
+    let scene = Scene::load(scene, &[], 0.0, &Loading::default())?;
     let camera = scene.camera()?;
     let rendered = render(engine, &scene, &camera)?;
     let judged = judge(&scene, &camera, &rendered.frame);

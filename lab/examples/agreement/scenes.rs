@@ -3,7 +3,7 @@
 
 use super::views::{SIZE, View};
 use anamorph::internals::image::write_text;
-use anamorph::internals::input::{Error, Result};
+use anamorph::internals::input::{Error, Loading, Result};
 use anamorph::internals::scene::Scene;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value, toml};
@@ -57,7 +57,7 @@ impl Subject {
             vfov = 30
         };
         let as_it_is = write(&folder.path().join("scene.toml"), SIZE, &self.source, &view)?;
-        let scene = Scene::load(&as_it_is, &[], 0.0)?;
+        let scene = Scene::load(&as_it_is, &[], 0.0, &Loading::default())?;
         let (lo, hi) = scene.bounds().ok_or_else(|| Error::input(format!("{}: no vertices", self.name)))?;
         let middle = (lo + hi) / 2.0;
         let scale = 1.0 / scene.mesh.positions.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);

@@ -19,7 +19,7 @@ use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::device::NO_ADAPTER;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::image::{toned8, write_text};
-use anamorph::internals::input::{Error, Result};
+use anamorph::internals::input::{Error, Loading, Result};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::tools::example::Example;
 use anamorph_lab::gallery::gallery;
@@ -103,11 +103,11 @@ impl Studio {
     /// A frame of the example as its file says but for `change`, its longer side `size` pixels long.
     fn scene(&self, example: &Example, change: &str, frame: f64, size: u32) -> Result<Scene> {
         let path = example.write(&self.pictures)?;
-        let (width, height) = Scene::load(&path, &[], 0.0)?.size.unwrap_or((1, 1));
+        let (width, height) = Scene::load(&path, &[], 0.0, &Loading::default())?.size.unwrap_or((1, 1));
         let scaled = |n: u32| (f64::from(n * size) / f64::from(width.max(height))).round();
         let mut changes = vec![format!("image.width={}", scaled(width)), format!("image.height={}", scaled(height))];
         changes.extend(change.split_whitespace().map(str::to_owned));
-        Scene::load(&path, &changes, frame)
+        Scene::load(&path, &changes, frame, &Loading::default())
     }
 
     fn picture_beside(&mut self, example: &Example, beside: &Beside) -> Result<RgbImage> {
@@ -153,7 +153,7 @@ impl Studio {
 
     /// What the page says of an example: counted and timed as its file is, without the sky.
     fn shown(&mut self, example: &'static Example) -> Result<page::Shown> {
-        let scene = Scene::load(&example.write(&self.pictures)?, &[], 0.0)?;
+        let scene = Scene::load(&example.write(&self.pictures)?, &[], 0.0, &Loading::default())?;
         let camera = scene.camera()?;
         let options = RunOptions { repeat: TIMED, ..Default::default() };
         let mut ms = self.engine.render(&scene, &camera, &Wanted::of(COLOURS.to_vec()), &options)?.frame_ms;

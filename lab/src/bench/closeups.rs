@@ -11,7 +11,7 @@ use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::plan::samples::sample_offsets;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::image::{toned8, write_png};
-use anamorph::internals::input::{Error, Result};
+use anamorph::internals::input::{Error, Loading, Result};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::style::{Hatching, Line, Outline, Style};
 use glam::DVec3;
@@ -93,7 +93,7 @@ impl Closeups {
         let files = tempfile::tempdir().map_err(|e| Error::work(format!("no temporary folder: {e}")))?;
         let path = Case::new("", Source::Example(self.example), Vec::new()).write(files.path())?;
         let set: Vec<String> = self.set.iter().map(|s| (*s).to_owned()).collect();
-        let plain = Scene { background: [1.0; 3], ..Scene::load(&path, &set, 0.0)? };
+        let plain = Scene { background: [1.0; 3], ..Scene::load(&path, &set, 0.0, &Loading::default())? };
         let camera = plain.camera()?;
         let mut pictures = Vec::new();
         // lines of the map are as wide as those of the picture where it is looked up
@@ -156,7 +156,7 @@ fn image_based(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Result<Ve
     for (forward, up) in FACES {
         let kind = CameraKind::from(Pinhole { eye, target: eye + forward, up, vfov: 90.0 });
         let spec = CameraSpec { kind, t_range: camera.t_range };
-        let face = Camera::in_scene(&spec, Some((SIDE, SIDE)), scene.surroundings())?;
+        let face = Camera::in_scene(&spec, Some((SIDE, SIDE)), scene.surroundings(), &Loading::default())?;
         faces.push(frame(engine, scene, &face, FACE_SAMPLES, 1)?);
     }
     let seen = |k: u32| {

@@ -9,7 +9,7 @@ use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::stage::KernelId;
 use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::image::frame::Channel;
-use anamorph::internals::input::{Error, Result};
+use anamorph::internals::input::{Error, Loading, Result};
 use anamorph::internals::scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -37,7 +37,7 @@ const KERNELS: [KernelId; 10] = [
 /// Of the kernels that an adapter takes for a case, where raster and trace may both be taken.
 pub fn of_case(case: &Case, has: AdapterFeatures) -> Result<Vec<KernelOperations>> {
     let folder = tempfile::tempdir().map_err(|e| Error::work(format!("no temporary folder: {e}")))?;
-    let scene = Scene::load(&case.write(folder.path())?, &case.set, 0.0)?;
+    let scene = Scene::load(&case.write(folder.path())?, &case.set, 0.0, &Loading::default())?;
     let (camera, wanted) = (scene.camera()?, seen(false, false));
     let variant = variant(&camera, SceneContents::of(&scene), &wanted, has, &RunOptions::default());
     let planes: Vec<Channel> = wanted.channels.into_iter().filter(|channel| channel.is_rendered()).collect();

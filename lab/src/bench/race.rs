@@ -16,7 +16,7 @@ use anamorph::internals::gpu::device::{GpuOptions, NO_ADAPTER};
 use anamorph::internals::gpu::recorder::Recorder;
 use anamorph::internals::image::compare::compare;
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
-use anamorph::internals::input::Result;
+use anamorph::internals::input::{Loading, Result};
 use anamorph::internals::reference::image::{Judgement, judge_rows, rows_of_image};
 use anamorph::internals::scene::Scene;
 use std::path::PathBuf;
@@ -118,7 +118,7 @@ struct Scenes<'a> {
 impl Scenes<'_> {
     /// With `more` KEY=VALUE, at a frame.
     fn load(&self, more: &[String], frame: u32) -> Result<Scene> {
-        Scene::load(&self.path, &[&self.case.set[..], more].concat(), f64::from(frame))
+        Scene::load(&self.path, &[&self.case.set[..], more].concat(), f64::from(frame), &Loading::default())
     }
 
     fn with_camera(&self, more: &[String]) -> Result<(Scene, Camera)> {

@@ -140,6 +140,7 @@ fn cylinder_scene() -> Source {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use anamorph::internals::input::Loading;
     use std::collections::BTreeSet;
 
     /// Scenes of many triangles or pieces are left to the runs.
@@ -157,7 +158,7 @@ mod tests {
                 let own = case.arms.iter().map(|arm| &arm.set).chain([&case.truth]).collect::<BTreeSet<_>>();
                 for set in own.into_iter().filter(|s| !s.iter().chain(&case.set).any(is_large)) {
                     let set = [&case.set[..], set, &small].concat();
-                    let scene = anamorph::internals::scene::Scene::load(&path, &set, 0.0);
+                    let scene = anamorph::internals::scene::Scene::load(&path, &set, 0.0, &Loading::default());
                     let camera = scene.and_then(|s| s.camera());
                     assert!(camera.is_ok(), "{}: {}: {set:?}: {:?}", suite.name, case.name, camera.err());
                 }

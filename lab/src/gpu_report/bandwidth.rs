@@ -6,7 +6,7 @@ use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::gpu::device::NO_ADAPTER;
 use anamorph::internals::gpu::{Gpu, GpuOptions};
 use anamorph::internals::image::frame::Channel;
-use anamorph::internals::input::{Error, Result};
+use anamorph::internals::input::{Error, Loading, Result};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::tools::example::EXAMPLES;
 use serde::{Deserialize, Serialize};
@@ -62,7 +62,7 @@ fn of_stages(mut engine: Engine) -> Result<Vec<Bandwidth>> {
     let is_software = engine.gpu.info.device_type == wgpu::DeviceType::Cpu;
     let side = if is_software { SIDE_SOFTWARE } else { SIDE };
     let size = [format!("image.width={side}"), format!("image.height={side}")];
-    let scene = Scene::load(&path, &size, 0.0)?;
+    let scene = Scene::load(&path, &size, 0.0, &Loading::default())?;
     let camera = scene.camera()?;
     let wanted = Wanted { srgb8: true, ..Wanted::of(Channel::ALL[..10].to_vec()) };
     let run = RunOptions { repeat: FRAMES, ..Default::default() };

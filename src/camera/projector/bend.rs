@@ -56,6 +56,7 @@ mod tests {
     use super::super::patch::Patch;
     use super::super::surface::Plane;
     use super::*;
+    use crate::input::Loading;
     use crate::input::parse::parse_set_value;
     use crate::input::reader::{Field, Source};
     use glam::DVec3;

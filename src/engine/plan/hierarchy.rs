@@ -398,6 +398,7 @@ mod tests {
             casters: None,
             camera_steps: Vec::new(),
             output: Default::default(),
+            limits: Default::default(),
         }
     }
 

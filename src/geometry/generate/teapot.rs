@@ -161,6 +161,7 @@ mod tests {
     use super::super::testing::{assert_sound, bounds, six_volumes};
     use super::*;
     use crate::geometry::obj;
+    use crate::input::Loading;
     use crate::testing::model;
 
     fn bits(p: DVec3) -> [u64; 3] {

@@ -6,7 +6,7 @@ use crate::geometry::spec::AnimationSpec;
 use crate::testing::model;
 
 fn here(loading: &Loading) -> FileAccess<'_> {
-    FileAccess { folder: Path::new(\"\"), files: Files::Below, loading }
+    FileAccess { folder: Path::new(""), files: Files::Below, loading }
 }
 
 /// The bytes of a quad's four positions (f32), six u16 indices and a strip's four u8 indices: 64 bytes.
@@ -164,7 +164,7 @@ fn normals_and_colours_are_placed() {
 }
 
 #[test]
-fn wrong_documents_say_where(&Loading::default()) {
+fn wrong_documents_say_where() {
     type Edit = fn(&mut serde_json::Value);
     let cases: [(Edit, &str); 18] = [
         (|j| j["accessors"][0]["count"] = 5.into(), "accessor 0: exceeds buffer view 0 of 48 bytes"),
@@ -338,7 +338,9 @@ fn buffers_of_one_file_share_its_bytes() {
     let buffer = json["buffers"][0].clone();
     json["buffers"] = vec![buffer; 3].into();
     let bytes = serde_json::to_vec(&json).unwrap();
-    let source = Source::parse(&bytes, FileAccess { folder: folder.path(), files: Files::Below, loading: &Loading::default() }).unwrap();
+    let source =
+        Source::parse(&bytes, FileAccess { folder: folder.path(), files: Files::Below, loading: &Loading::default() })
+            .unwrap();
     assert!(source.buffers.len() == 3 && source.buffers.iter().all(|b| Arc::ptr_eq(b, &source.buffers[0])));
 }
 

@@ -65,7 +65,12 @@ fn wrong_grids_say_what_is_wrong() {
     assert!(nan.samples[0].is_nan() && nan.samples[1..] == [2.0, 3.0, 4.0]);
     let none = asc::read(format!("{header}1 2\n-9999 -9999\n").as_bytes()).unwrap();
     assert!(mesh(&none, &spec(None), Limits::default()).unwrap_err().to_string().contains("no surface"));
-    assert!(read(Path::new("missing.asc"), &Loading::default()).unwrap_err().to_string().contains("missing.asc: cannot be read"));
+    assert!(
+        read(Path::new("missing.asc"), &Loading::default())
+            .unwrap_err()
+            .to_string()
+            .contains("missing.asc: cannot be read")
+    );
 }
 
 #[test]
@@ -129,7 +134,10 @@ fn geotiffs_say_where_they_are() {
     assert_eq!(geotiff(&point, &tie).unwrap().georeference.unwrap().middle, DVec2::new(1030.0, 4990.0));
     let in_degrees = geotiff(&degrees, &tie).unwrap();
     assert!(mesh(&in_degrees, &spec(None), Limits::default()).unwrap_err().to_string().contains("30 x 20 degrees"));
-    assert!(mesh(&in_degrees, &spec(Some(DVec2::ONE)), Limits::default()).is_err_and(|e| e.to_string().contains("no surface")));
+    assert!(
+        mesh(&in_degrees, &spec(Some(DVec2::ONE)), Limits::default())
+            .is_err_and(|e| e.to_string().contains("no surface"))
+    );
     assert!(geotiff::read(b"II*\0").is_err_and(|e| e.contains("no TIFF")));
     let mut bytes = Cursor::new(Vec::new());
     TiffEncoder::new(&mut bytes).unwrap().write_image::<colortype::RGB8>(2, 2, &[0; 12]).unwrap();

@@ -327,7 +327,8 @@ mod tests {
             asked.push(image.to_owned());
             Ok(Some(grey(0.25)))
         };
-        let materials: Vec<_> = read.iter().map(|m| m.with_images(&mut find, &mut Vec::new(), Limits::default()).unwrap()).collect();
+        let materials: Vec<_> =
+            read.iter().map(|m| m.with_images(&mut find, &mut Vec::new(), Limits::default()).unwrap()).collect();
         assert_eq!(asked, [Path::new("in/my image.png"), Path::new("in/m.png")]);
         let [a, b, c] = &materials[..] else { panic!("three") };
         assert_eq!(read[0].placement(), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.0)));
@@ -402,7 +403,10 @@ mod tests {
             assert!(message.starts_with(expected), "{message}");
         }
         let read = parse(b"newmtl a\n\nmap_Kd a.png", Path::new("a.mtl")).unwrap();
-        let message = read[0].with_images(|_| Err(Error::input("gone")), &mut Vec::new(), Limits::default()).unwrap_err().to_string();
+        let message = read[0]
+            .with_images(|_| Err(Error::input("gone")), &mut Vec::new(), Limits::default())
+            .unwrap_err()
+            .to_string();
         assert_eq!(message, "a.mtl:3: map_Kd: gone; texture = false shows none");
     }
 }

@@ -203,7 +203,8 @@ fn material_files_lie_beside_the_obj() {
     write("bad.obj", &format!("mtllib bad.mtl\n{QUAD}f 1 2 3"));
     let mesh = load(&folder.path().join("good.obj"), &mut Images::default(), &Loading::default()).unwrap();
     assert_eq!((mesh.materials.len(), &mesh.material_of[..]), (2, &[1][..]));
-    let message = load(&folder.path().join("bad.obj"), &mut Images::default(), &Loading::default()).unwrap_err().to_string();
+    let message =
+        load(&folder.path().join("bad.obj"), &mut Images::default(), &Loading::default()).unwrap_err().to_string();
     assert!(message.contains("bad.mtl:4: Kd value \"y\""), "{message}");
 }
 
@@ -217,7 +218,8 @@ fn images_that_are_not_needed_are_not_read() {
     let load = |used: &str, read: ImagesRead| {
         let path = folder.path().join("a.obj");
         std::fs::write(&path, format!("mtllib a.mtl\n{QUAD}usemtl {used}\nf 1 2 3")).unwrap();
-        load(&path, &mut Images::of(read), &Loading::default()).map(|mesh| mesh.materials[mesh.material_of[0] as usize].diffuse)
+        load(&path, &mut Images::of(read), &Loading::default())
+            .map(|mesh| mesh.materials[mesh.material_of[0] as usize].diffuse)
     };
     for read in [ImagesRead::All, ImagesRead::Masks, ImagesRead::None] {
         load("plain", read).unwrap();
@@ -336,7 +338,8 @@ fn models_have_the_counts_of_their_list() {
         assert!(mesh.normals.iter().all(|n| n.is_normalized()));
         let text = std::fs::read(&path).unwrap();
         let folder = path.parent().unwrap();
-        let (chunked, _) = parse_in_chunks(&text, "a", 1000, |libraries| mtl::load(folder, libraries, &Loading::default())).unwrap();
+        let (chunked, _) =
+            parse_in_chunks(&text, "a", 1000, |libraries| mtl::load(folder, libraries, &Loading::default())).unwrap();
         let plain = load(&path, &mut Images::left_out(), &Loading::default()).unwrap();
         assert_eq!(plain, chunked, "{name}");
         assert_eq!((mesh.triangles, mesh.uvs), (chunked.triangles, chunked.uvs), "{name}");

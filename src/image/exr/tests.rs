@@ -121,7 +121,9 @@ fn other_programs_files_are_read_as_far_as_they_go() {
 #[test]
 fn files_that_are_no_exr_are_input_errors() {
     in_folder(|path| {
-        assert!(matches!(read_exr(path, &Loading::default()), Err(Error::Missing(text)) if text.contains("cannot be read")));
+        assert!(
+            matches!(read_exr(path, &Loading::default()), Err(Error::Missing(text)) if text.contains("cannot be read"))
+        );
         for bytes in [&b""[..], b"v 0 0 0", &[0x76, 0x2f, 0x31, 0x01], &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0]] {
             std::fs::write(path, bytes).unwrap();
             assert!(matches!(read_exr(path, &Loading::default()), Err(Error::Input(_))));

@@ -48,9 +48,14 @@ color = "out.png"
 exr = "out.exr"
 "#;
 
+/// The scene of this text, as if it were that of the file `path`.
+fn read_named(text: &str, format: Format, path: &str, overrides: &[String]) -> Result<SceneFile> {
+    read_scene(text, format, &source(Path::new(path), &Loading::default()), overrides, 0.0)
+}
+
 fn read(text: &str, overrides: &[&str]) -> Result<SceneFile> {
     let overrides: Vec<String> = overrides.iter().map(|s| s.to_string()).collect();
-    read_scene(text, Format::Toml, Path::new("dir/scene.toml"), &overrides, 0.0)
+    read_named(text, Format::Toml, "dir/scene.toml", &overrides)
 }
 
 fn error(text: &str, overrides: &[&str]) -> String {
@@ -95,7 +100,7 @@ fn json_reads_as_toml_does() {
     let toml = "[camera]\nkind='orthographic'\neye=[0,0,1]\ntarget=[0,0,0]\nheight=2\nt_range=[-inf, 3]\n[[mesh]]\nbuiltin='box'";
     let json = r#"{"camera": {"kind": "orthographic", "eye": [0,0,1], "target": [0,0,0], "height": 2,
         "t_range": ["-inf", 3]}, "mesh": [{"builtin": "box"}]}"#;
-    let from_json = read_scene(json, Format::Json, Path::new("dir/scene.json"), &[], 0.0).unwrap();
+    let from_json = read_named(json, Format::Json, "dir/scene.json", &[]).unwrap();
     assert_eq!(read(toml, &[]).unwrap(), from_json);
 }
 
@@ -268,7 +273,7 @@ fn mesh_camera_reads_alike_inline_and_from_a_file() {
     assert_eq!((from_file.vertices[1].w, from_file.vertices[2].w), (2.0, 1.0));
     assert_eq!((from_file.triangles[0], from_file.normalize), ([0, 1, 2], true));
     let inline = format!(r#"{{"camera": {{"kind": "mesh", "normalize": true, {}}}"#, &PIECES[1..]);
-    let scene = read_scene(&inline, Format::Json, Path::new("scene.json"), &[], 0.0).unwrap();
+    let scene = read_named(&inline, Format::Json, "scene.json", &[]).unwrap();
     assert_eq!(scene.camera.kind, CameraKind::from(from_file));
 }
 
@@ -322,7 +327,7 @@ proptest! {
     #[test]
     fn random_text_never_panics(text in any::<String>(), set in any::<String>()) {
         for format in [Format::Toml, Format::Json] {
-            let _ = read_scene(&text, format, Path::new("s"), &[], 0.0);
+            let _ = read_named(&text, format, "s", &[]);
         }
         if let Err(e) = read(FULL, &[&set]) {
             prop_assert!(!e.to_string().contains('\n'), "{}", e);
@@ -339,7 +344,7 @@ proptest! {
         let mut json = PIECES.to_string();
         json.replace_range((at % PIECES.len())..(at % PIECES.len() + cut).min(PIECES.len()), &put);
         let inline = format!(r#"{{"camera": {{"kind": "mesh", {}}}"#, json.get(1..).unwrap_or(""));
-        if let Err(e) = read_scene(&inline, Format::Json, Path::new("s.json"), &[], 0.0) {
+        if let Err(e) = read_named(&inline, Format::Json, "s.json", &[]) {
             prop_assert!(e.to_string().starts_with("s.json:") && !e.to_string().contains('\n'), "{}", e);
         }
     }

@@ -40,7 +40,10 @@ pub fn run(args: &CameraArgs) -> Result<()> {
         (&args.rays, outputs::RAYS),
         (&args.diagram, outputs::DIAGRAM),
     ];
-    outputs::check(&loading.into_inputs(), files.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind))))?;
+    outputs::check(
+        &loading.into_inputs(),
+        files.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind))),
+    )?;
     if args.rays.is_some() || args.export_povray.is_some() {
         let numbers: usize = export::pixel_shape(&camera).iter().product();
         check_memory((camera.width, camera.height), numbers.div_ceil(NUMBERS_A_CHANNEL), 0, limits)?;

@@ -20,6 +20,7 @@ pub fn keys(kind: &str) -> Result<String> {
 mod tests {
     use super::*;
     use crate::camera::recipe::POSE;
+    use crate::input::Loading;
     use crate::scene::file;
 
     #[test]

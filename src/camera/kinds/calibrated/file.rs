@@ -76,7 +76,8 @@ pub fn read(path: &Path, which: Which, loading: &Loading) -> Result<Calibration>
     if colmap::is_model(path) {
         return colmap::read(path, which, loading);
     }
-    let text = loading.read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
+    let text =
+        loading.read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
     let read = if rig::is_rig(&text) {
         rig::parse(&text, which)
     } else if kalibr::is_chain(&text) {

@@ -2,6 +2,7 @@ use super::pack::Packing;
 use super::patch::{OVERLAP_PX, Patches, TOLERANCE_PX};
 use crate::camera::project::Projector;
 use crate::camera::{Camera, Rays};
+use crate::input::Loading;
 use crate::scene::file;
 use crate::testing::Rng;
 use glam::{DVec2, DVec3};
@@ -12,7 +13,7 @@ const LOOK: &str = "eye = [0.4, 1.5, 4]\ntarget = [0, 0, 0]";
 const BOUNDS: (DVec3, DVec3) = (DVec3::new(-1.5, -1.0, -1.5), DVec3::new(1.5, 1.0, 1.5));
 
 fn camera(keys: &str) -> Camera {
-    let spec = file::camera_of(&keys.replace("LOOK", LOOK), Path::new("")).unwrap();
+    let spec = file::camera_of(&keys.replace("LOOK", LOOK), Path::new(""), &Loading::default()).unwrap();
     Camera::new(&spec, Some(SIZE)).unwrap()
 }
 

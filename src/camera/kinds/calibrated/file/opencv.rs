@@ -73,9 +73,8 @@ pub(super) struct Matrix {
 /// [`Error::Input`] naming the file: it cannot be read, is not such a file, or its matrices have another form.
 pub fn read(path: &Path, loading: &Loading) -> Result<OpenCvFile> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
-    let text = loading
-        .read_to_string(path)
-        .map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
+    let text =
+        loading.read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
     parse(&text).map_err(refuse)
 }
 
