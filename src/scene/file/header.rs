@@ -45,6 +45,7 @@ impl CameraKeys {
     /// # Errors
     /// [`Error::Input`] for text that is neither.
     pub fn of_table(table: &str, folder: &Path) -> Result<CameraKeys> {
+        // the files that it names are not read yet
         super::read_table(table, "camera", (folder, &Loading::default()), |field| {
             Ok(CameraKeys { camera: Some(field.node().clone()), dir: folder.into(), ..CameraKeys::default() })
         })
