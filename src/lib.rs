@@ -90,6 +90,7 @@ mod gpu;
 mod image;
 mod input;
 mod jobs;
+mod parallel;
 mod reference;
 mod scene;
 #[cfg(test)]

@@ -58,13 +58,13 @@ use crate::camera::perturb::scene_size;
 use crate::geometry::mesh::{Material, Mesh};
 use crate::geometry::texture::Texture;
 use crate::geometry::time_steps::{Moment, MovingMesh, TimeSteps};
+use crate::parallel;
 use crate::scene::Scene;
 use beam::Beam;
 use bvh::{Bvh, Item};
 use glam::DVec3;
 use intersect::{Aim, Corners, T_ROUNDING};
 use pictures::Pictures;
-use rayon::prelude::*;
 use sphere::Sphere;
 use std::sync::Arc;
 
@@ -118,7 +118,7 @@ impl<'a> Reference<'a> {
             let is_there = all.count() > 1 || corners.clone().any(|corners| !corners.is_degenerate());
             is_there.then_some(Item { lo, hi, id })
         };
-        let items = (0..all.mesh.triangles.len() as u32).into_par_iter().filter_map(item).collect();
+        let items = parallel::flat_map(0..all.mesh.triangles.len() as u32, item);
         let moving = all.steps.map(|steps| (steps, Moment::default()));
         let bvh = Arc::new(Bvh::build(items));
         Reference { mesh: all.mesh, moving, bvh, scene_size: scene_size(all.bounds()), pictures: Arc::default() }

@@ -33,13 +33,13 @@ use crate::geometry::time_steps::{Moment, MovingMesh, TimeSteps};
 use crate::image::frame::Channel;
 use crate::image::tone::Tone;
 use crate::input::{Error, Limits, Loading, Result};
+use crate::parallel;
 use crate::scene::caustics::Caustics;
 use file::{CameraKeys, SceneFile};
 use glam::DVec3;
 use library::Library;
 use light::{AmbientOcclusion, Light};
 use projector_light::ProjectorLight;
-use rayon::prelude::*;
 use sky::Sky;
 use std::borrow::Cow;
 use std::path::Path;
@@ -255,7 +255,7 @@ impl Scene {
         let (w, h) = (camera.width, camera.height);
         self.steps.as_ref().map(|_| {
             let pixel = |k: u64| ((k % u64::from(w)) as u32, (k / u64::from(w)) as u32);
-            (0..u64::from(w) * u64::from(h)).into_par_iter().map(|k| self.moment(camera, pixel(k))).collect()
+            parallel::map(0..u64::from(w) * u64::from(h), |k| self.moment(camera, pixel(k)))
         })
     }
 

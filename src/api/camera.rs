@@ -10,9 +10,9 @@ use crate::camera::spec::CameraSpec;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;
 use crate::input::{Error, Loading, Result};
+use crate::parallel;
 use crate::scene::file::{self, CameraKeys};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -111,7 +111,7 @@ impl Camera {
         let width = self.camera.width;
         let none = [[f64::NAN; 3]; 2];
         let ray = |k: u32| self.ray(k % width, k / width).unwrap_or(none);
-        let both: Vec<[[f64; 3]; 2]> = (0..width * self.camera.height).into_par_iter().map(ray).collect();
+        let both: Vec<[[f64; 3]; 2]> = parallel::map(0..width * self.camera.height, ray);
         [0, 1].map(|k| both.iter().map(|ray| ray[k]).collect())
     }
 }

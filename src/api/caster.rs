@@ -4,8 +4,8 @@ use super::Scene;
 use crate::geometry::cast::{ExactCaster, Hit, Ray};
 use crate::geometry::mesh::Mesh;
 use crate::input::{Error, Result};
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A scene's triangles and spheres, indexed for rays from anywhere. All it needs is a CPU.
@@ -96,7 +96,7 @@ impl Caster {
         if from.is_nan() || to.is_nan() || from > to {
             return Err(Error::input(format!("t_range is {from} to {to}; give the smaller end first")));
         }
-        let rays = rays.par_iter().enumerate().map(|(k, ray)| checked(k, ray)).collect::<Result<Vec<Ray>>>()?;
+        let rays = parallel::try_map(0..rays.len(), |k| checked(k, &rays[k]))?;
         Ok(self.caster.each(&rays, find))
     }
 

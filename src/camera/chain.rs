@@ -6,8 +6,8 @@ use super::{LAYERS_MAX, Pieces, Rays, mesh};
 use crate::camera::mesh::spec::{MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 #[derive(Debug, PartialEq)]
@@ -64,11 +64,10 @@ const END_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A note if the rays of a layer do not start where those of the previous one end.
 fn gap_note(k: usize, front: &Pieces, back: &Pieces, (width, height): (u32, u32)) -> Option<String> {
-    let pixels = (0..width as usize * height as usize).into_par_iter();
     let at = |n: usize| ((n % width as usize) as u32, (n / width as usize) as u32);
-    let (gap, n) = pixels
-        .filter_map(|n| Some((gap(front, back, at(n))?, n)))
-        .reduce_with(|a, b| if (b.0, a.1) > (a.0, b.1) { b } else { a })?;
+    let of_pixel = |n: usize| Some((gap(front, back, at(n))?, n));
+    let larger = |a: (f64, usize), b: (f64, usize)| if (b.0, a.1) > (a.0, b.1) { b } else { a };
+    let (gap, n) = parallel::reduce(0..width as usize * height as usize, of_pixel, larger)?;
     let (i, j) = at(n);
     let next = k + 1;
     (gap > 0.0)

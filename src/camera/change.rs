@@ -6,8 +6,8 @@
 
 use super::{Camera, Ray, Rays};
 use crate::input::{Error, Result};
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// Numbers of a [`PixelRay`].
 pub const NUMBERS: usize = 18;
@@ -83,7 +83,7 @@ impl Camera {
             let pixel = self.pixel_of(k);
             self.pixel_ray(self.owner(pixel), pixel, has_slopes)
         };
-        (0..self.pixel_count()).into_par_iter().map(ray).collect()
+        parallel::map(0..self.pixel_count(), ray)
     }
 
     fn pixel_count(&self) -> usize {
@@ -150,7 +150,7 @@ pub fn rate(
         };
         extrapolated([&cameras[0], &cameras[1], &cameras[2]].map(slope))
     };
-    let both: Vec<(PixelRay, PixelRay)> = (0..camera.pixel_count()).into_par_iter().map(each).collect();
+    let both: Vec<(PixelRay, PixelRay)> = parallel::map(0..camera.pixel_count(), each);
     let largest = |of: &(dyn Fn(usize, usize) -> f64 + Sync)| {
         [0, 3].map(|first| {
             (0..both.len()).flat_map(|k| (first..first + 3).map(move |n| of(k, n).abs())).fold(0.0, f64::max)

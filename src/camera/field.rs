@@ -7,8 +7,8 @@ use super::stack::Stack;
 use super::tessellate::bend::Bend;
 use crate::image::read_vectors;
 use crate::input::{Error, Loading, Result};
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::fmt::Debug;
 use std::path::Path;
 use std::sync::Arc;
@@ -124,7 +124,7 @@ impl Field {
     pub fn of_map(width: u32, height: u32, map: Arc<dyn RayMap>) -> Result<Field> {
         let field = Field::sampled(width, height, Sampled { map, sample: DVec2::splat(0.5) });
         let has_ray = |k: usize| field.ray((k % width as usize) as u32, (k / width as usize) as u32).is_some();
-        if !(0..width as usize * height as usize).into_par_iter().any(has_ray) {
+        if !parallel::any(0..width as usize * height as usize, has_ray) {
             return Err(Error::input("camera: no pixel has a ray; make the image or its angles larger"));
         }
         Ok(field)
@@ -136,9 +136,8 @@ impl Field {
         if count > STORED_MAX {
             return Field { width, height, rays: Arc::default(), map: Some(map), stacked: None, is_reordered: false };
         }
-        let pixels = (0..count).into_par_iter();
         let place = |k: usize| DVec2::new((k % width as usize) as f64, (k / width as usize) as f64);
-        let rays = pixels.map(|k| map.ray(place(k) + map.sample, size)).collect();
+        let rays = parallel::map(0..count, |k| map.ray(place(k) + map.sample, size));
         Field { width, height, rays: Arc::new(rays), map: Some(map), stacked: None, is_reordered: false }
     }
 

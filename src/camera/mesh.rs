@@ -8,9 +8,9 @@ use super::pieces::{Piece, Pieces, side};
 use crate::camera::mesh::spec::MeshCameraSpec;
 use crate::input::limits::LISTED_PIECES;
 use crate::input::{Error, Limits, Result};
+use crate::parallel;
 use glam::{DVec2, DVec3};
 pub(super) use overlap::first_overlap;
-use rayon::prelude::*;
 
 /// Compiles every image triangle to one piece.
 ///
@@ -27,8 +27,7 @@ pub fn compile(
     }
     limits.check(LISTED_PIECES, spec.triangles.len() as u64).map_err(|e| e.at("camera.triangles"))?;
     let size = DVec2::new(width as f64, height as f64);
-    let pieces: Vec<Piece> =
-        spec.triangles.par_iter().enumerate().map(|(k, t)| piece(spec, k, t, size)).collect::<Result<_>>()?;
+    let pieces: Vec<Piece> = parallel::try_map(0..spec.triangles.len(), |k| piece(spec, k, &spec.triangles[k], size))?;
     let corners: Vec<[DVec2; 3]> = pieces.iter().filter_map(|p| p.corners_px).collect();
     if let Some((j, k)) = first_overlap(&corners) {
         return Err(Error::input(format!("camera.triangles: {j} and {k} overlap in the image; pieces must not")));

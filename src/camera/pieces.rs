@@ -7,8 +7,8 @@ use super::boxes::{Boxes, EMPTY, join};
 use super::bundle::Bundle;
 use super::stack::Stack;
 use crate::camera::TILE;
+use crate::parallel;
 use glam::DVec2;
-use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -127,8 +127,8 @@ impl Pieces {
         let sample = DVec2::splat(0.5);
         let mut all =
             Pieces { pieces, tiles_x, tile_start, tile_pieces, crowded: Default::default(), sample, stacked: None };
-        let crowded = (0..all.tile_start.len() - 1).into_par_iter().filter_map(|k| Some((k, all.boxes_of_tile(k)?)));
-        all.crowded = Arc::new(crowded.collect());
+        let crowded = parallel::flat_map(0..all.tile_start.len() - 1, |k| Some((k, all.boxes_of_tile(k)?)));
+        all.crowded = Arc::new(crowded.into_iter().collect());
         all
     }
 
@@ -307,12 +307,10 @@ fn pieces_near_tiles(pieces: &[Piece], tiles_x: u32, tiles_y: u32) -> (Vec<u32>,
     if let [Piece { corners_px: None, .. }] = pieces {
         return ((0..=count as u32).collect(), vec![0; count]);
     }
-    let mut pairs: Vec<(u32, u32)> = pieces
-        .par_iter()
-        .enumerate()
-        .flat_map_iter(|(k, piece)| tiles_near(piece, tiles_x, tiles_y).map(move |(x, y)| (y * tiles_x + x, k as u32)))
-        .collect();
-    pairs.par_sort_unstable();
+    let mut pairs: Vec<(u32, u32)> = parallel::flat_map(0..pieces.len(), |k| {
+        tiles_near(&pieces[k], tiles_x, tiles_y).map(move |(x, y)| (y * tiles_x + x, k as u32))
+    });
+    parallel::sort(&mut pairs);
     let mut start = vec![0u32; count + 1];
     for &(tile, _) in &pairs {
         start[tile as usize + 1] += 1;

@@ -22,8 +22,8 @@ mod samples;
 pub mod tree;
 
 use super::{Camera, Rays};
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use serde::Serialize;
 use tree::{Tree, WHOLE};
 
@@ -156,12 +156,12 @@ impl<'a> Projector<'a> {
                 }
                 Some(all)
             };
-            if let Some(all) = points.par_iter().map(images).collect() {
+            if let Ok(all) = parallel::try_map(points, |point| images(point).ok_or(())) {
                 return all;
             }
         }
         let projector = Projector::new(camera);
-        points.par_iter().map(|point| projector.project(*point)).collect()
+        parallel::map(points, |point| projector.project(*point))
     }
 
     /// Whose points are projected.

@@ -20,9 +20,9 @@ use super::{Rays, glc, mesh};
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::input::reader::Table;
 use crate::input::{Error, Limits, Result};
+use crate::parallel;
 use facets::Facets;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use reparam::{Affine, Reparam};
 use std::sync::Arc;
 use surface::{Plane, Surface};
@@ -126,7 +126,7 @@ impl Volume {
 
     fn curves(&self, (w, h): (u32, u32)) -> Result<Curves> {
         let curves = Curves::new(w, h, Arc::new(self.clone()));
-        let any = (0..h).into_par_iter().any(|j| (0..w).any(|i| curves.near(i, j, (0.0, 0.0)).is_some()));
+        let any = parallel::any(0..h, |j| (0..w).any(|i| curves.near(i, j, (0.0, 0.0)).is_some()));
         any.then_some(curves).ok_or_else(nowhere)
     }
 

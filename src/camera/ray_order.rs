@@ -6,8 +6,8 @@
 use super::{Camera, Field, Rays};
 use crate::camera::TILE;
 use crate::geometry::interleave::{KEY_BITS, interleaved};
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Number of tiles sampled to decide whether rays are incoherent.
 const TILES_SAMPLED: u32 = 64;
@@ -45,13 +45,13 @@ fn order(field: &Field, centre: DVec3) -> Vec<u32> {
     let join = |a: ([DVec3; 2], [DVec3; 2]), b: ([DVec3; 2], [DVec3; 2])| {
         ([0, 1].map(|k| a.0[k].min(b.0[k])), [0, 1].map(|k| a.1[k].max(b.1[k])))
     };
-    let (lo, hi) = (0..count).into_par_iter().map(|k| parts(k).map_or(none, |p| (p, p))).reduce(|| none, join);
+    let (lo, hi) = parallel::reduce(0..count, |k| parts(k).map(|p| (p, p)), join).unwrap_or(none);
     let size = [0, 1].map(|k| (hi[k] - lo[k]).max_element()).into_iter().fold(f64::MIN_POSITIVE, f64::max);
     let unit = f64::from((1 << KEY_BITS) - 1) / size;
     // pixels without a ray go last
     let key = |k: u32| parts(k).map_or(u64::MAX, |p| interleaved([0, 1].map(|k| (p[k] - lo[k]) * unit)));
-    let mut sorted: Vec<(u64, u32)> = (0..count).into_par_iter().map(|k| (key(k), k)).collect();
-    sorted.par_sort_unstable();
+    let mut sorted: Vec<(u64, u32)> = parallel::map(0..count, |k| (key(k), k));
+    parallel::sort(&mut sorted);
     let mut source = vec![0; count as usize];
     for (place, (_, k)) in tile_by_tile(field.width, field.height).into_iter().zip(sorted) {
         source[place as usize] = k;

@@ -17,10 +17,10 @@ use super::recipe::{Built, Setting};
 use crate::input::limits::PIECES;
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
+use crate::parallel;
 use bound::{Judge, Verdict};
 use glam::DVec2;
 use grid::Cells;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The keys that a kind with tessellation allows besides its own.
@@ -107,12 +107,12 @@ fn judged(judge: &Judge, mut cells: Cells) -> Cells {
         if columns.div_ceil(wide) >= rows.div_ceil(high) { wide *= 2 } else { high *= 2 }
     }
     if wide * high == 1 {
-        cells.verdicts = cells.triangles.par_iter().map(|t| cells.judge(judge, t)).collect();
+        cells.verdicts = parallel::map(&cells.triangles, |t| cells.judge(judge, t));
         return cells;
     }
     let groups = (columns.div_ceil(wide), rows.div_ceil(high));
     let of_group = |k: usize| cells.judge_group(judge, (k % groups.0 * wide, k / groups.0 * high), (wide, high));
-    let verdicts: Vec<Verdict> = (0..groups.0 * groups.1).into_par_iter().map(of_group).collect();
+    let verdicts: Vec<Verdict> = parallel::map(0..groups.0 * groups.1, of_group);
     let of_triangle = |k: usize| {
         let (i, j) = (k / 2 % columns, k / 2 / columns);
         let has_rays = cells.triangles[k].iter().all(|&c| cells.rays[c as usize].is_some());

@@ -9,8 +9,9 @@ use crate::gpu::kernels::SurfaceKind;
 use crate::gpu::layout::{
     CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, SPHERE, TRIANGLE_GROUP, Vertex, split2,
 };
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Triangles `id_first .. id_first + id_count` of a scene, as the kernels read them.
 #[derive(Debug, Clone, Default)]
@@ -96,23 +97,23 @@ fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, surf
     let order = morton_order(all, ids.clone());
     let mut chunk = Chunk { id_first: ids.start, id_count: ids.len() as u32, steps: all.count(), ..Default::default() };
     if !whole {
-        let mut used: Vec<u32> = order.par_iter().flat_map_iter(|&id| mesh.triangles[id as usize]).collect();
-        used.par_sort_unstable();
+        let mut used = parallel::map(&order, |&id| mesh.triangles[id as usize]).into_flattened();
+        parallel::sort(&mut used);
         used.dedup();
         chunk.used = Some(used);
     }
-    chunk.surfaces = order.par_iter().map(|&id| triangle_surface(mesh, id)).collect();
+    chunk.surfaces = parallel::map(&order, |&id| triangle_surface(mesh, id));
     if surfaces != SurfaceKind::Plain {
-        chunk.uvs = order.par_iter().map(|&id| triangle_uvs(mesh, id)).collect();
+        chunk.uvs = parallel::map(&order, |&id| triangle_uvs(mesh, id));
     }
     if surfaces == SurfaceKind::Colored {
-        chunk.colors = order.par_iter().map(|&id| triangle_colors(mesh, id)).collect();
+        chunk.colors = parallel::map(&order, |&id| triangle_colors(mesh, id));
     }
     chunk.slot_of_id = vec![NONE; ids.len()];
     for (slot, &id) in order.iter().enumerate() {
         chunk.slot_of_id[(id - ids.start) as usize] = slot as u32;
     }
-    chunk.triangles = order.par_iter().map(|&id| [0, 0, 0, id | side(mesh, id)]).collect();
+    chunk.triangles = parallel::map(&order, |&id| [0, 0, 0, id | side(mesh, id)]);
     chunk.place(all, anchor);
     chunk.clustered_size = chunk.size();
     chunk
@@ -123,8 +124,9 @@ impl Clustered {
     /// a triangle has got or lost its area, or the boxes have grown by half.
     pub fn refit(&mut self, mesh: &Mesh) -> bool {
         let lies_flat = |chunk: &Chunk| {
-            let ids = chunk.slot_of_id.par_iter().zip(chunk.id_first..chunk.id_first + chunk.id_count);
-            ids.filter(|(slot, _)| **slot == NONE).all(|(_, id)| !has_area(mesh.into(), id))
+            let slot = |id: u32| chunk.slot_of_id[(id - chunk.id_first) as usize];
+            let ids = chunk.id_first..chunk.id_first + chunk.id_count;
+            !parallel::any(ids, |id| slot(id) == NONE && has_area(mesh.into(), id))
         };
         self.chunks.iter_mut().all(|chunk| {
             (self.without_area == 0 || lies_flat(chunk))
@@ -150,40 +152,43 @@ impl Chunk {
         let count = used.map_or(mesh.positions.len(), <[u32]>::len);
         let steps = all.count() as usize;
         self.vertices.resize(count * steps, Vertex::default());
-        self.vertices.par_iter_mut().enumerate().for_each(|(k, vertex)| {
+        parallel::for_each_mut(&mut self.vertices, |k, vertex| {
             let (k, step) = (k / steps, (k % steps) as u32);
             *vertex = Vertex::new(all.position(used.map_or(k as u32, |used| used[k]), step) - anchor);
         });
         // every vertex of the chunk is in the sorted list
         let index_of = |v: u32| used.map_or(v, |used| used.partition_point(|&u| u < v) as u32);
         self.triangle_groups.resize(self.triangles.len().div_ceil(CLUSTER as usize) * TRIANGLE_GROUPS, EMPTY);
-        let groups =
-            self.triangles.par_chunks_mut(CLUSTER as usize).zip(self.triangle_groups.par_chunks_mut(TRIANGLE_GROUPS));
-        let place = |(index, (triangles, triangle_groups)): (usize, (&mut [[u32; 4]], &mut [Cluster]))| {
-            let first = index * CLUSTER as usize;
-            let (count, mut whole, mut have_area) = (triangles.len(), Bounds::NONE, true);
-            for (k, (triangle_group, triangles)) in
-                triangle_groups.iter_mut().zip(triangles.chunks_mut(TRIANGLE_GROUP as usize)).enumerate()
-            {
-                let mut own = Bounds::NONE;
-                for triangle in triangles.iter_mut() {
-                    let id = triangle[3] & ID_MASK;
-                    let order = order_by_position(all, id);
-                    have_area &= has_area(all, id);
-                    own = (0..all.count()).fold(own, |own, step| own.with(&extremes(all, id, step)));
-                    *triangle = match mesh.radius(id) {
-                        Some(radius) => packed_sphere(mesh, triangle[3], radius, index_of),
-                        None => packed_triangle(mesh, triangle[3], order, index_of),
-                    };
+        self.clusters.resize(self.triangles.len().div_ceil(CLUSTER as usize), EMPTY);
+        let groups = self.triangles.chunks_mut(CLUSTER as usize).zip(self.triangle_groups.chunks_mut(TRIANGLE_GROUPS));
+        let all_have_area = AtomicBool::new(true);
+        parallel::for_each(
+            groups.zip(&mut self.clusters).enumerate(),
+            |(index, ((triangles, triangle_groups), cluster))| {
+                let first = index * CLUSTER as usize;
+                let (count, mut whole, mut have_area) = (triangles.len(), Bounds::NONE, true);
+                for (k, (triangle_group, triangles)) in
+                    triangle_groups.iter_mut().zip(triangles.chunks_mut(TRIANGLE_GROUP as usize)).enumerate()
+                {
+                    let mut own = Bounds::NONE;
+                    for triangle in triangles.iter_mut() {
+                        let id = triangle[3] & ID_MASK;
+                        let order = order_by_position(all, id);
+                        have_area &= has_area(all, id);
+                        own = (0..all.count()).fold(own, |own, step| own.with(&extremes(all, id, step)));
+                        *triangle = match mesh.radius(id) {
+                            Some(radius) => packed_sphere(mesh, triangle[3], radius, index_of),
+                            None => packed_triangle(mesh, triangle[3], order, index_of),
+                        };
+                    }
+                    *triangle_group = own.packed(anchor, first + k * TRIANGLE_GROUP as usize, triangles.len());
+                    whole = whole.joined(own);
                 }
-                *triangle_group = own.packed(anchor, first + k * TRIANGLE_GROUP as usize, triangles.len());
-                whole = whole.joined(own);
-            }
-            (whole.packed(anchor, first, count), have_area)
-        };
-        let (clusters, have_area): (Vec<Cluster>, Vec<bool>) = groups.enumerate().map(place).unzip();
-        self.clusters = clusters;
-        have_area.into_iter().all(|has| has)
+                *cluster = whole.packed(anchor, first, count);
+                all_have_area.fetch_and(have_area, Ordering::Relaxed);
+            },
+        );
+        all_have_area.into_inner()
     }
 
     /// Of all boxes together.
@@ -195,22 +200,17 @@ impl Chunk {
 /// The triangles that have an area, along a Morton curve through their first centroids.
 fn morton_order(all: MovingMesh, ids: std::ops::Range<u32>) -> Vec<u32> {
     let corners = |id: u32| all.corners(id, 0);
-    let bounds = ids
-        .clone()
-        .into_par_iter()
-        .map(|id| corners(id).iter().sum::<DVec3>())
-        .map(|c| (c, c))
-        .reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let sum = |id: u32| corners(id).iter().sum::<DVec3>();
+    let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+    let bounds = parallel::reduce(ids.clone(), |id| Some((sum(id), sum(id))), join);
+    let bounds = bounds.unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
     let scale = ((1u64 << 21) as f64 - 1.0) / (bounds.1 - bounds.0).max_element().max(f64::MIN_POSITIVE);
-    let mut keyed: Vec<(u64, u32)> = ids
-        .into_par_iter()
-        .filter(|&id| has_area(all, id))
-        .map(|id| {
-            let place = (corners(id).iter().sum::<DVec3>() - bounds.0) * scale;
-            (interleave(place.x) | interleave(place.y) << 1 | interleave(place.z) << 2, id)
-        })
-        .collect();
-    keyed.par_sort_unstable();
+    let key = |id: u32| {
+        let place = (sum(id) - bounds.0) * scale;
+        interleave(place.x) | interleave(place.y) << 1 | interleave(place.z) << 2
+    };
+    let mut keyed = parallel::flat_map(ids, |id| has_area(all, id).then(|| (key(id), id)));
+    parallel::sort(&mut keyed);
     keyed.into_iter().map(|(_, id)| id).collect()
 }
 

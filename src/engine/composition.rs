@@ -10,9 +10,9 @@ use crate::camera::{Camera, Rays};
 use crate::image::frame::{Channel, Frame, NO_ID, Plane};
 use crate::image::opaque8;
 use crate::input::{Error, Result};
+use crate::parallel;
 use crate::scene::Scene;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::mem::discriminant;
 use std::sync::Arc;
 
@@ -50,9 +50,8 @@ pub(super) fn render(
     let composing = Composing { scene, composition, layers };
     let pixels = 0..width * height;
     let shares: Vec<Vec<(Option<usize>, f64)>> =
-        pixels.clone().into_par_iter().map(|k| composing.shares(k % width, k / width, k as usize)).collect();
-    let owners: Vec<Option<usize>> =
-        pixels.into_par_iter().map(|k| composing.owner(k % width, k / width, k as usize)).collect();
+        parallel::map(pixels.clone(), |k| composing.shares(k % width, k / width, k as usize));
+    let owners: Vec<Option<usize>> = parallel::map(pixels, |k| composing.owner(k % width, k / width, k as usize));
     let plane = |channel: Channel| composing.plane(channel, &rendered, &owners, &shares).map(|plane| (channel, plane));
     let planes = channels.into_iter().map(plane).collect::<Option<_>>().ok_or_else(lacking)?;
     let mut frame = Frame { width, height, planes };

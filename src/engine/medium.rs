@@ -7,10 +7,10 @@
 use crate::engine::plan::Plan;
 use crate::gpu::kernels::RaysKind;
 use crate::gpu::layout::{Medium, split2};
+use crate::parallel;
 use crate::scene::Scene;
 use crate::scene::volume::{ControlPoint, Grid, Mode, Volume};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Each of three parts of the error.
 const SHARE: f64 = 1.0 / 2048.0;
@@ -166,7 +166,7 @@ fn largest_change(grid: &Grid, pieces: &[Piece], longest: f64) -> f64 {
         let (j, k) = (r % (ny - 1), r / (ny - 1));
         (0..nx - 1).map(|i| of_cell(i, j, k)).fold(0.0, f64::max)
     };
-    (0..(ny - 1) * (nz - 1)).into_par_iter().map(row).reduce(|| 0.0, f64::max)
+    parallel::reduce(0..(ny - 1) * (nz - 1), |r| Some(row(r)), f64::max).unwrap_or(0.0)
 }
 
 /// The grid's numbers for the kernel: values alone, or with the factors of the colour at each node, or with its normal.

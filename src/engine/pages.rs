@@ -7,8 +7,8 @@ use crate::geometry::texture::Texels;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::input::Result;
+use crate::parallel;
 use half::f16;
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::{Mutex, PoisonError};
 
@@ -110,10 +110,10 @@ fn shown(image: &Placed) -> Cow<'_, [[f16; 4]]> {
     let rgba = &image.texels.rgba;
     let opaque = |[r, g, b, _]: &[f16; 4]| [*r, *g, *b, f16::ONE];
     let premultiplied = |[r, g, b, a]: &[f16; 4]| [*r * *a, *g * *a, *b * *a, *a];
-    match (image.is_masked, rgba.par_iter().all(|t| t[3] == f16::ONE)) {
+    match (image.is_masked, !parallel::any(rgba, |t| t[3] != f16::ONE)) {
         (_, true) => Cow::Borrowed(rgba),
-        (true, false) => rgba.par_iter().map(premultiplied).collect(),
-        (false, false) => rgba.par_iter().map(opaque).collect(),
+        (true, false) => parallel::map(rgba, premultiplied).into(),
+        (false, false) => parallel::map(rgba, opaque).into(),
     }
 }
 

@@ -11,8 +11,8 @@ use crate::gpu::buffers::PendingRead;
 use crate::gpu::draw_counts::DrawCounts;
 use crate::image::frame::{Channel, Frame, NO_ID, Plane, normalised_depth, plane_of_words};
 use crate::input::Result;
+use crate::parallel;
 use crate::scene::labels::Labels;
-use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -173,7 +173,7 @@ impl FrameLayout {
     /// Pieces of a composite are its cameras.
     fn number_pieces(&self, pieces: &mut [u32]) {
         let (width, first) = (self.camera.width, self.wanted.rows.map_or(0, |rows| rows.first));
-        pieces.par_iter_mut().enumerate().for_each(|(k, piece)| {
+        parallel::for_each_mut(pieces, |k, piece| {
             // an image has fewer than 2^32 pixels
             let k = k as u32;
             *piece = self.camera.piece_number(*piece, (k % width, first + k / width));

@@ -48,7 +48,7 @@ use crate::gpu::kernels::{Kernel, Method, OpticsKind, Variant};
 use crate::gpu::layout::{CULL_QUEUES, Counter, GROUP, NONE, Step};
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
-use rayon::prelude::*;
+use crate::parallel;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
@@ -266,20 +266,20 @@ impl Stages {
             steps.upload_uniform(gpu, number.name(), &Step { value: number.value() })?;
         }
         // all at once: a GPU's driver takes a tenth of a second and more for a kernel
-        let kernels = KernelId::ALL.into_par_iter().filter_map(|id| {
-            let kernel = id.kernel(variant, planes)?;
-            let pipeline =
-                if id.is_lazy() { Ok(OnceLock::new()) } else { Pipeline::new(gpu, kernel).map(OnceLock::from) };
-            Some(pipeline.map(|pipeline| (id, pipeline)))
+        let kernels = parallel::try_map(&KernelId::ALL[..], |id| {
+            let Some(kernel) = id.kernel(variant, planes) else { return Ok(None) };
+            let pipeline = if id.is_lazy() { OnceLock::new() } else { Pipeline::new(gpu, kernel)?.into() };
+            Ok(Some((*id, pipeline)))
         });
-        Ok(Stages { kernels: kernels.collect::<Result<_>>()?, steps, variant, planes: planes.to_vec() })
+        Ok(Stages { kernels: kernels?.into_iter().flatten().collect(), steps, variant, planes: planes.to_vec() })
     }
 
     /// Compiles what dispatches take, where it is not yet.
     pub fn compile(&self, gpu: &Gpu, dispatches: &[Dispatch]) -> Result<()> {
         let is_left = |id: &KernelId| self.kernels.get(id).and_then(OnceLock::get).is_none();
         let left: BTreeSet<KernelId> = dispatches.iter().map(|d| d.kernel).filter(is_left).collect();
-        left.into_par_iter().try_for_each(|id| self.pipeline(gpu, id).map(|_| ()))
+        let left: Vec<KernelId> = left.into_iter().collect();
+        parallel::try_map(&left, |id| self.pipeline(gpu, *id).map(|_| ())).map(|_| ())
     }
 
     /// Encodes dispatches in their order.

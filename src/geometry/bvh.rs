@@ -2,8 +2,8 @@
 //!
 //! Boxes are relative to the middle of all items, scaled to within 1, and rounded outwards: no box that a ray enters is left out.
 
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Boxes of a node.
 pub const WIDTH: usize = 8;
@@ -176,12 +176,15 @@ fn tree(items: &mut [Item]) -> Tree {
         groups.push((Item::around(left), left));
         groups.push((Item::around(right), right));
     }
-    let below = |(around, items): (Item, &mut [Item])| (around, tree(items));
-    Tree::Node(if is_large {
-        groups.into_par_iter().map(below).collect()
+    let mut below: Vec<(Item, Tree)> = groups.iter().map(|(around, _)| (*around, Tree::Leaf([NONE; LEAF]))).collect();
+    let all = groups.into_iter().zip(&mut below);
+    let grow = |((_, items), (_, below)): ((Item, &mut [Item]), &mut (Item, Tree))| *below = tree(items);
+    if is_large {
+        parallel::for_each(all, grow)
     } else {
-        groups.into_iter().map(below).collect()
-    })
+        all.for_each(grow)
+    }
+    Tree::Node(below)
 }
 
 /// Sorts items into two groups, of which the second begins at the index that is returned: along the axis on which their middles are farthest
@@ -232,9 +235,9 @@ fn bring_first(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
 impl Bvh {
     /// A hierarchy over items with these ids and boxes, which are finite.
     pub fn build(items: &[(u32, Aabb)]) -> Bvh {
-        let all = items.par_iter().map(|(_, b)| *b).reduce(|| Aabb::EMPTY, Aabb::joined);
+        let all = parallel::reduce(items, |(_, b)| Some(*b), Aabb::joined).unwrap_or(Aabb::EMPTY);
         let frame = Frame::of(&all);
-        let mut items: Vec<Item> = items.par_iter().map(|(id, b)| frame.boxed(*id, b)).collect();
+        let mut items: Vec<Item> = parallel::map(items, |(id, b)| frame.boxed(*id, b));
         let mut bvh = Bvh { nodes: Vec::new(), order: Vec::new(), frame };
         let below = match tree(&mut items) {
             Tree::Node(below) => below,

@@ -14,10 +14,10 @@ pub use exactly::ExactCaster;
 use super::bvh::{Aabb, Bvh, NONE};
 use super::mesh::Mesh;
 use super::texture::Texture;
+use crate::parallel;
 pub use ball::Ball;
 use corners::Corners;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// A ray `X(t) = origin + t * direction`, world units; the direction need not be unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -172,7 +172,7 @@ fn hierarchy(mesh: &Mesh) -> Bvh {
         let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
         (a != b && b != c && c != a).then(|| (id as u32, Aabb::around(&[a, b, c])))
     };
-    let items: Vec<(u32, Aabb)> = mesh.triangles.par_iter().enumerate().filter_map(boxed).collect();
+    let items: Vec<(u32, Aabb)> = parallel::flat_map(0..mesh.triangles.len(), |id| boxed((id, &mesh.triangles[id])));
     Bvh::build(&items)
 }
 

@@ -8,9 +8,9 @@ mod geotiff;
 
 use super::mesh::{Material, Mesh, check_memory};
 use crate::input::{Error, Limits, Loading, Result};
+use crate::parallel;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use image::{DynamicImage, ImageReader};
-use rayon::prelude::*;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -134,15 +134,18 @@ pub fn mesh(grid: &Grid, spec: &HeightSpec, limits: Limits) -> Result<Mesh> {
         let complete = cells.map(|t| t.map(|k| vertex_of[k])).filter(|t| !t.contains(&NO_VERTEX));
         complete.collect::<Vec<[u32; 3]>>()
     };
-    let triangles: Vec<[u32; 3]> = (0..rows - 1).into_par_iter().flat_map_iter(in_row).collect();
+    let triangles: Vec<[u32; 3]> = parallel::flat_map(0..rows - 1, in_row);
     if triangles.is_empty() {
         return Err(wrong("no cell has heights at three corners, so there is no surface".into()));
     }
-    let place_of = |&k: &u32| (k as usize % columns, k as usize / columns);
+    let at = |k: u32| (k as usize % columns, k as usize / columns);
+    let position = |&k: &u32| terrain.position(at(k).0, at(k).1);
+    let normal = |&k: &u32| terrain.normal(at(k).0, at(k).1);
+    let uv = |&k: &u32| terrain.uv(at(k).0, at(k).1);
     Ok(Mesh {
-        positions: valid.par_iter().map(place_of).map(|(c, r)| terrain.position(c, r)).collect(),
-        normals: valid.par_iter().map(place_of).map(|(c, r)| terrain.normal(c, r)).collect(),
-        uvs: valid.par_iter().map(place_of).map(|(c, r)| terrain.uv(c, r)).collect(),
+        positions: parallel::map(&valid, position),
+        normals: parallel::map(&valid, normal),
+        uvs: parallel::map(&valid, uv),
         corner_normals: triangles.clone(),
         corner_uvs: triangles.clone(),
         material_of: vec![0; triangles.len()],

@@ -3,8 +3,8 @@
 use super::pattern::Pattern;
 use super::texture::Texture;
 use crate::input::{Limits, Result};
+use crate::parallel;
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use rayon::prelude::*;
 use std::fmt;
 
 /// Most triangles a mesh, or a scene, may have.
@@ -92,13 +92,13 @@ pub fn check_memory(
 impl Mesh {
     /// The corners of the box around all vertices and spheres; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        let one = |p: &DVec3| (*p, *p);
-        let of_vertices = self.positions.par_iter().map(one).reduce_with(joined);
-        let of_spheres = self.spheres().map(|(id, radius)| {
+        let of_vertices = parallel::reduce(&self.positions, |p| Some((*p, *p)), joined);
+        let of_sphere = |id: u32| {
             let centre = self.positions[self.triangles[id as usize][0] as usize];
-            sphere_box(centre, radius)
-        });
-        of_vertices.into_par_iter().chain(of_spheres).reduce_with(joined)
+            Some(sphere_box(centre, self.radius(id)?))
+        };
+        let of_spheres = parallel::reduce(0..self.radii.len() as u32, of_sphere, joined);
+        of_vertices.into_iter().chain(of_spheres).reduce(joined)
     }
 
     /// The radius of a sphere; `None` of a triangle.
@@ -106,13 +106,8 @@ impl Mesh {
         self.radii.get(id as usize).copied().filter(|radius| *radius > 0.0)
     }
 
-    /// The ids of all spheres, and their radii.
-    pub fn spheres(&self) -> impl ParallelIterator<Item = (u32, f64)> + '_ {
-        self.radii.par_iter().enumerate().filter(|(_, radius)| **radius > 0.0).map(|(id, radius)| (id as u32, *radius))
-    }
-
     pub fn sphere_count(&self) -> usize {
-        self.spheres().count()
+        parallel::reduce(&self.radii, |radius| (*radius > 0.0).then_some(1), |a, b| a + b).unwrap_or(0)
     }
 
     pub fn has_spheres(&self) -> bool {

@@ -13,12 +13,12 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use rayon::prelude::*;
 
 use crate::geometry::lex;
 use crate::geometry::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_NORMAL, NO_UV};
 use crate::geometry::texture::{Images, ImagesRead};
 use crate::input::{Error, Loading, Result};
+use crate::parallel;
 use chunk::{Chunk, Counts, DanglingIndices, Reader, Texcoords};
 pub use mtl::Mapped;
 
@@ -160,7 +160,7 @@ fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, texcoords: Texcoords
 
     // Count, then parse every chunk knowing what lies before it.
     let pieces = lex::split_at_line_ends(text, chunk_bytes);
-    let counts: Vec<Counts> = pieces.par_iter().map(|piece| Counts::of(piece)).collect();
+    let counts: Vec<Counts> = parallel::map(&pieces, |piece| Counts::of(piece));
     let mut before = Vec::with_capacity(counts.len());
     let mut total = Counts::default();
     for count in &counts {
@@ -170,13 +170,9 @@ fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, texcoords: Texcoords
     if total.positions.max(total.normals).max(total.texcoords) >= u32::MAX as usize {
         return Err(Error::input(format!("{name}: more than 2^32 - 2 vertices; split the file")));
     }
-    let chunks: Vec<Result<Chunk>> = pieces
-        .par_iter()
-        .zip(&counts)
-        .zip(&before)
-        .map(|((piece, own), before)| Reader::new(name, *before, total).texcoords(texcoords).read(piece, own))
-        .collect();
-    let chunks = chunks.into_iter().collect::<Result<Vec<_>>>()?;
+    let chunks = parallel::try_map(0..pieces.len(), |k| {
+        Reader::new(name, before[k], total).texcoords(texcoords).read(pieces[k], &counts[k])
+    })?;
 
     let triangles: usize = chunks.iter().map(|c| c.triangles.len()).sum();
     if triangles > MAX_TRIANGLES {

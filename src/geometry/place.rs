@@ -1,10 +1,10 @@
 //! Placing meshes in the world by scale, rotation and translation, and merging meshes.
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
-use rayon::prelude::*;
 
 use crate::geometry::mesh::{MAX_TRIANGLES, Mesh, NO_COLOR, NO_NORMAL, NO_UV, check_memory};
 use crate::input::{Error, Limits, Result};
+use crate::parallel;
 
 /// Places `mesh`: world = R (scale * p) + translate with R = Rz Ry Rx, right-handed, `rotate_deg` in degrees about
 /// the world's x, y and z axes; multiples of 90 degrees are exact.
@@ -14,10 +14,10 @@ use crate::input::{Error, Limits, Result};
 /// by the same number along all axes.
 pub fn place(mut mesh: Mesh, scale: DVec3, rotate_deg: DVec3, translate: DVec3) -> Mesh {
     let rotation = rotation_xyz(rotate_deg);
-    mesh.positions.par_iter_mut().for_each(|p| *p = rotation * (scale * *p) + translate);
-    mesh.radii.par_iter_mut().for_each(|radius| *radius *= scale.x.abs());
+    parallel::for_each_mut(&mut mesh.positions, |_, p| *p = rotation * (scale * *p) + translate);
+    parallel::for_each_mut(&mut mesh.radii, |_, radius| *radius *= scale.x.abs());
     match world_normal_from_object(rotation * DMat3::from_diagonal(scale)) {
-        Some(matrix) => mesh.normals.par_iter_mut().for_each(|n| *n = transformed_normal(matrix, *n)),
+        Some(matrix) => parallel::for_each_mut(&mut mesh.normals, |_, n| *n = transformed_normal(matrix, *n)),
         None => {
             mesh.normals = Vec::new();
             mesh.corner_normals = Vec::new();
@@ -52,26 +52,21 @@ pub fn copies(mesh: Mesh, places: &[DAffine3], limits: Limits) -> Result<Mesh> {
     let shifted = |list: &[[u32; 3]], none: Option<u32>, by: usize| -> Vec<[u32; 3]> {
         let of =
             |k: usize| list[k % list.len()].map(|i| if Some(i) == none { i } else { i + (k / list.len() * by) as u32 });
-        (0..total(list.len())).into_par_iter().map(of).collect()
+        parallel::map(0..total(list.len()), of)
     };
-    let at = |k: usize| (&places[k / mesh.positions.len()], mesh.positions[k % mesh.positions.len()]);
+    let position =
+        |k: usize| places[k / mesh.positions.len()].transform_point3(mesh.positions[k % mesh.positions.len()]);
+    let radius = |k: usize| mesh.radii[k % mesh.radii.len()] * size_of(&places[k / mesh.radii.len()]);
     let normal_from: Vec<Option<DMat3>> = places.iter().map(|p| world_normal_from_object(p.matrix3)).collect();
     let normal = |k: usize| {
         let normal = mesh.normals[k % mesh.normals.len()];
         normal_from[k / mesh.normals.len()].map_or(normal, |m| transformed_normal(m, normal))
     };
     Ok(Mesh {
-        positions: (0..total(mesh.positions.len()))
-            .into_par_iter()
-            .map(at)
-            .map(|(p, v)| p.transform_point3(v))
-            .collect(),
+        positions: parallel::map(0..total(mesh.positions.len()), position),
         triangles: shifted(&mesh.triangles, None, mesh.positions.len()),
-        radii: (0..total(mesh.radii.len()))
-            .into_par_iter()
-            .map(|k| mesh.radii[k % mesh.radii.len()] * size_of(&places[k / mesh.radii.len()]))
-            .collect(),
-        normals: (0..total(mesh.normals.len())).into_par_iter().map(normal).collect(),
+        radii: parallel::map(0..total(mesh.radii.len()), radius),
+        normals: parallel::map(0..total(mesh.normals.len()), normal),
         corner_normals: shifted(&mesh.corner_normals, Some(NO_NORMAL), mesh.normals.len()),
         corner_uvs: shifted(&mesh.corner_uvs, Some(NO_UV), 0),
         corner_colors: shifted(&mesh.corner_colors, Some(NO_COLOR), 0),

@@ -1,10 +1,10 @@
 //! Images on surfaces, decoded to linear light.
 
 use crate::input::{Error, Limits, Loading, Result};
+use crate::parallel;
 use glam::DVec2;
 use half::f16;
 use image::{DynamicImage, ImageError, ImageReader};
-use rayon::prelude::*;
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -71,7 +71,7 @@ impl Texture {
     /// The same alpha mask in white.
     pub fn white(&self) -> Texture {
         let Texels { width, height, rgba } = &*self.texels;
-        let rgba = rgba.par_iter().map(|t| [f16::ONE, f16::ONE, f16::ONE, t[3]]).collect();
+        let rgba = parallel::map(rgba, |t| [f16::ONE, f16::ONE, f16::ONE, t[3]]);
         Texture { texels: Arc::new(Texels { width: *width, height: *height, rgba }), ..self.clone() }
     }
 
@@ -237,20 +237,20 @@ pub fn decode(bytes: &[u8]) -> Result<Texels> {
             let linear = |v: u16| f16::from_f64(linear_of_srgb(f64::from(v) / 65535.0));
             let pixel =
                 |[r, g, b, a]: [u16; 4]| [linear(r), linear(g), linear(b), f16::from_f64(f64::from(a) / 65535.0)];
-            image.into_rgba16().par_chunks_exact(4).map(|p| pixel([p[0], p[1], p[2], p[3]])).collect()
+            parallel::map(image.into_rgba16().as_chunks::<4>().0, |p| pixel(*p))
         }
         // light as it is
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
             let clamped = |v: f32| f16::from_f32(v.clamp(0.0, f16::MAX.to_f32()));
-            image.into_rgba32f().par_chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]].map(clamped)).collect()
+            parallel::map(image.into_rgba32f().as_chunks::<4>().0, |p| p.map(clamped))
         }
         _ => {
             let [linear, plain] = tables();
-            let pixel = |p: &[u8]| {
+            let pixel = |p: &[u8; 4]| {
                 let [r, g, b] = [p[0], p[1], p[2]].map(|v| linear[usize::from(v)]);
                 [r, g, b, plain[usize::from(p[3])]]
             };
-            image.into_rgba8().par_chunks_exact(4).map(pixel).collect()
+            parallel::map(image.into_rgba8().as_chunks::<4>().0, pixel)
         }
     };
     Ok(Texels { width, height, rgba })
@@ -300,7 +300,7 @@ pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2, limi
         let [light, _, _, alpha] = mask.at(uv + offset);
         [r, g, b, if by_alpha { alpha } else { srgb_of_linear(light) }].map(f16::from_f64)
     };
-    let rgba = (0..width as usize * height as usize).into_par_iter().map(texel).collect();
+    let rgba = parallel::map(0..width as usize * height as usize, texel);
     Ok(Arc::new(Texels { width, height, rgba }))
 }
 

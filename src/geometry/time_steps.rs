@@ -1,8 +1,8 @@
 //! Vertices that move while an image is taken: their positions and normals at several times, and linear between two of them.
 
 use super::mesh::{Mesh, joined, sphere_box};
+use crate::parallel;
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Most times of a frame: a [`Moment`] has 8 bits for them.
@@ -156,7 +156,7 @@ impl TimeSteps {
             let position = |v: usize| if vertices.contains(&v) { own(v - vertices.start) } else { other(v as u32) };
             let normals =
                 (0..normals.len() as u32).map(|n| before.map_or(Vec3::ZERO, |b| b.exact_normal(mesh, n, *time)));
-            TimeStep { positions: (0..count).into_par_iter().map(position).collect(), normals: normals.collect() }
+            TimeStep { positions: parallel::map(0..count, position), normals: normals.collect() }
         };
         let steps = all.iter().map(step).collect();
         TimeSteps::new(all, steps)
@@ -219,16 +219,17 @@ impl TimeSteps {
 
     /// The corners of the box around all vertices and spheres at all times; `None` without any.
     pub fn bounds(&self, mesh: &Mesh) -> Option<(DVec3, DVec3)> {
-        let one = |p: &DVec3| (*p, *p);
-        let of_step = |s: &TimeStep| s.positions.par_iter().map(one).reduce_with(joined);
+        let one = |p: &DVec3| Some((*p, *p));
+        let of_step = |s: &TimeStep| parallel::reduce(&s.positions, one, joined);
         let still = self.steps[0].positions.len().min(mesh.positions.len());
-        let others = mesh.positions[still..].par_iter().map(one).reduce_with(joined);
-        let of_sphere = |(id, radius): (u32, f64)| {
+        let others = parallel::reduce(&mesh.positions[still..], one, joined);
+        let of_sphere = |id: u32| {
+            let radius = mesh.radius(id)?;
             let centre = mesh.triangles[id as usize][0];
             let boxes = (0..self.count()).map(|step| sphere_box(self.position(mesh, centre, step), radius));
             boxes.reduce(joined)
         };
-        let spheres = mesh.spheres().filter_map(of_sphere).reduce_with(joined);
+        let spheres = parallel::reduce(0..mesh.radii.len() as u32, of_sphere, joined);
         self.steps.iter().filter_map(of_step).chain(others).chain(spheres).reduce(joined)
     }
 }

@@ -6,9 +6,9 @@ use crate::geometry::spheres::nearest_meetings;
 use crate::image::frame::{Channel, Frame, NO_ID};
 use crate::image::{write_npy_f64, write_ply};
 use crate::input::{Error, Result};
+use crate::parallel;
 use crate::scene::Scene;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::path::Path;
 
 /// Checks, before any work, that the points can be written.
@@ -42,10 +42,8 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 pub fn write(path: &Path, scene: &Scene, camera: &Camera, frame: &Frame) -> Result<()> {
     let ids = frame.u32(Channel::TriangleId).ok_or_else(|| Error::work("--points: the frame has no triangle ids"))?;
     let width = camera.width as usize;
-    let points: Vec<Option<(DVec3, u32)>> = (0..ids.len())
-        .into_par_iter()
-        .map(|k| Some((point(scene, camera, (k % width) as u32, (k / width) as u32, ids[k])?, ids[k])))
-        .collect();
+    let of_pixel = |k: usize| Some((point(scene, camera, (k % width) as u32, (k / width) as u32, ids[k])?, ids[k]));
+    let points: Vec<Option<(DVec3, u32)>> = parallel::map(0..ids.len(), of_pixel);
     if has_extension(path, "ply") {
         let hits: Vec<_> = points.into_iter().flatten().collect();
         return write_ply(path, &hits);

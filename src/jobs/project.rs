@@ -4,8 +4,8 @@ use crate::camera::project::{Degenerate, Images, Projector};
 use crate::engine::stage::solve::{Solve, Solved};
 use crate::gpu::Gpu;
 use crate::input::Result;
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Points per chunk: the device is at work on one while the host finishes the one before.
 pub const CHUNK: usize = 1 << 16;
@@ -46,7 +46,7 @@ pub fn project_many(projector: &Projector, points: &[DVec3], gpu: Option<&Gpu>, 
     };
     let Some(gpu) = gpu else {
         for chunk in points.chunks(CHUNK) {
-            all.add(chunk.par_iter().map(|point| exact(projector.project(*point))).collect());
+            all.add(parallel::map(chunk, |point| exact(projector.project(*point))));
         }
         return Ok(all);
     };
@@ -66,7 +66,7 @@ pub fn project_many(projector: &Projector, points: &[DVec3], gpu: Option<&Gpu>, 
             }
             exact(projector.project_below(*point, |layer| solved.nodes(layer, k)))
         };
-        all.add(chunk.par_iter().enumerate().map(of).collect());
+        all.add(parallel::map(0..chunk.len(), |k| of((k, &chunk[k]))));
         Ok(())
     })?;
     Ok(all)

@@ -8,8 +8,8 @@ use crate::gpu::Gpu;
 use crate::image::frame::{Channel, Frame, NO_ID, Plane};
 use crate::image::srgb8;
 use crate::input::{Error, Result};
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// The nearest point of each pixel of a camera's image.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,7 +86,7 @@ impl Splatted {
             };
             (images.images.iter().map(pixel).collect::<Vec<_>>(), images.degenerate.is_some())
         };
-        let drawn: Vec<_> = which.par_iter().map(of).collect();
+        let drawn = parallel::map(&which, of);
         for (k, (images, is_degenerate)) in which.into_iter().zip(drawn) {
             self.degenerate += u64::from(is_degenerate);
             for (pixel, t) in images {

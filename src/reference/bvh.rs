@@ -1,5 +1,6 @@
 //! A bounding volume hierarchy over triangles, in f64.
 
+use crate::parallel;
 use glam::DVec3;
 
 /// Most triangles in a leaf.
@@ -109,7 +110,8 @@ fn grow(items: &mut [Item], first: u32, depth: u32, nodes: &mut Vec<Node>) {
     let first_b = first + middle as u32;
     if parallel {
         let (mut nodes_a, mut nodes_b) = (Vec::new(), Vec::new());
-        rayon::join(|| grow(a, first, depth + 1, &mut nodes_a), || grow(b, first_b, depth + 1, &mut nodes_b));
+        let mut grow_a = || grow(a, first, depth + 1, &mut nodes_a);
+        parallel::both(&mut grow_a, &mut || grow(b, first_b, depth + 1, &mut nodes_b));
         nodes.append(&mut nodes_a);
         nodes[at].link = (nodes.len() - at) as u32;
         nodes.append(&mut nodes_b);

@@ -4,13 +4,13 @@ use super::light::albedo;
 use super::path::{Path, Segment};
 use super::{Hit, Outcome, Reference};
 use crate::camera::Camera;
+use crate::parallel;
 use crate::scene::Scene;
 use crate::scene::caustics::beams::{CausticTriangle, Fate, Photon};
 use crate::scene::caustics::receiver_triangles::is_in_plane;
 use crate::scene::caustics::shares::shares;
 use crate::scene::caustics::{CausticMaps, Caustics, FluxBudget, Map, mean};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// The maps of the scene's receivers; `None` without caustics.
 pub fn caustics(scene: &Scene) -> Option<CausticMaps> {
@@ -40,7 +40,7 @@ pub fn photons(scene: &Scene, caustics: &Caustics) -> Vec<Photon> {
         let shown = reference.shown(light, Path::of_pixel(light, k % columns, k / columns));
         photon(caustics, first_id, &shown)
     };
-    (0..columns * rows).into_par_iter().map(photon).collect()
+    parallel::map(0..columns * rows, photon)
 }
 
 fn photon(caustics: &Caustics, first_id: u32, shown: &Outcome) -> Photon {

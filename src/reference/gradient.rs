@@ -1,9 +1,9 @@
 //! Gradients by their definitions: numbers that carry their derivative go through the formulas of t, weights and distances. In f64.
 
 use crate::camera::change::PixelRay;
+use crate::parallel;
 use crate::scene::gradients::{HIT_NUMBERS, NONE, Seen, VERTEX_DIRECTIONS};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// The changes of a pixel along some directions.
@@ -48,7 +48,7 @@ impl Direction<'_> {
 
 /// The changes of all pixels, row by row.
 pub fn changes(seen: &Seen, directions: &[Direction]) -> Vec<PixelChange> {
-    (0..seen.ids.len()).into_par_iter().map(|pixel| of_pixel(seen, pixel, directions)).collect()
+    parallel::map(0..seen.ids.len(), |pixel| of_pixel(seen, pixel, directions))
 }
 
 fn of_pixel(seen: &Seen, pixel: usize, directions: &[Direction]) -> PixelChange {

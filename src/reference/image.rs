@@ -10,11 +10,11 @@ use super::volume::{Medium, Passed};
 use super::{Finding, Outcome, Path, Reference};
 use crate::camera::Camera;
 use crate::image::frame::{Channel, Frame, NO_ID, PixelValues, normalised_depth, plane_of_words};
+use crate::parallel;
 use crate::scene::Scene;
 use crate::scene::caustics::CausticMaps;
 use crate::scene::labels::Labels;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::borrow::Borrow;
 
 /// The comparison of a frame with the reference.
@@ -175,7 +175,7 @@ pub(super) fn names_near(finding: &Finding, id: u32) -> bool {
 fn each_pixel<T: Send>(camera: &Camera, step: u32, f: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
     let (w, step) = (camera.width as usize, step as usize);
     let rows = (camera.height as usize).div_ceil(step);
-    (0..w * rows).into_par_iter().map(|k| f((k % w) as u32, (k / w * step) as u32)).collect()
+    parallel::map(0..w * rows, |k| f((k % w) as u32, (k / w * step) as u32))
 }
 
 fn pixel(

@@ -3,10 +3,10 @@
 
 use super::path::{Path, Seen, Segment};
 use crate::geometry::bernstein::Bernstein;
+use crate::parallel;
 use crate::scene::Scene;
 use crate::scene::volume::{Mode, Volume};
 use glam::{DAffine3, DVec3};
-use rayon::prelude::*;
 
 /// A scene's volume, and the light at its nodes.
 pub struct Medium<'a> {
@@ -318,7 +318,7 @@ impl<'a> Medium<'a> {
             let m = self.to_grid.matrix3;
             -DVec3::new(m.x_axis.dot(own), m.y_axis.dot(own), m.z_axis.dot(own)).normalize_or_zero()
         };
-        (0..grid.values.len()).into_par_iter().map(normal).collect()
+        parallel::map(0..grid.values.len(), normal)
     }
 
     /// The light that white matte surfaces with these normals send back from the nodes.
@@ -339,7 +339,7 @@ impl<'a> Medium<'a> {
                 None => DVec3::splat(0.1) + 0.9 * direct,
             }
         };
-        (0..normals.len()).into_par_iter().map(lit).collect()
+        parallel::map(0..normals.len(), lit)
     }
 }
 

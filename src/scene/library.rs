@@ -16,13 +16,13 @@ use crate::geometry::texture::{Images, ImagesRead, Texture};
 use crate::geometry::time_steps::{TimeStep, TimeSteps};
 use crate::input::files::Inputs;
 use crate::input::{Error, Loading, Result};
+use crate::parallel;
 use crate::scene::caustics::Caustics;
 use crate::scene::caustics::spec::CausticsSpec;
 use crate::scene::volume::load::load_grid;
 use crate::scene::volume::spec::{GridSpec, VolumeSpec};
 use crate::scene::volume::{Grid, Volume};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -266,7 +266,7 @@ impl Library {
         let mut mesh = place::merge(meshes)?;
         let mut known = HashSet::new();
         mesh.missing.retain(|missing| known.insert(missing.what.clone()));
-        if let Some(v) = mesh.positions.par_iter().find_any(|p| !p.is_finite()) {
+        if let Some(v) = parallel::reduce(&mesh.positions, |p| (!p.is_finite()).then_some(*p), |first, _| first) {
             return Err(Error::input(format!("mesh: a vertex lies at {v} after its transform; use finite numbers")));
         }
         Ok((Arc::new(mesh), objects))

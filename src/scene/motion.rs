@@ -4,9 +4,9 @@ use crate::camera::project::Projector;
 use crate::camera::{Camera, Rays};
 use crate::image::frame::{Channel, Frame, NO_ID};
 use crate::input::{Error, Result};
+use crate::parallel;
 use crate::scene::Scene;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// The channels that motion needs.
 pub const NEEDED: [Channel; 4] = [Channel::T, Channel::TriangleId, Channel::BaryU, Channel::BaryV];
@@ -62,7 +62,7 @@ pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) ->
         let [a, b, c] = corners(next_scene, next_camera);
         step_to(a + u * (b - a) + v * (c - a))
     };
-    let steps: Vec<DVec2> = (0..ids.len()).into_par_iter().map(moved).collect();
+    let steps: Vec<DVec2> = parallel::map(0..ids.len(), moved);
     Ok([steps.iter().map(|s| s.x as f32).collect(), steps.iter().map(|s| s.y as f32).collect()])
 }
 

@@ -3,9 +3,9 @@
 use super::file::SkySpec;
 use crate::geometry::texture::{Images, Texels, Texture, Wrap};
 use crate::input::{Loading, Result};
+use crate::parallel;
 use glam::{DVec2, DVec3};
 use half::f16;
-use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, OnceLock};
 
@@ -97,7 +97,7 @@ impl Sky {
                 let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
                 std::array::from_fn(|c| f16::from_f32(four.iter().map(|t| t[c].to_f32()).sum::<f32>() / 4.0))
             };
-            let rgba = (0..width * height).into_par_iter().map(texel).collect();
+            let rgba = parallel::map(0..width * height, texel);
             let texels = Arc::new(Texels { width, height, rgba });
             all.push(Texture { texels, ..self.image.clone() });
         }
@@ -113,8 +113,8 @@ impl Sky {
 
     fn harmonics(&self) -> [[f32; 3]; 9] {
         let Texels { width, height, ref rgba } = *self.image.texels;
-        let rows = rgba.par_chunks_exact(width as usize).enumerate();
-        let of_row = |(j, row): (usize, &[[f16; 4]])| {
+        let of_row = |j: usize| {
+            let row = &rgba[j * width as usize..][..width as usize];
             let v = 1.0 - (j as f64 + 0.5) / f64::from(height);
             // of a texel
             let solid_angle = TAU / f64::from(width) * PI / f64::from(height) * ((v - 0.5) * PI).cos();
@@ -127,7 +127,7 @@ impl Sky {
             sums
         };
         // added up in one order, whatever the threads
-        let sums_of_rows: Vec<[DVec3; 9]> = rows.map(of_row).collect();
+        let sums_of_rows: Vec<[DVec3; 9]> = parallel::map(0..height as usize, of_row);
         let sums: [DVec3; 9] = std::array::from_fn(|k| sums_of_rows.iter().map(|row| row[k]).sum());
         // squares of the harmonics' factors, times the share of each order that a cosine leaves
         let order = [1.0, 2.0 / 3.0, 0.25];

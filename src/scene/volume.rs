@@ -4,10 +4,10 @@ mod header;
 pub mod load;
 pub mod spec;
 
+use crate::parallel;
 use crate::scene::Scene;
 use crate::scene::light::AMBIENT;
 use glam::{DAffine3, DMat3, DVec3};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A volume in the world.
@@ -117,9 +117,8 @@ impl Grid {
     /// What a function makes of each node, in the order of the values.
     fn each_node<T: Send>(&self, f: impl Fn([u32; 3]) -> T + Sync) -> Vec<T> {
         let [nx, ny, nz] = self.sides;
-        let rows = (0..u64::from(ny) * u64::from(nz)).into_par_iter();
         let row = |r: u64| (0..nx).map(move |i| [i, (r % u64::from(ny)) as u32, (r / u64::from(ny)) as u32]);
-        rows.flat_map_iter(|r| row(r).map(&f).collect::<Vec<T>>()).collect()
+        parallel::flat_map(0..u64::from(ny) * u64::from(nz), |r| row(r).map(&f))
     }
 
     /// The factor of the volume's colour at each node by the lights of a scene: `None` if it has only the headlight, whose factor depends on the ray.

@@ -1,8 +1,8 @@
 //! Rays that cross: where a segment is inside out, objects appear mirrored, or twice.
 
 use super::{Bend, Graph, Leg, Net};
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Sample places along a ray, and along a triangle's side, in the search for crossings.
 const ALONG: usize = 16;
@@ -20,7 +20,8 @@ impl Graph {
         let crossed = |leg: &Leg| {
             let points = leg.points();
             let ends = [&points[0][..], &points[points.len() - 1][..]];
-            self.net.triangles.par_iter().filter(|t| crosses(&self.net, ends, t, counts)).count()
+            let of_triangle = |t: &[u32; 3]| crosses(&self.net, ends, t, counts).then_some(1);
+            parallel::reduce(&self.net.triangles, of_triangle, |a, b| a + b).unwrap_or(0)
         };
         (legs.iter().map(crossed).sum(), legs.len() * self.net.triangles.len())
     }

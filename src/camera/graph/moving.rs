@@ -13,8 +13,8 @@ use super::path::{self, Candidates, Detour, EDGE_DEPTH, Occluders, Paths, SightL
 use super::view::View;
 use super::{Graph, lattice};
 use crate::camera::LAYERS_MAX;
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// How far around a target the search looks for what is about to hide it, in parts of the image's height.
@@ -125,7 +125,7 @@ impl Search<'_> {
         let mut prospects: BTreeMap<(usize, Vec<i64>), Prospect> = BTreeMap::new();
         for (k, s) in seen.iter_mut().enumerate() {
             let own: Vec<Vec<i64>> = lattice::corners(&place(s)).into_iter().map(|(corner, _)| corner).collect();
-            let found: Vec<Prospect> = own.par_iter().map(|at| self.prospect(s, step_px, at)).collect();
+            let found: Vec<Prospect> = parallel::map(&own, |at| self.prospect(s, step_px, at));
             // no other target's place changes that it cannot be reached
             if found.iter().all(Prospect::is_unreachable) {
                 s.presence = 0.0;
@@ -139,7 +139,7 @@ impl Search<'_> {
             let of = |(n, k): (usize, &usize)| &prospects[&(*k, point(corner, n))];
             self.outcomes(&reachable.iter().enumerate().map(of).collect::<Vec<_>>())
         };
-        let outcomes: Vec<Vec<Outcome>> = corners.par_iter().map(outcomes_at).collect();
+        let outcomes: Vec<Vec<Outcome>> = parallel::map(&corners, outcomes_at);
         // those for which there is no room are named from the last on
         for (n, k) in reachable.iter().enumerate().rev() {
             let s = &mut seen[*k];

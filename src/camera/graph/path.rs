@@ -6,8 +6,8 @@ use crate::camera::Bundle;
 use crate::camera::perturb::scene_size;
 use crate::geometry::cast::Caster;
 use crate::geometry::mesh::Mesh;
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// The scene's triangles and spheres, intersected exactly.
 pub struct Occluders<'a> {
@@ -253,7 +253,7 @@ impl SightLines {
                 let detour = self.detour(*direction, span, [out, back])?;
                 Some(shortest(paths, &places_px, detour)?.slope())
             };
-            let slopes_in = |d: &DVec3| tries().into_par_iter().map(|t| slope(d, t).unwrap_or(f64::INFINITY)).collect();
+            let slopes_in = |d: &DVec3| parallel::map(&tries(), |t| slope(d, *t).unwrap_or(f64::INFINITY));
             let slopes = paths.directions.iter().map(slopes_in).collect();
             Candidates { places_px, span, fade, slopes }
         };
@@ -331,7 +331,7 @@ impl SightLines {
             let shift = shortest(paths, &[q], self.detour(direction, both, parts)?)?.shift.length();
             Some(Ahead { weight, span: own, shift })
         };
-        places.collect::<Vec<_>>().par_iter().filter_map(of).collect()
+        parallel::flat_map(&places.collect::<Vec<_>>(), of)
     }
 }
 

@@ -12,9 +12,9 @@ use crate::camera::{Camera, Rays};
 use crate::image::size::check_size;
 use crate::input::reader::{self, Table};
 use crate::input::{Error, Result};
+use crate::parallel;
 use glam::DVec2;
 use parts::{Part, Parts};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 #[derive(Debug, PartialEq)]
@@ -286,7 +286,7 @@ impl Composite {
             (0..width).filter_map(|i| parts.owner(place(i))).for_each(|k| shown[k] = true);
             shown
         };
-        let shown = (0..height).into_par_iter().map(of_row).reduce(|| vec![false; count], joined);
+        let shown = parallel::reduce(0..height, |j| Some(of_row(j)), joined).unwrap_or_else(|| vec![false; count]);
         let mut hidden: Vec<usize> = self.order().into_iter().zip(shown).filter(|(_, s)| !s).map(|(k, _)| k).collect();
         hidden.sort_unstable();
         let note = |k: usize| {
@@ -333,7 +333,7 @@ fn common_range(cameras: &[Camera]) -> Result<Option<[f64; 2]>> {
 fn curves(width: u32, height: u32, parts: Parts) -> Result<Curves> {
     let curves = Curves::new(width, height, Arc::new(parts));
     let has_curve = |j: u32| (0..width).any(|i| curves.near(i, j, (0.0, 0.0)).is_some());
-    if !(0..height).into_par_iter().any(has_curve) {
+    if !parallel::any(0..height, has_curve) {
         return Err(Error::input("camera: no pixel has a ray; make the regions larger"));
     }
     Ok(curves)

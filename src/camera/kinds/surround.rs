@@ -13,8 +13,8 @@ use crate::geometry::texture::Images;
 use crate::input::Result;
 use crate::input::limits::CAMERAS;
 use crate::input::reader::{Field, Table};
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -151,7 +151,7 @@ impl Recipe for Surround {
             let ray = |i: u32| Ray { origin: self.vertices[i as usize], direction: self.inward[i as usize] };
             triangle(place, self.rotated(t, upper).map(ray))
         };
-        let pieces = self.triangles.par_iter().enumerate().map(piece).collect();
+        let pieces = parallel::map(0..self.triangles.len(), |k| piece((k, &self.triangles[k])));
         let built = Built::new((w, h), Rays::Pieces(Pieces::new(pieces, w, h)));
         Ok(Built { notes: self.notes.clone(), ..built })
     }

@@ -6,6 +6,7 @@
 //! thin they are and however many meet in a corner.
 
 use super::side;
+use crate::parallel;
 use glam::DVec2;
 
 /// Sets up to this size are compared pair by pair.
@@ -30,8 +31,9 @@ pub fn first_overlap(corners: &[Triangle]) -> Option<(usize, usize)> {
 fn within(corners: &[Triangle], set: Vec<u32>) -> Option<(usize, usize)> {
     let Some([left, right]) = split(corners, &set) else { return first_pair(corners, &set) };
     drop(set);
-    let (a, b) = rayon::join(|| within(corners, left), || within(corners, right));
-    a.into_iter().chain(b).min()
+    let mut halves = [(left, None), (right, None)];
+    parallel::for_each_mut(&mut halves, |_, (set, found)| *found = within(corners, std::mem::take(set)));
+    halves.into_iter().filter_map(|(_, found)| found).min()
 }
 
 /// The same, pair by pair.

@@ -9,8 +9,8 @@ use crate::camera::mesh::triangle;
 use crate::camera::{Camera, Field, Pieces, Ray, Rays};
 use crate::image::size::check_size;
 use crate::input::{Error, Result};
+use crate::parallel;
 use glam::{DVec2, DVec3, UVec2};
-use rayon::prelude::*;
 
 /// Where facets lie in an atlas: two a square cell, the even one in the upper left half, row by row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,7 +57,7 @@ pub fn camera(optics: &Optics, atlas: &Atlas, facets: &Facets, law: Law) -> Resu
     let rays = match law {
         Law::Flat { .. } => {
             let piece = |k: usize| triangle(layout.corners(k), facet_rays(k));
-            Rays::Pieces(Pieces::new((0..n).into_par_iter().map(piece).collect(), width, height))
+            Rays::Pieces(Pieces::new(parallel::map(0..n, piece), width, height))
         }
         Law::Normals => {
             let at = |texel: usize| {
@@ -79,7 +79,7 @@ pub fn camera(optics: &Optics, atlas: &Atlas, facets: &Facets, law: Law) -> Resu
                 })
             };
             let (p, d): (Vec<DVec3>, Vec<DVec3>) =
-                (0..width as usize * height as usize).into_par_iter().map(at).unzip();
+                parallel::map(0..width as usize * height as usize, at).into_iter().unzip();
             Rays::Field(Field::new(width, height, &p, &d)?)
         }
     };

@@ -6,8 +6,8 @@ use super::{Branch, Optics, Surface};
 use crate::camera::perturb::scene_size;
 use crate::camera::{Camera, Ray};
 use crate::geometry::cast::Caster;
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Approximate number of pixels sampled per row; more where none of these sees the surfaces.
 const SAMPLES_PER_SIDE: u32 = 64;
@@ -47,7 +47,7 @@ pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, centre: DVec3) ->
     let every = |step: u32| -> Vec<f64> {
         let rows = (0..height).step_by(step as usize);
         let places: Vec<_> = rows.flat_map(|j| (0..width).step_by(step as usize).map(move |i| (i, j))).collect();
-        places.par_iter().filter_map(off).filter(|e| e.is_finite()).collect()
+        parallel::flat_map(&places, |place| off(place).filter(|e| e.is_finite()))
     };
     let mut step = width.div_ceil(SAMPLES_PER_SIDE).max(1);
     let mut list = every(step);

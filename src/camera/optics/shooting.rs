@@ -8,8 +8,8 @@ use super::facets::{CoarseFacets, Facet, Facets};
 use crate::camera::Bundle;
 use crate::camera::perturb::scene_size;
 use crate::geometry::cast::{Caster, Hit, as_near};
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Cosine of the angle, 60 degrees, between a fine and a coarse normal at most: a line that comes to others has left the part of
 /// the mirror that it started from, through an edge or to the far side.
@@ -35,10 +35,10 @@ impl Facets {
         // corners of one place and one normal are one shot
         let each = || self.triangles.iter().zip(&self.corner_normals);
         let mut shots: Vec<(u32, u32)> = each().flat_map(|(t, n)| [0, 1, 2].map(|k| (t[k], n[k]))).collect();
-        shots.par_sort_unstable();
+        parallel::sort(&mut shots);
         shots.dedup();
         let shoot = |(p, n): &(u32, u32)| target.shot(self.positions[*p as usize], self.normals[*n as usize]);
-        let hits: Vec<Option<Hit>> = shots.par_iter().map(shoot).collect();
+        let hits: Vec<Option<Hit>> = parallel::map(&shots, shoot);
         let normal = |(hit, (_, n)): (&Option<Hit>, &(u32, u32))| match hit {
             Some(hit) => target.normal(hit),
             None => self.normals[*n as usize],
@@ -47,8 +47,7 @@ impl Facets {
             // every shot is in the list
             .map(|(t, n)| [0, 1, 2].map(|k| shots.partition_point(|s| *s < (t[k], n[k])) as u32))
             .collect();
-        let of: Vec<u32> =
-            (0..self.triangles.len()).into_par_iter().map(|k| target.coarse_of(&self.facet(k))).collect();
+        let of: Vec<u32> = parallel::map(0..self.triangles.len(), |k| target.coarse_of(&self.facet(k)));
         let weights_on = |(facet, corners): (&u32, &[u32; 3])| {
             corners.map(|k| hits[k as usize].map_or([0.0; 2], |hit| target.weights_on(*facet, &hit)))
         };

@@ -11,8 +11,8 @@ use super::tree::{KEY_BITS, Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
 use crate::camera::TILE;
 use crate::camera::curve::{Curve, Curves};
+use crate::parallel;
 use glam::{DVec2, DVec3, UVec2};
-use rayon::prelude::*;
 
 /// Curves, and beams along spans of them over tiles.
 pub struct Search<'a> {
@@ -64,8 +64,8 @@ impl Volume for Curves {
 impl<'a> Search<'a> {
     pub fn new(curves: &'a Curves) -> Search<'a> {
         let tiles = tiles(curves);
-        let all = (0..tiles.x * tiles.y).into_par_iter().map(|tile| bound(curves, tile));
-        let (nets, leaves): (Vec<_>, Vec<_>) = all.unzip();
+        let all = parallel::map(0..tiles.x * tiles.y, |tile| bound(curves, tile));
+        let (nets, leaves): (Vec<_>, Vec<_>) = all.into_iter().unzip();
         Search { curves, nets, tree: Tree::new(leaves.concat(), [0.0, 1.0]) }
     }
 

@@ -11,8 +11,8 @@ use super::tree::{Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
 use crate::camera::bundle::Ray;
 use crate::camera::field::Field;
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// A field, and beams over squares of its cells.
 pub struct Search<'a> {
@@ -62,9 +62,8 @@ impl<'a> Search<'a> {
     pub fn new(field: &'a Field, t_range: [f64; 2]) -> Search<'a> {
         let mut search = Search::of_closed_form(field, t_range);
         let columns = search.cells[0].div_ceil(search.side);
-        let leaves =
-            (0..columns * search.cells[1].div_ceil(search.side)).into_par_iter().filter_map(|k| search.leaf(k));
-        search.tree = Tree::new(leaves.collect(), t_range);
+        let leaves = parallel::flat_map(0..columns * search.cells[1].div_ceil(search.side), |k| search.leaf(k));
+        search.tree = Tree::new(leaves, t_range);
         search
     }
 

@@ -10,8 +10,8 @@ use super::tree::{Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, ONE_PLACE_PX, Shown, T_TOLERANCE};
 use crate::camera::Camera;
 use crate::camera::pieces::{Piece, Pieces};
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// Pieces over an image of a known size.
 pub struct Search<'a> {
@@ -39,7 +39,7 @@ impl<'a> Search<'a> {
             let beam = around.iter().map(|q| beam_at(piece, *q)).reduce(|a, b| a.joined(&b))?;
             Some(Leaf { key: place_key(middle, size), number: k as u32, beam })
         };
-        let leaves = pieces.pieces.par_iter().enumerate().filter_map(leaf).collect();
+        let leaves = parallel::flat_map(0..pieces.pieces.len(), |k| leaf((k, &pieces.pieces[k])));
         Search { pieces, size, t_range: camera.t_range, tree: Tree::new(leaves, camera.t_range) }
     }
 

@@ -8,7 +8,7 @@
 use super::bound::{Judge, Verdict};
 use super::grid::{Bends, Cells, balanced, bends, even, strips};
 use crate::input::limits::PIECES;
-use rayon::prelude::*;
+use crate::parallel;
 use std::collections::HashMap;
 
 /// Pieces this wide and high, px, are split no further: a remaining error there is a jump, or the rim of the rays.
@@ -34,7 +34,7 @@ fn refine_strips(judge: &Judge, error_px: f64, axis: Bends) -> Cells {
     let mut borders = even(length, 1.0);
     loop {
         let mut cells = strips(judge, axis, &borders);
-        cells.verdicts = cells.triangles.par_iter().map(|t| cells.judge(judge, t)).collect();
+        cells.verdicts = parallel::map(&cells.triangles, |t| cells.judge(judge, t));
         let wide = |k: usize| borders[k + 1] - borders[k] > PIECE_MIN_PX;
         let split = |k: usize| wide(k) && cells.verdicts[2 * k..2 * k + 2].iter().any(|v| asks(v, error_px));
         let halved: Vec<usize> = (0..borders.len() - 1).filter(|&k| split(k)).collect();
@@ -52,7 +52,7 @@ fn refine_triangles(judge: &Judge, error_px: f64) -> Cells {
     let mut mesh = Mesh::new(grid);
     loop {
         let new = std::mem::take(&mut mesh.new);
-        let verdicts: Vec<Verdict> = new.par_iter().map(|&t| mesh.verdict(judge, t)).collect();
+        let verdicts: Vec<Verdict> = parallel::map(&new, |&t| mesh.verdict(judge, t));
         for (&t, verdict) in new.iter().zip(verdicts) {
             mesh.cells.verdicts[t as usize] = verdict;
         }

@@ -6,8 +6,8 @@ use super::tiles::{TileRay, TileRays, place_in_tile};
 use crate::camera::TILE;
 use crate::camera::{Camera, Curve, Field};
 use crate::gpu::layout::split2;
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// Numbers of a camera's rays relative to the anchor, each hi and lo. A field: six a pixel, P and D, one column and row
 /// more than the band. Curves: three a control point, all of a pixel's together, layer by layer, row by row.
@@ -31,8 +31,9 @@ impl RayTable {
         let numbers = 6 * (field.width as usize + 1);
         let count = numbers * (rows as usize + 1);
         let mut table = RayTable { hi: vec![0.0; count], lo: vec![0.0; count] };
-        let halves = table.hi.par_chunks_exact_mut(numbers).zip(table.lo.par_chunks_exact_mut(numbers));
-        halves.zip(row..row + rows + 1).for_each(|((hi, lo), j)| {
+        let halves = table.hi.chunks_exact_mut(numbers).zip(table.lo.chunks_exact_mut(numbers));
+        parallel::for_each(halves.enumerate(), |(j, (hi, lo))| {
+            let j = row + j as u32;
             let pixels = hi.chunks_exact_mut(6).zip(lo.chunks_exact_mut(6)).zip(0..=field.width);
             for ((hi, lo), i) in pixels {
                 let (p, d) = field.ray_or_beyond(i, j).unwrap_or((anchor, DVec3::ZERO));
@@ -58,7 +59,7 @@ pub fn sample_ray_deltas(field: &Field, sample_offsets: &[DVec2], anchor: DVec3,
         };
         (0..field.width).flat_map(pixel).flat_map(|v| v.as_vec3().to_array())
     };
-    (row..row + rows).into_par_iter().flat_map_iter(of_row).collect()
+    parallel::flat_map(row..row + rows, of_row)
 }
 
 /// The curves of a band's pixels in every layer, of one degree.
@@ -83,7 +84,7 @@ impl CurveTable {
             let moves = curve.points().iter().any(|p| *p != curve.points()[0]);
             moves.then(|| (piece - camera.first_piece(layer), curve.elevated(degree as usize)))
         };
-        let curves = (0..per_layer * camera.layers.len()).into_par_iter().map(curve).collect();
+        let curves = parallel::map(0..per_layer * camera.layers.len(), curve);
         CurveTable { width, row, rows, degree, curves }
     }
 
@@ -127,7 +128,7 @@ pub fn nets(table: &CurveTable, tiles_x: u32) -> Vec<Option<Net>> {
         };
         Net::of(pixels.filter_map(at))
     };
-    (0..layers as u32 * tiles_y * tiles_x).into_par_iter().map(net).collect()
+    parallel::map(0..layers as u32 * tiles_y * tiles_x, net)
 }
 
 impl Net {

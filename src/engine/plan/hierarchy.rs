@@ -5,6 +5,7 @@ use crate::engine::clusters::Chunk;
 use crate::geometry::mesh::extremes;
 use crate::gpu::layout::{BvhNode, LeafTriangle, SPHERE};
 use crate::input::{Error, Result};
+use crate::parallel;
 use crate::scene::Scene;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
@@ -15,7 +16,6 @@ use obvhs::bvh2::builder::{build_bvh2, build_bvh2_from_tris};
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::triangle::Triangle;
-use rayon::prelude::*;
 use std::time::Duration;
 
 /// Nodes that wait in the kernel at most.
@@ -51,7 +51,10 @@ impl Hierarchy {
         }
         let triangles = triangles(scene, self.anchor, self.count, self.scale);
         let order = &self.tree.primitive_indices;
-        self.tree.nodes.par_iter_mut().filter(|n| n.is_leaf()).for_each(|node| {
+        parallel::for_each_mut(&mut self.tree.nodes, |_, node| {
+            if !node.is_leaf() {
+                return;
+            }
             let own = &order[node.first_index as usize..][..node.prim_count as usize];
             let boxes = own.iter().map(|k| triangles[*k as usize].aabb());
             if let Some(around) = boxes.reduce(|a, b| a.union(&b)) {
@@ -89,7 +92,7 @@ impl Hierarchy {
             let [v0, v1, v2] = [leaf.v0, leaf.v1, leaf.v2].map(|corner| corner.map(|v| v * scale));
             LeafTriangle { v0, v1, v2, ..leaf }
         };
-        (self.tree.nodes.par_iter().map(node).collect(), self.tree.primitive_indices.par_iter().map(leaf).collect())
+        (parallel::map(&self.tree.nodes, node), parallel::map(&self.tree.primitive_indices, leaf))
     }
 }
 
@@ -114,7 +117,7 @@ impl PackedBvh {
                 let points = [way, way + 1].map(|step| extremes(all.corners(id, step), all.mesh.radius(id)).map(small));
                 Aabb::from_points(points.map(|end| end.map(Into::into)).as_flattened())
             };
-            let boxes: Vec<Aabb> = (0..count as u32).into_par_iter().map(boxed).collect();
+            let boxes: Vec<Aabb> = parallel::map(0..count as u32, boxed);
             let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
             check_depth(&tree, count)?;
             let (first_node, first_leaf) = (nodes.len() as u32 / 2, leaves.len() as u32 / 6);
@@ -187,7 +190,7 @@ impl TracedBvh {
             let [v0, v1, v2] = primitive(chunk, slot, 0, scale).extremes().map(|v| v.as_vec3().into());
             Triangle { v0, v1, v2 }
         };
-        let triangles: Vec<Triangle> = (0..chunk.triangles.len() as u32).into_par_iter().map(boxed).collect();
+        let triangles: Vec<Triangle> = parallel::map(0..chunk.triangles.len() as u32, boxed);
         let binary = build_bvh2_from_tris(&triangles, of_one(), &mut Duration::default());
         let tree = bvh2_to_cwbvh(&binary, LEAF_MAX, true, false);
         if depth(&tree.nodes) > WAITING_MAX {
@@ -196,7 +199,7 @@ impl TracedBvh {
         let mut nodes = vec![[(scale as f32).to_bits(), 0, 0, 0]];
         nodes.extend(tree.nodes.iter().flat_map(node_rows));
         let rows = |slot: &u32| primitive(chunk, *slot, 0, scale).rows(*slot);
-        let triangles = tree.primitive_indices.par_iter().flat_map_iter(rows).collect();
+        let triangles = parallel::map(&tree.primitive_indices, rows).into_flattened();
         Some(TracedBvh { nodes, triangles })
     }
 
@@ -214,7 +217,7 @@ impl TracedBvh {
                 let all = ends(slot).map(|end| end.extremes().map(|v| v.as_vec3().into()));
                 Aabb::from_points(all.as_flattened())
             };
-            let boxes: Vec<Aabb> = (0..chunk.triangles.len() as u32).into_par_iter().map(boxed).collect();
+            let boxes: Vec<Aabb> = parallel::map(0..chunk.triangles.len() as u32, boxed);
             let binary = build_bvh2(&boxes, of_one(), &mut Duration::default());
             let mut tree = bvh2_to_cwbvh(&binary, LEAF_MAX, true, false);
             if depth(&tree.nodes) > WAITING_MAX {
@@ -227,8 +230,9 @@ impl TracedBvh {
                 node.primitive_base_idx += first_triangle as u32;
             }
             nodes.extend(tree.nodes.iter().flat_map(node_rows));
-            let rows = |slot: &u32| ends(*slot).map(|end| end.rows(*slot)).into_iter().flatten();
-            triangles.par_extend(tree.primitive_indices.par_iter().flat_map_iter(rows));
+            let rows = |slot: &u32| ends(*slot).map(|end| end.rows(*slot));
+            let all = parallel::map(&tree.primitive_indices, rows);
+            triangles.extend_from_slice(all.as_flattened().as_flattened());
         }
         Some(TracedBvh { nodes, triangles })
     }
@@ -240,13 +244,14 @@ fn of_one() -> BvhBuildParams {
 
 /// A power of two that brings all coordinates of a chunk under 1.
 fn scale_of(chunk: &Chunk) -> f64 {
-    let of_vertices = chunk.vertices.par_iter().map(|v| v.position().abs().max_element()).reduce(|| 0.0, f64::max);
+    let of_vertices = parallel::reduce(&chunk.vertices, |v| Some(v.position().abs().max_element()), f64::max);
     let far = |t: &[u32; 4]| {
         let of_step = |step: u32| chunk.vertices[(t[0] * chunk.steps + step) as usize].position().abs().max_element();
         radius_of(*t).map_or(0.0, |radius| radius + (0..chunk.steps).map(of_step).fold(0.0, f64::max))
     };
-    let largest = chunk.triangles.par_iter().map(far).reduce(|| of_vertices, f64::max);
-    largest.max(f64::from(f32::MIN_POSITIVE)).log2().ceil().exp2().recip()
+    let of_spheres = parallel::reduce(&chunk.triangles, |t| Some(far(t)), f64::max);
+    let largest = of_vertices.into_iter().chain(of_spheres).fold(f64::from(f32::MIN_POSITIVE), f64::max);
+    largest.log2().ceil().exp2().recip()
 }
 
 /// A triangle or sphere at a time step, scaled.
@@ -342,7 +347,7 @@ fn triangles(scene: &Scene, anchor: DVec3, count: usize, scale: f32) -> Vec<Tria
         let [v0, v1, v2] = extremes(corners, mesh.radius(id as u32)).map(small);
         Triangle { v0, v1, v2 }
     };
-    mesh.triangles[..count].par_iter().enumerate().map(boxed).collect()
+    parallel::map(0..count, |id| boxed((id, &mesh.triangles[id])))
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@
 use super::fit::Fit;
 use super::tiles::{TileFits, TileRay, TileRays};
 use crate::gpu::layout::{self, BRANCH, RAYS_AFFINE, RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE};
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// All levels of nodes, tiles first; behind them those of cells.
 #[derive(Debug, Clone, Default)]
@@ -80,14 +80,14 @@ impl Nodes {
     /// at most 2 x 2 nodes.
     pub fn new(tiles: &[TileFits], (tiles_x, tiles_y): (u32, u32), measure: WidthMeasure) -> Nodes {
         let tile = |tile: &TileFits| measure.node_fit(tile.whole, tile.each.iter().map(|cell| measure.width(cell)));
-        let mut fits: Vec<NodeFit> = tiles.par_iter().map(tile).collect();
+        let mut fits: Vec<NodeFit> = parallel::map(tiles, tile);
         let mut nodes =
             Nodes { nodes: Vec::new(), levels: levels(tiles_x, tiles_y), exact: true, discontinuous: false };
         for (k, Level { width, height, .. }) in nodes.levels.iter().enumerate() {
             if k > 0 {
                 let below = nodes.levels[k - 1];
                 let at = |n: u32| parent(&fits, (below.width, below.height), n % width, n / width, measure);
-                fits = (0..width * height).into_par_iter().map(at).collect();
+                fits = parallel::map(0..width * height, at);
             }
             let all = || fits.iter().map(|s| s.fit);
             nodes.exact &= all().all(|f| f.rays == RAYS_AFFINE || f.rays == RAYS_NONE);

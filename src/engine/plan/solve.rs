@@ -8,8 +8,8 @@ use crate::camera::mesh::overlap::first_overlap;
 use crate::camera::pieces::{Piece, Pieces};
 use crate::camera::project::tree::{INNER, Tree};
 use crate::gpu::layout::{NONE, SolveImage, SolvePiece, SolvePoint};
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// The pieces of a layer.
 pub struct SolveTable {
@@ -60,9 +60,9 @@ impl SolveTable {
         let corners: Option<Vec<[DVec2; 3]>> = all.iter().map(|p| p.corners_px).collect();
         let is_alone = all.len() == 1 || corners.is_some_and(|corners| first_overlap(&corners).is_none());
         let flags = SOLVABLE | if is_alone { ALONE } else { 0 };
-        let packed = all.par_iter().map(|p| packed(p, size, &origin, flags).unwrap_or(bytemuck::Zeroable::zeroed()));
+        let packed = |p: &Piece| packed(p, size, &origin, flags).unwrap_or(bytemuck::Zeroable::zeroed());
         let t_range = camera.t_range.map(|t| t.clamp(-ENDLESS, ENDLESS) as f32);
-        SolveTable { pieces: packed.collect(), leaves: leaves(tree), t_range, origin }
+        SolveTable { pieces: parallel::map(all, packed), leaves: leaves(tree), t_range, origin }
     }
 
     /// A point about the anchor.

@@ -8,8 +8,8 @@ use super::slabs::Slabs;
 use crate::camera::TILE;
 use crate::camera::{Bundle, Camera, Curve, Field, Pieces, Rays};
 use crate::gpu::layout::{self, split2};
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// The tiles of one band.
 #[derive(Debug, Clone, Default)]
@@ -148,7 +148,7 @@ impl Tiler<'_> {
             let whole = nets[tile as usize].as_ref().map_or_else(Fit::default, |net| Fit::of(&over(net)));
             self.curved(*place, whole)
         };
-        let (owned, bounds): (Vec<TileCells>, Vec<TileFits>) = places.par_iter().map(bounded).unzip();
+        let (owned, bounds): (Vec<TileCells>, Vec<TileFits>) = parallel::map(&places, bounded).into_iter().unzip();
         let mut tiles = Tiles { tiles_x, tiles_y, slab_rows, start: vec![0], ..Default::default() };
         let mut node_of_cell = above_cells(tiles_x, tiles_y);
         let mut local = std::collections::HashMap::new();

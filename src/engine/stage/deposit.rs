@@ -6,9 +6,9 @@ use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
 use crate::gpu::kernels::parts::*;
 use crate::gpu::layout;
 use crate::input::{Error, Result};
+use crate::parallel;
 use crate::scene::caustics::beams::CausticTriangle;
 use crate::scene::caustics::{CausticMaps, Caustics, Map, mean};
-use rayon::prelude::*;
 use wgpu::BufferUsages;
 
 /// Caustic triangles onto the maps of receivers; no part of a frame.
@@ -68,7 +68,7 @@ impl CausticTriangles {
             layout::CausticTriangle { a, b, c, receiver: triangle.receiver, pad0: 0, flux, pad1: 0 }
         };
         Ok(CausticTriangles {
-            triangles: caustic_triangles.par_iter().map(packed).collect(),
+            triangles: parallel::map(caustic_triangles, packed),
             receivers: caustics.receivers.iter().zip(&firsts).map(receiver).collect(),
             texels: all as u32,
             unit,

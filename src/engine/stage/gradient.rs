@@ -10,9 +10,9 @@ use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
 use crate::gpu::kernels::parts::*;
 use crate::gpu::layout::{GradientParams, NONE};
 use crate::input::{Error, Result};
+use crate::parallel;
 use crate::scene::gradients::{Changes, HIT_NUMBERS, Seen, VERTEX_DIRECTIONS};
 use glam::DVec3;
-use rayon::prelude::*;
 use wgpu::BufferUsages;
 
 /// Of hits.
@@ -186,7 +186,7 @@ struct Shown {
 impl Shown {
     fn of(seen: &Seen, pixels: std::ops::Range<usize>) -> Shown {
         let mut ids: Vec<u32> = seen.ids[pixels.clone()].iter().copied().filter(|id| *id != NONE).collect();
-        ids.par_sort_unstable();
+        parallel::sort(&mut ids);
         ids.dedup();
         let slot = |k: usize| {
             let is_there = |numbers: std::ops::Range<usize>| seen.rays[k][numbers].iter().all(|n| n.is_finite());
@@ -194,7 +194,7 @@ impl Shown {
             // each is in the list
             [ids.binary_search(&seen.ids[k]).map_or(NONE, |slot| slot as u32), has]
         };
-        let slots = pixels.into_par_iter().map(slot).collect();
+        let slots = parallel::map(pixels, slot);
         let corners = ids.iter().map(|id| (seen.corners)(*id)).collect();
         Shown { ids, slots, corners }
     }
@@ -202,7 +202,7 @@ impl Shown {
 
 /// With 0 for what is not there: kernels do not tell NaN from numbers.
 fn finite(rays: &[PixelRay]) -> Vec<PixelRay> {
-    rays.par_iter().map(|ray| ray.map(|n| if n.is_finite() { n } else { 0.0 })).collect()
+    parallel::map(rays, |ray| ray.map(|n| if n.is_finite() { n } else { 0.0 }))
 }
 
 /// NaN for changes of pixels whose ray has no derivative.

@@ -12,8 +12,8 @@ use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
 use crate::gpu::kernels::parts::*;
 use crate::gpu::layout::Chunk;
 use crate::input::Result;
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 use wgpu::BufferUsages;
 
 /// Points against the beams of a camera; no part of a frame.
@@ -106,7 +106,7 @@ impl<'g> Sift<'g> {
         let mut layers = Vec::new();
         for Layer { beams, tables, slots } in &self.layers {
             let mut chunk = Buffers::default();
-            let packed: Vec<[f32; 4]> = points.par_iter().map(|p| beams.point(*p)).collect();
+            let packed: Vec<[f32; 4]> = parallel::map(points, |p| beams.point(*p));
             chunk.upload(gpu, "points", &packed)?;
             chunk.create(gpu, "found", list_bytes(points.len(), *slots), BufferUsages::empty())?;
             let uniform = Chunk {
@@ -182,7 +182,7 @@ impl Sifted {
     pub(super) fn keep(&mut self, layer: usize, holds: impl Fn(usize) -> bool + Sync) {
         let (slots, words) = &mut self.layers[layer];
         let slots = *slots as usize;
-        words.par_chunks_mut(slots + 1).enumerate().for_each(|(point, list)| {
+        parallel::for_each(words.chunks_mut(slots + 1).enumerate(), |(point, list)| {
             let count = list[0] as usize;
             if count > slots {
                 return;

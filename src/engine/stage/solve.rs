@@ -14,8 +14,8 @@ use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
 use crate::gpu::kernels::parts::*;
 use crate::gpu::layout::{NONE, SolveImage, SolveParams, SolvePoint};
 use crate::input::Result;
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use wgpu::BufferUsages;
 
 pub(super) const LAYOUT: Parts = snippets!("project/layout.wgsl");
@@ -186,7 +186,7 @@ impl<'g> Solve<'g> {
         let gpu = self.gpu;
         let Some(Layer { table, pipeline, tables }) = &self.layers[layer] else { return Ok(None) };
         let mut chunk = Buffers::default();
-        let packed: Vec<_> = points.par_iter().map(|p| table.point(*p)).collect();
+        let packed: Vec<_> = parallel::map(points, |p| table.point(*p));
         let [t_min, t_max] = table.t_range();
         chunk.upload(gpu, "points", &packed)?;
         let count = points.len() as u64;
@@ -242,7 +242,9 @@ impl<'g> Solve<'g> {
             let all: &[SolveImage] = bytemuck::cast_slice(&words);
             let mut images: Vec<SolveImage> =
                 all[..count.min(all.len())].iter().filter(|i| i.point < points as u32).copied().collect();
-            images.par_sort_unstable_by(|a, b| (a.point, a.piece).cmp(&(b.point, b.piece)).then(a.t.total_cmp(&b.t)));
+            parallel::sort_by(&mut images, |a, b| {
+                (a.point, a.piece).cmp(&(b.point, b.piece)).then(a.t.total_cmp(&b.t))
+            });
             // of curves the host's search in a leaf without images may end in an image of the next one, with last bits of its own
             if matches!(&self.layers[layer], Some(Layer { table: Table::Pieces(_), .. })) {
                 sifted.keep(layer, |slot| status[slot] != 0);

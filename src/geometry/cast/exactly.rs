@@ -14,8 +14,8 @@ use crate::geometry::bvh::{Bvh, LEAF, NONE};
 use crate::geometry::exact::Exact;
 use crate::geometry::interleave::{KEY_BITS, interleaved};
 use crate::geometry::mesh::Mesh;
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::sync::Arc;
 
@@ -44,10 +44,10 @@ impl ExactCaster {
     /// Indexes the mesh: finite positions, indices in range. A triangle without area is never met.
     pub fn new(mesh: Arc<Mesh>) -> ExactCaster {
         let exact_sizes = if mesh.has_spheres() { EXACT_SIZES_OF_SPHERES } else { EXACT_SIZES };
-        let is_exact = mesh.positions.par_iter().all(|p| are_within(&exact_sizes, &p.to_array()))
+        let is_exact = !parallel::any(&mesh.positions, |p| !are_within(&exact_sizes, &p.to_array()))
             && are_within(&exact_sizes, &mesh.radii);
         let bvh = hierarchy(&mesh);
-        let leaves = (0..bvh.leaf_count()).into_par_iter().map(|k| Leaf::new(&mesh, bvh.leaf(k))).collect();
+        let leaves = parallel::map(0..bvh.leaf_count(), |k| Leaf::new(&mesh, bvh.leaf(k)));
         ExactCaster { bvh, leaves, is_exact, exact_sizes, mesh }
     }
 
@@ -88,12 +88,11 @@ impl ExactCaster {
     pub fn each<T: Send>(&self, rays: &[Ray], find: impl Fn(&Ray) -> T + Sync) -> Vec<T> {
         let is_sorted = rays.len() >= SORTED_RAYS && self.mesh.triangles.len() >= SORTED_TRIANGLES;
         let Some(bounds) = is_sorted.then(|| self.mesh.bounds()).flatten() else {
-            return rays.par_iter().map(&find).collect();
+            return parallel::map(rays, find);
         };
-        let mut order: Vec<(u64, u32)> =
-            rays.par_iter().zip(0..rays.len() as u32).map(|(ray, k)| (key(ray, bounds), k)).collect();
-        order.par_sort_unstable();
-        let found: Vec<T> = order.par_iter().map(|(_, k)| find(&rays[*k as usize])).collect();
+        let mut order: Vec<(u64, u32)> = parallel::map(0..rays.len() as u32, |k| (key(&rays[k as usize], bounds), k));
+        parallel::sort(&mut order);
+        let found: Vec<T> = parallel::map(&order, |(_, k)| find(&rays[*k as usize]));
         let mut all: Vec<Option<T>> = rays.iter().map(|_| None).collect();
         order.iter().zip(found).for_each(|((_, k), found)| all[*k as usize] = Some(found));
         all.into_iter().flatten().collect()

@@ -1,10 +1,10 @@
 //! Triangles at random, for tests and the worst cases of timings.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::random::Random;
 use crate::geometry::mesh::{Material, Mesh};
+use crate::parallel;
 
 const COLOURS: [(&str, [f32; 3]); 4] =
     [("red", [0.75, 0.25, 0.2]), ("yellow", [0.8, 0.65, 0.25]), ("green", [0.3, 0.6, 0.3]), ("blue", [0.25, 0.4, 0.7])];
@@ -22,7 +22,7 @@ pub fn soup(seed: u64, triangles: u64) -> Mesh {
         (corners, random.below(COLOURS.len() as u64) as u32)
     };
     let (corners, material_of): (Vec<[DVec3; 3]>, Vec<u32>) =
-        (0..triangles).into_par_iter().map(corners_and_colour).unzip();
+        parallel::map(0..triangles, corners_and_colour).into_iter().unzip();
     Mesh {
         positions: corners.into_flattened(),
         triangles: (0..triangles as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),

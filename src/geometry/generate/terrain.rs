@@ -1,11 +1,11 @@
 //! Hills: fractal noise over a square.
 
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
 use super::plane::{grid_triangles, grid_uvs};
 use super::random::Random;
 use crate::geometry::mesh::{Material, Mesh};
+use crate::parallel;
 
 /// Edge of the square, in scene units.
 const EXTENT: f64 = 100.0;
@@ -36,14 +36,14 @@ pub fn terrain(seed: u64, size: u32) -> Mesh {
         DVec3::new(EXTENT * (place(column) - 0.5), height(column, row), EXTENT * (place(row) - 0.5))
     };
     let vertices = u64::from(side) * u64::from(side);
-    let positions: Vec<DVec3> = (0..vertices).into_par_iter().map(vertex).collect();
-    let normals = (0..vertices).into_par_iter().map(|k| normal(&positions, side as usize, k as usize)).collect();
+    let positions: Vec<DVec3> = parallel::map(0..vertices, vertex);
+    let normals = parallel::map(0..vertices, |k| normal(&positions, side as usize, k as usize));
     let triangles = grid_triangles(size);
     Mesh {
         corner_normals: triangles.clone(),
         uvs: grid_uvs(size),
         corner_uvs: triangles.clone(),
-        material_of: triangles.par_iter().map(|t| material(t.map(|i| positions[i as usize]))).collect(),
+        material_of: parallel::map(&triangles, |t| material(t.map(|i| positions[i as usize]))),
         materials: MATERIALS
             .iter()
             .map(|&(name, diffuse)| Material { name: name.into(), diffuse, ..Material::default() })

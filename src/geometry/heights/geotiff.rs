@@ -1,8 +1,8 @@
 //! TIFFs with one band. Tags of GeoTIFF (OGC 19-008r4) and GDAL are used if present.
 
 use super::{Georeference, Grid, check_sides};
+use crate::parallel;
 use glam::DVec2;
-use rayon::prelude::*;
 use std::io::Cursor;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
@@ -35,10 +35,12 @@ pub fn read(bytes: &[u8]) -> Result<Grid, String> {
     let image = tiff.read_image().map_err(wrong)?;
     // some programs write too few digits for an f32, as in -3.40282346638529e+38
     let no_data = no_data.map(|h| if matches!(image, DecodingResult::F32(_)) { f64::from(h as f32) } else { h });
-    let samples: Vec<f64> = numbers(image)
-        .into_par_iter()
-        .map(|h| if Some(h) == no_data || !h.is_finite() { f64::NAN } else { h })
-        .collect();
+    let mut samples = numbers(image);
+    parallel::for_each_mut(&mut samples, |_, h| {
+        if Some(*h) == no_data || !h.is_finite() {
+            *h = f64::NAN;
+        }
+    });
     let (columns, rows) = (columns as usize, rows as usize);
     if samples.len() != columns * rows {
         return Err(format!("is no height image: it has {} numbers for {columns} x {rows} heights", samples.len()));
@@ -52,7 +54,7 @@ fn wrong(e: TiffError) -> String {
 
 fn numbers(image: DecodingResult) -> Vec<f64> {
     fn of<T: Into<f64> + Copy + Send + Sync>(list: Vec<T>) -> Vec<f64> {
-        list.into_par_iter().map(Into::into).collect()
+        parallel::map(&list, |h| (*h).into())
     }
     match image {
         DecodingResult::U8(list) => of(list),

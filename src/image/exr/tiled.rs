@@ -10,12 +10,12 @@ use ::exr::meta::BlockDescription;
 use ::exr::meta::attribute::{ChannelDescription, ChannelList, LevelMode, LineOrder, SampleType, TileDescription};
 use ::exr::meta::header::Header;
 use ::exr::prelude::{Compression, Text, Vec2};
-use rayon::prelude::*;
 
 use super::{Attributes, layer_attributes, of_file, sort_attributes};
 use crate::image::file::whole::write_whole;
 use crate::image::frame::{Channel, Frame, Plane};
 use crate::input::{Error, Result};
+use crate::parallel;
 
 /// Tile size, pixels; the rows of every strip but the last are a multiple of it.
 pub const TILE: u32 = 64;
@@ -58,13 +58,10 @@ pub fn write_exr_tiled(
                 while let Some(block) = blocks.next_if(|(_, block)| block.pixel_position.y() < end) {
                     own.push(block);
                 }
-                let compressed: Vec<_> = own
-                    .into_par_iter()
-                    .map(|(k, index)| {
-                        let block = block(&strip, &sorted, &meta.headers[0].channels, index, top as usize);
-                        Ok((k, block.compress_to_chunk(&meta.headers)?))
-                    })
-                    .collect::<::exr::error::Result<_>>()?;
+                let compressed = parallel::try_map(&own, |&(k, index)| {
+                    let block = block(&strip, &sorted, &meta.headers[0].channels, index, top as usize);
+                    Ok::<_, ::exr::error::Error>((k, block.compress_to_chunk(&meta.headers)?))
+                })?;
                 for (k, chunk) in compressed {
                     chunks.write_chunk(k, chunk)?;
                 }

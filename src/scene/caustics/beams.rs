@@ -5,8 +5,8 @@ use super::{Caustics, FluxBudget, Method, mean};
 use crate::geometry::mesh::Mesh;
 use crate::image::frame::{Channel, Frame, NO_ID};
 use crate::input::{Error, Result};
+use crate::parallel;
 use glam::DVec2;
-use rayon::prelude::*;
 
 /// What the photon-location map is made of.
 pub const CHANNELS: [Channel; 6] =
@@ -70,7 +70,7 @@ impl Caustics {
             let left = if left.iter().all(|l| l.is_finite()) { left } else { [0.0; 3] };
             Photon { fate, left }
         };
-        Ok((0..ids.len()).into_par_iter().map(photon).collect())
+        Ok(parallel::map(0..ids.len(), photon))
     }
 
     /// The caustic triangles of all beams, and a budget without what the receivers' maps alone know: `deposited`, and the

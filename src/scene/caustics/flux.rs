@@ -3,8 +3,8 @@
 use super::Caustics;
 use super::beams::CausticTriangle;
 use crate::camera::Ray;
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 
 impl Caustics {
     /// Photons of each beam: two a cell of the grid, cell by cell.
@@ -19,7 +19,7 @@ impl Caustics {
     /// Flux of each beam: its share of the light's image, by solid angle from a point, by area across a sun's rays.
     pub fn beam_flux(&self) -> Vec<f64> {
         let (beams, is_sun): (Vec<[usize; 3]>, bool) = (self.beams().collect(), self.is_sun());
-        let sizes: Vec<f64> = beams.into_par_iter().map(|corners| self.size(corners, is_sun)).collect();
+        let sizes: Vec<f64> = parallel::map(&beams, |corners| self.size(*corners, is_sun));
         let all: f64 = sizes.iter().sum();
         sizes.into_iter().map(|size| size / all * self.flux).collect()
     }

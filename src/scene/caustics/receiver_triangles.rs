@@ -4,8 +4,8 @@ use super::Receiver;
 use crate::geometry::mesh::Mesh;
 use crate::image::frame::NO_ID;
 use crate::input::{Error, Result};
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// A triangle in the plane of a receiver; it need not be within its border.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +46,7 @@ impl ReceiverTriangles {
             Some(ReceiverTriangle { receiver: receiver as u32, corners, diffuse })
         };
         let each: Vec<Option<ReceiverTriangle>> =
-            mesh.triangles.par_iter().enumerate().map(receiver_triangle).collect();
+            parallel::map(0..mesh.triangles.len(), |id| receiver_triangle((id, &mesh.triangles[id])));
         let mut receiver_triangles = ReceiverTriangles::default();
         for receiver_triangle in each {
             let index = receiver_triangle.map_or(NO_ID, |_| receiver_triangles.triangles.len() as u32);

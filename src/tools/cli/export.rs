@@ -5,9 +5,9 @@ use crate::camera::spec::CameraSpec;
 use crate::camera::{Bundle, Camera, Pieces, Rays, mesh};
 use crate::image::{write_npy_f64, write_text};
 use crate::input::{Error, Limits, Result};
+use crate::parallel;
 use crate::reference::{Path, Reference, Segment};
 use glam::DVec2;
-use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::HashMap;
 use std::path::Path as FilePath;
@@ -169,7 +169,7 @@ pub fn write_rays(path: &FilePath, camera: &Camera) -> Result<()> {
     let mut numbers = vec![f64::NAN; each * width * camera.height as usize];
     let alone = camera.optics.as_ref().and_then(|o| o.facets().map(|f| f.mesh(o.base))).unwrap_or_default();
     let reference = Reference::build(&alone);
-    numbers.par_chunks_mut(each * width).enumerate().for_each(|(j, row)| {
+    parallel::for_each(numbers.chunks_mut(each * width).enumerate(), |(j, row)| {
         for (i, pixel) in row.chunks_exact_mut(each).enumerate() {
             if let Some(optics) = &camera.optics {
                 let path = reference.outcome(optics, Path::of_pixel(camera, i as u32, j as u32)).path;

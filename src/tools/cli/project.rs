@@ -16,8 +16,8 @@ use crate::input::{Error, Loading, Result};
 use crate::jobs::outputs;
 use crate::jobs::project::each_solved;
 use crate::jobs::{EngineName, load_shape};
+use crate::parallel;
 use glam::DVec3;
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// Points per chunk: projected in parallel before their lines are printed.
@@ -106,7 +106,7 @@ impl DeviceArgs {
 /// A line for each point, by its number in the chunk.
 fn lines(chunk: &[DVec3], images: impl Fn(usize, DVec3) -> Images + Sync) -> Result<String> {
     let line = |(k, point): (usize, &DVec3)| line(*point, images(k, *point));
-    Ok(chunk.par_iter().enumerate().map(line).collect::<Result<Vec<String>>>()?.concat())
+    Ok(parallel::try_map(0..chunk.len(), |k| line((k, &chunk[k])))?.concat())
 }
 
 fn line(point: DVec3, images: Images) -> Result<String> {

@@ -3,8 +3,8 @@
 use crate::camera::bundle::Ray;
 use crate::camera::{Camera, Rays};
 use crate::input::{Error, Result};
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// How far from the camera's own ray a patch may find a point, px of the picture: between black and white in neighbouring pixels that
@@ -194,8 +194,7 @@ impl Search<'_> {
             _ => {
                 let half = 0.5 * side;
                 let corners = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
-                let four: Vec<Square> =
-                    corners.par_iter().map(|corner| self.square(lo + half * *corner, half)).collect();
+                let four: Vec<Square> = parallel::map(&corners[..], |corner| self.square(lo + half * *corner, half));
                 if four.iter().all(|s| matches!(s, Square::Empty)) { Square::Empty } else { Square::Four(four) }
             }
         }

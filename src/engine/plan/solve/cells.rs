@@ -7,8 +7,8 @@ use crate::camera::project::curved::{SPANS, span, tiles};
 use crate::camera::project::tree::Tree;
 use crate::camera::{Camera, TILE};
 use crate::gpu::layout::{SolveCell, SolveImage, SolvePoint};
+use crate::parallel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// The cells of a layer.
 pub struct CellTable {
@@ -49,15 +49,14 @@ impl CellTable {
         let tiles = tiles(curves);
         // no other range is cut into these spans
         let is_whole = camera.t_range == [0.0, 1.0];
-        let all: Vec<Option<Tile>> =
-            (0..tiles.x * tiles.y).into_par_iter().map(|k| Tile::new(curves, k).filter(|_| is_whole)).collect();
+        let all: Vec<Option<Tile>> = parallel::map(0..tiles.x * tiles.y, |k| Tile::new(curves, k).filter(|_| is_whole));
         let longest = all.iter().flatten().map(Tile::length).fold(0.0, f64::max);
         let origin = Origin::new(tree.anchor, longest);
         let cell = |k: u32| {
             let tile = all[(k / SPANS) as usize].as_ref();
             tile.and_then(|tile| tile.cell(k % SPANS, &origin)).unwrap_or(bytemuck::Zeroable::zeroed())
         };
-        let cells = (0..tiles.x * tiles.y * SPANS).into_par_iter().map(cell).collect();
+        let cells = parallel::map(0..tiles.x * tiles.y * SPANS, cell);
         CellTable { cells, leaves: leaves(tree), origin }
     }
 
