@@ -1,6 +1,7 @@
-# What a person types: make demo, make gallery, make camera-pages, make pages, make docs, make wheel, make package, make test, make test-python, make check, make test-adapters, make agreement, make reproduce-quick.
+# What a person types: make demo, make gallery, make camera-pages, make pages, make docs, make wheel, make package, make test, make test-all, make test-long, make test-python,
+# make check, make test-adapters, make agreement, make reproduce-quick.
 
-.PHONY: docs package demo gallery camera-pages pages agreement reproduce-quick wheel test test-python test-adapters check rust driver venv
+.PHONY: docs package demo gallery camera-pages pages agreement reproduce-quick wheel test test-all test-long test-python test-adapters check rust driver venv
 
 BUILD := $(or $(CARGO_TARGET_DIR),target)
 RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
@@ -23,6 +24,10 @@ export PYO3_BUILD_EXTENSION_MODULE := 1
 LONG_TESTS := frames kernels
 ALL_TESTS := $(basename $(notdir $(wildcard tests/*.rs lab/tests/*.rs))) $(patsubst tests/%/main.rs,%,$(wildcard tests/*/main.rs))
 OTHER_TESTS := $(filter-out $(LONG_TESTS),$(ALL_TESTS))
+# Runs the tests, the longest programs beside the others; with an argument for the programs.
+beside = $(CARGO_TEST) $(addprefix --test ,$(LONG_TESTS)) $(1) >$(BUILD)/long-tests.txt 2>&1 & long=$$!; \
+	$(CARGO_TEST) --lib --bins $(addprefix --test ,$(OTHER_TESTS)) $(1); others=$$?; \
+	wait $$long; long=$$?; cat $(BUILD)/long-tests.txt; [ $$others = 0 ] && [ $$long = 0 ]
 # Installs packages, by sudo where that asks for no password.
 install = as=; [ "$$(id -u)" = 0 ] || as="sudo -n"; command -v apt-get >/dev/null && $$as true 2>/dev/null && \
 	$$as apt-get update -qq && $$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $(1) >/dev/null
@@ -81,13 +86,22 @@ package: rust venv wheel
 	@$(BUILD)/deny/bin/cargo-deny --locked --all-features check licenses bans sources
 	@ls -l $(BUILD)/package/*.crate $(BUILD)/wheels/*.whl
 
-# All tests; installs a software Vulkan driver first where there is none and apt-get may. The longest programs run beside the others, since
-# tests of one program wait for one another's engine; what they print comes last. Examples are compiled by clippy in .ci/run.
+# The tests of every change; installs a software Vulkan driver first where there is none and apt-get may. The longest programs run beside the
+# others, since tests of one program wait for one another's engine; what they print comes last. Examples are compiled by clippy in .ci/run.
 test: rust driver venv
 	$(CARGO_TEST) --lib --bins --tests --no-run
-	@$(CARGO_TEST) $(addprefix --test ,$(LONG_TESTS)) >$(BUILD)/long-tests.txt 2>&1 & long=$$!; \
-	$(CARGO_TEST) --lib --bins $(addprefix --test ,$(OTHER_TESTS)) && $(CARGO_TEST) --doc && $(MAKE) test-python; others=$$?; \
-	wait $$long; long=$$?; cat $(BUILD)/long-tests.txt; [ $$others = 0 ] && [ $$long = 0 ]
+	@$(call beside,) && $(CARGO_TEST) --doc && $(MAKE) test-python
+
+# The slow tests, which `make test` leaves out: those that are marked #[ignore = "slow: make test-all"].
+test-all: rust driver
+	$(CARGO_TEST) --lib --bins --tests --no-run
+	@$(call beside,-- --ignored)
+
+# The tests on random input, with ten to forty times as much of it as in the other two: over an hour. docs/testing.md has the last run.
+test-long: rust driver
+	SEEDS=120 ANAMORPH_POLYNOMIALS=600000 $(CARGO_TEST) --test kernels -- --include-ignored
+	ANAMORPH_FUZZ=20000 $(CARGO_TEST) --test fuzz --test mutated -- --include-ignored
+	ANAMORPH_VIEW_EVENTS=3000 $(CARGO_TEST) --test view random_input
 
 # Tests of the Python package, with the native module that the other tests are built with.
 test-python: rust driver venv

@@ -14,6 +14,7 @@ const WIDTH: u32 = 80;
 const LEAST_SHARE: f64 = 0.33;
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn every_picture_of_the_gallery_is_right_and_not_empty() {
     let folder = tempfile::tempdir().unwrap();
     for example in gallery() {

@@ -244,6 +244,7 @@ fn run_all(cases: usize, case: impl Fn(usize) -> (usize, Vec<u8>) + Sync) {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn cases_that_once_failed_pass() {
     let all: Vec<(usize, Vec<u8>)> =
         (0..TARGETS.len()).flat_map(|n| corpus(TARGETS[n].corpus).into_iter().map(move |data| (n, data))).collect();

@@ -335,6 +335,7 @@ fn compared(name: &str, engine: &mut Engine, (scene, camera): (&Scene, &Camera),
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn every_camera_shows_pictures_of_every_other_one_as_the_reference_does() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let bare = Scene { lights: vec![Light::distant(DVec3::new(-0.6, -1.0, -0.4))], ..scene_of(THINGS) };
@@ -402,6 +403,7 @@ fn minified_pictures_are_filtered() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn samples_of_a_pixel_see_pictures_too() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = with(&scene_of(THINGS), vec![thrown(&throwers()[0], &smooth((96, 64)), Throw::default())]);

@@ -182,6 +182,7 @@ fn decibels(
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn sixteen_samples_come_near_the_box_filter() {
     let scene = ball();
     let Some(mut engine) = engine_on(|_| {}) else { return };
@@ -197,6 +198,7 @@ fn sixteen_samples_come_near_the_box_filter() {
 
 /// What no sample sees has no area: that of small triangles goes to what lies behind, unless samples are many.
 #[test]
+#[ignore = "slow: make test-all"]
 fn areas_of_large_triangles_come_nearer_than_as_many_samples_counted() {
     let scene = scene(soup(&mut Rng(11), 8, 1.5));
     let Some(mut engine) = engine_on(|_| {}) else { return };
@@ -276,6 +278,7 @@ depth = 1"#,
 ];
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn sixteen_frames_come_as_near_where_each_sample_takes_one() {
     let scene = ball();
     let Some(mut engine) = engine_on(|_| {}) else { return };
@@ -324,6 +327,7 @@ fn a_pixel_without_an_edge_pays_one_sample() {
 const SUM_ERROR: f64 = 4.0 * 3.0 / 16_777_216.0;
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn lists_grow_and_bands_and_chunks_join_to_the_same_samples() {
     // their rows take more than a small binding holds
     let scene = scene(soup(&mut Rng(5), 3000, 0.2));

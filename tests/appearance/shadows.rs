@@ -133,6 +133,7 @@ fn lights_and_their_shadows_are_the_reference_s() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn what_is_near_hides_light_from_around_as_in_the_reference() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let of = |rays: u32| scene(Vec::new(), Some(AmbientOcclusion { rays, reach: 0.8 }));
@@ -205,6 +206,7 @@ fn nothing_hides_the_light_of_no_triangles() {
 
 /// Shadows are found at the samples' own places.
 #[test]
+#[ignore = "slow: make test-all"]
 fn samples_are_lit_where_they_are() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = scene(vec![sun()], None);

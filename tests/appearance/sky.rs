@@ -131,6 +131,7 @@ fn balls() -> Scene {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn surfaces_send_back_what_comes_from_around() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = balls();

@@ -77,16 +77,19 @@ fn rendered(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32) -
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn a_checker_is_the_mean_of_what_pixels_cover() {
     assert_is_filtered(PatternKind::Checker, 0.5);
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn stone_is_the_mean_of_what_pixels_cover() {
     assert_is_filtered(PatternKind::Stone, 0.5);
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn wood_is_the_mean_of_what_pixels_cover() {
     assert_is_filtered(PatternKind::Wood, 0.15);
 }
@@ -190,6 +193,7 @@ fn line(width: f64) -> Line {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn wires_are_as_wide_in_pixels_as_they_shall_be() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let (plain, mut kinds) = (ball(Style::default()), 0);
@@ -287,6 +291,7 @@ fn is_ink(s: f64, slope: f64, spacing: f64, ink: f64) -> bool {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn strokes_are_as_dense_as_surfaces_are_dark() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     const SPACING: f64 = 5.0;

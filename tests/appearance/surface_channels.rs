@@ -225,6 +225,7 @@ const WEIGHTS_ERROR: f64 = 8.0 / 16_777_216.0;
 
 /// A triangle whose corners have one colour looks as if its material had it: with samples, in the light, and with an alpha mask.
 #[test]
+#[ignore = "slow: make test-all"]
 fn three_corners_of_one_colour_are_a_plain_triangle() {
     for text in cameras() {
         let text =

@@ -314,6 +314,7 @@ fn errors_near_and_far_from_the_horizon(engine: &mut Engine, ball: &Scene, keys:
 ///   ends move by as much, on an arc of at least 1 / sqrt(R) with R px the ball's radius, 40 at most here. Again weights are twice the
 ///   mean.
 #[test]
+#[ignore = "slow: make test-all"]
 fn images_on_curved_surfaces_are_filtered_up_to_the_horizon() {
     const COLUMNS: u32 = 512;
     let taps = 1.0 / 16.0 / 12f64.sqrt();
@@ -408,6 +409,7 @@ fn many_images_of_all_sizes_lie_beside_each_other() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn frames_that_make_a_picture_together_are_filtered_less() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = floor(6.0, -1.0, 1.0, zone_plate());
@@ -509,6 +511,7 @@ fn masked_shapes() -> Scene {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn holes_are_seen_through_by_every_kind_of_rays() {
     let scene = masked_shapes();
     let mut solid = scene.clone();

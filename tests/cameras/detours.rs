@@ -100,6 +100,7 @@ fn regions() -> Vec<Case> {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn frames_of_detours_and_of_regions_that_overlap_are_right() {
     for Case { name, keys, is_layered, left_out } in tracks().into_iter().chain(regions()) {
         let scene = scene_of(CITY, SIZE, &keys).unwrap();

@@ -74,6 +74,7 @@ fn assert_culling_loses_nothing(lanes: bool) {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn incoherent_rays_see_what_the_reference_does() {
     let mesh = things(3);
     let camera = camera(&rays(&mesh, 48 * 40, &mut Rng(9)), (48, 40), FORWARD);

@@ -178,6 +178,7 @@ fn only_rays_change_while_a_frame_is_taken() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn every_other_camera_sees_what_moves_at_the_time_of_each_pixel() {
     share(0);
 }

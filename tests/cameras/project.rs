@@ -313,6 +313,7 @@ impl CurveMap for Noise {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn no_search_goes_on_forever() {
     let camera = curved(Noise, SIZE);
     let all = Projector::new(&camera).project(DVec3::ZERO);

@@ -198,6 +198,7 @@ fn share(first: usize) {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn every_other_named_camera() {
     share(0);
 }

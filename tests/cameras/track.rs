@@ -392,6 +392,7 @@ const PASSED: f64 = 8.0;
 const APPEARING: f64 = 7.0;
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn rays_move_little_while_targets_approach_pass_and_part() {
     let pass = |z: [f64; 4]| {
         move |s: f64| {
@@ -426,6 +427,7 @@ fn most_pieces(camera: &Camera) -> usize {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn segments_bound_the_pieces_of_a_picture_without_seams() {
     let (near, far) = ("{ at = [-4, 0.5, 0], radius = 0.3 }", "{ at = [2.5, 0.8, -2], radius = 0.3 }");
     let beside = "{ at = [-3.2, 0.6, -1], radius = 0.3 }";

@@ -200,6 +200,7 @@ fn jumps() -> Vec<(Case, usize)> {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn from_one_detour_to_another_rays_do_not_jump() {
     let failed: Vec<&str> =
         jumps().into_iter().filter(|(case, hidden)| !case.is_smooth(*hidden)).map(|(case, _)| case.name).collect();
@@ -208,6 +209,7 @@ fn from_one_detour_to_another_rays_do_not_jump() {
 
 /// Another shape of the image, and `segments`, in which groups of targets neither meet nor part: one target, and two far apart.
 #[test]
+#[ignore = "slow: make test-all"]
 fn rays_do_not_jump_in_other_images_and_in_segments_either() {
     let x = between(-3.4, -3.0);
     let apart = Case::new("two far apart", GATE, move |s| vec![row(x(s) - 3.4, -3.0), row(x(s) + 9.0, -3.0)]);
@@ -265,6 +267,7 @@ impl Case {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn images_of_fixed_points_move_no_faster_than_the_rays() {
     // the frames in which the rays would jump
     let mut cases = jumps().into_iter().map(|(case, _)| case);

@@ -174,6 +174,7 @@ fn clear(place: &Place) {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn frames_that_overlap_are_those_of_render() {
     let place = Place::new();
     if !place.has_adapter() {
@@ -375,6 +376,7 @@ fn every_image_of_a_colmap_model_is_rendered() {
 
 /// Kills the program at moments spread over its run, goes on, and ends with the files of a run that nobody disturbed.
 #[test]
+#[ignore = "slow: make test-all"]
 fn what_is_killed_goes_on_and_ends_with_the_same_files() {
     let place = Place::new();
     if !place.has_adapter() {

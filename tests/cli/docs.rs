@@ -174,6 +174,7 @@ fn to_run(language: &str) -> Vec<(PathBuf, Vec<Block>)> {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn commands_run() {
     let program = Path::new(env!("CARGO_BIN_EXE_anamorph"));
     let known = std::env::var_os("PATH").unwrap();

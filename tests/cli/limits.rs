@@ -122,6 +122,7 @@ fn control_points_are_bounded_as_scenes_are() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn cameras_of_many_pieces_are_not_built_in_quadratic_time() {
     let place = Place::new();
     let fan = |n: usize| {

@@ -50,6 +50,7 @@ fn progress_of(place: &Place, args: &[&str]) -> String {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn long_work_prints_progress_lines_without_a_terminal() {
     let place = Place::new();
     let line =

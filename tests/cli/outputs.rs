@@ -209,6 +209,7 @@ fn waits(mut child: std::process::Child, most: Duration) -> Option<std::process:
 
 #[cfg(unix)]
 #[test]
+#[ignore = "slow: make test-all"]
 fn devices_and_pipes_are_written_to() {
     let place = Place::new();
     let render = ["render", "scene.toml", "--engine", "reference", "--size", "8x6"];

@@ -18,6 +18,7 @@ fn at_width(place: &Place, bits: &str, args: &[&str]) -> String {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn pictures_are_the_same_at_every_width_of_subgroups() {
     let place = Place::new();
     if !place.has_adapter() {

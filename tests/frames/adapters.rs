@@ -76,6 +76,7 @@ fn differs_where_safe(number: u64, a: &Frame, b: &Frame) -> bool {
 
 /// Raster goes pair by pair or tile by tile.
 #[test]
+#[ignore = "slow: make test-all"]
 fn frames_are_the_same_by_tile_and_by_pair() {
     let (Some(mut by_tile), Some(mut by_pair)) =
         (engine_on(|gpu| gpu.has.by_pair = false), engine_on(|gpu| gpu.has.lanes = false))
@@ -99,6 +100,7 @@ fn unchecked(gpu: &Gpu) -> wgpu::ShaderRuntimeChecks {
 
 /// With and without 64-bit atomics, f64, subgroups as wide as a tile, and the checks that wgpu adds to kernels.
 #[test]
+#[ignore = "slow: make test-all"]
 fn frames_are_the_same_whatever_the_adapter_has() {
     let less: [(&str, Less); 9] = [
         // lanes may be a part of a subgroup, though here they are all of it

@@ -70,6 +70,7 @@ fn check(engine: &mut Engine, what: &str) {
 type Less = fn(&mut Gpu);
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn frames_look_through_another_camera_in_every_arithmetic() {
     let less: [(&str, Less); 3] = [
         ("all", |_| {}),

@@ -87,6 +87,7 @@ fn most_of_an_ordinary_picture_is_proven_and_nothing_proven_is_wrong() {
 
 /// Kernels with f64 in words take a software adapter long to compile: one of them.
 #[test]
+#[ignore = "slow: make test-all"]
 fn most_is_proven_without_f64_too() {
     let (name, camera) = cameras().into_iter().find(|(name, _)| name == "pinhole").unwrap();
     assert_most_is_proven_and_right(&name, &camera, Without::F64);
@@ -164,6 +165,7 @@ fn a_planted_error_is_wrong() {
 
 /// Lists that grow, small bindings that split the image and the scene, and jobs one after the other: one map.
 #[test]
+#[ignore = "slow: make test-all"]
 fn the_map_is_the_same_however_the_frame_is_split() {
     let scene = scene(soup(&mut Rng(9), 3000, 0.1));
     let Some(mut in_bands) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 16) else { return };

@@ -154,6 +154,7 @@ fn counting_and_fewer_channels_change_no_value() {
 const SMALL_BINDING: u64 = 1 << 16;
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
     // large triangles: of the pairs of a chunk in a band, some 2,000 to 5,000, a list holds 8,192
     let scene = scene(soup(&mut Rng(4), 4000, 8.0));

@@ -156,6 +156,7 @@ fn samples_blur_what_moves() {
 
 /// Each vertex of random scenes goes somewhere, and comes from somewhere.
 #[test]
+#[ignore = "slow: make test-all"]
 fn random_scenes_that_move_have_the_reference_s_triangles() {
     for number in 0..80 {
         let (scene, camera) = any_moving(&mut Rng(9_000 + number), (32, 32));
@@ -167,6 +168,7 @@ fn random_scenes_that_move_have_the_reference_s_triangles() {
 
 /// Colours and normals too, with shadows and smooth normals, by all arithmetic.
 #[test]
+#[ignore = "slow: make test-all"]
 fn what_moves_is_lit_where_it_is() {
     let text = "image = { width = 64, height = 48, shutter = 0.5 }\n[[light]]\ndirection = [-1, -2, -1]\nshadows = true\n\
         [[mesh]]\nbuiltin = \"plane\"\nsize = 8\n\

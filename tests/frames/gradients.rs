@@ -409,6 +409,7 @@ fn the_kernels_agree_with_the_reference() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn the_kernels_agree_with_the_reference_without_f64() {
     kernels_agree(false, &CASES[..2]);
 }

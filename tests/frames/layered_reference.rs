@@ -64,6 +64,7 @@ fn without_64_bit_atomics_chains_are_right_too() {
 
 /// Kernels with f64 in words take a software adapter long to compile: one kind of pieces, one of curves.
 #[test]
+#[ignore = "slow: make test-all"]
 fn without_f64_chains_are_right_too() {
     let scene = ball_in_cloud();
     let few = cameras().into_iter().filter(|(name, _)| ["chain", "degree 2 bent by 0.3"].contains(&name.as_str()));

@@ -681,6 +681,7 @@ fn adapters_without_64_bit_atomics_see_the_same() {
 
 /// Kernels with f64 in words take a software adapter long to compile: one kind of them.
 #[test]
+#[ignore = "slow: make test-all"]
 fn adapters_without_f64_see_the_same() {
     let text = format!("kind = \"reflection\"\n{EYE}\nmirror = {{ shape = \"sphere\", radius = 1 }}\ndepth = 2");
     let (scene, camera) = scene((77, 59), THINGS, &text);

@@ -111,6 +111,7 @@ fn frames_agree_with_the_reference() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn other_adapters_see_the_same() {
     let scene = cloud();
     let few = ["chain of 2, smooth mirror", "weighted chain, mirror", "degree 3 bent by 0.3, lens"];
@@ -245,6 +246,7 @@ light = [{ direction = [-1, -2, -1.2] }]"#;
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn every_kind_of_eye_sees_a_mirror() {
     let mirrors = [
         r#"kind = "reflection"

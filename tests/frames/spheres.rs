@@ -259,6 +259,7 @@ fn of_what_is_level_the_lower_id_is_seen() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn all_arithmetic_sees_the_same_spheres() {
     let scene =
         scene(balls(&[(DVec3::ZERO, 0.5), (DVec3::new(0.4, 0.3, 0.2), 0.1), (DVec3::new(-0.6, 0.1, 0.3), 0.002)]));
@@ -367,6 +368,7 @@ fn a_ball_that_moves_is_seen_where_it_is_at_each_row() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn random_scenes_of_spheres_that_move_have_the_reference_s_ids() {
     for number in 0..40 {
         let mut rng = Rng(80_000 + number);

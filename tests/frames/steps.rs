@@ -428,6 +428,7 @@ fn is_pass(step: &Step, pass: &str) -> bool {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn a_step_that_is_missing_is_seen() {
     let less: [Less; 13] = [
         ("cull", |s| is_pass(s, "cull")),

@@ -173,6 +173,7 @@ height = 3
 
 /// An image over a gigabyte goes to its files strip by strip; they hold what the engine renders at once.
 #[test]
+#[ignore = "slow: make test-all"]
 fn a_large_image_is_a_tiled_file_and_a_streamed_one() {
     let Some(mut engine) = engine_on(|_| ()) else { return };
     let (width, height) = (16_384, 720);

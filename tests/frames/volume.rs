@@ -352,6 +352,7 @@ fn through(frame: &Frame) -> usize {
 
 /// The largest value, and light on the volume, through every camera too: by a headlight in one, and by lights of the scene in the next.
 #[test]
+#[ignore = "slow: make test-all"]
 fn maxima_and_lit_volumes_agree_with_the_reference() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let turn = DQuat::from_rotation_z(0.5);
@@ -375,6 +376,7 @@ fn maxima_and_lit_volumes_agree_with_the_reference() {
 
 /// Random numbers at the nodes, and steep transfer functions: as far from smooth as volumes are.
 #[test]
+#[ignore = "slow: make test-all"]
 fn noise_agrees_with_the_reference() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     for seed in 0..3 {
@@ -424,6 +426,7 @@ fn adapters_without_f64_agree_with_the_reference() {
 
 /// Curves of either degree in 32-bit words too: with the most legs, loops of vectors would use up the rounds that drivers allow a thread.
 #[test]
+#[ignore = "slow: make test-all"]
 fn curves_without_f64_agree_with_the_reference() {
     let mut scene = common::scene(soup(&mut Rng(8), 40, 0.3));
     let (turn, mut compared) = (DQuat::from_rotation_y(0.4) * DQuat::from_rotation_x(0.3), 0);

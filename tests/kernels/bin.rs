@@ -279,6 +279,7 @@ fn the_counter_does_not_begin_again() {
 
 /// The twin leaves out tiles beside a triangle; here every pixel is tested.
 #[test]
+#[ignore = "slow: make test-all"]
 fn the_twin_leaves_out_no_tile_that_a_triangle_may_cover() {
     for case in cases().iter().filter(|c| c.camera.width <= 72) {
         let tables = case.tables();

@@ -632,6 +632,7 @@ fn check_planted(by: Dispatching) {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn frames_by_pair_are_right_and_planted_errors_are_noticed() {
     check_planted(Dispatching::ByPair);
 }

@@ -267,6 +267,7 @@ fn the_kernel_draws_what_its_twin_draws() {
 
 /// They meet no facet where they start, and none at all where the optics do not see themselves.
 #[test]
+#[ignore = "slow: make test-all"]
 fn the_kernel_draws_what_bounced_rays_hit() {
     let Some(mut bench) = Bench::open() else { return };
     let mut rng = Rng(78);

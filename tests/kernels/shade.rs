@@ -222,6 +222,7 @@ fn mapped() -> impl Iterator<Item = Case> {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn the_kernel_interpolates_texture_coordinates_as_its_twin_does() {
     let Some(mut bench) = Bench::open() else { return };
     let reals: Vec<Real> = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0).collect();

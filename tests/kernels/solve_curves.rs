@@ -166,6 +166,7 @@ fn place_in_cell(table: &CellTable, image: &SolveImage) -> (DVec3, DVec3) {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn proven_images_are_those_of_the_twin() {
     let Some(gpu) = gpu() else { return };
     for (name, camera, _) in cameras() {
@@ -223,6 +224,7 @@ fn a_wrong_cell_is_found_out() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn nothing_is_lost_and_images_are_the_hosts() {
     let Some(gpu) = gpu() else { return };
     let mut seen = [0; 4];
@@ -289,6 +291,7 @@ fn same_images(
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn numbers_within_a_bound_and_pictures_of_points() {
     let Some(gpu) = gpu() else { return };
     for (name, camera, _) in cameras().into_iter().step_by(4).filter(|c| !c.0.contains("'street'")) {

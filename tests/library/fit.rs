@@ -119,6 +119,7 @@ fn off(numbers: &Numbers) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn a_fisheye_is_found_from_its_edges() {
     let folder = tempfile::tempdir().unwrap();
     let (scene, mut renderer) = (squares(), Renderer::new().unwrap());

@@ -145,6 +145,7 @@ mod tests {
 
     /// Scenes of many triangles or pieces are left to the runs.
     #[test]
+    #[ignore = "slow: make test-all"]
     fn the_scenes_of_all_arms_have_cameras() {
         let is_large = |key: &String| {
             let number = key.rsplit('=').next().and_then(|n| n.parse::<f64>().ok()).unwrap_or(0.0);

@@ -20,6 +20,7 @@ fn report(place: &Place) -> Value {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn a_report_is_gone_on_with_and_wrong_pixels_are_an_error() {
     let place = Place::new();
     if !place.has_adapter() {

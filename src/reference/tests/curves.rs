@@ -150,6 +150,7 @@ fn straight_curves_of_any_degree_see_what_rays_see() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn a_closed_shell_is_left_once_more_than_it_is_entered() {
     let shell = icosphere(2, DVec3::ZERO);
     let corners: Vec<Corners> =

@@ -178,6 +178,7 @@ fn both_methods_find_the_same_rays_of_every_projection() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn both_methods_find_the_same_rays_through_two_distortions() {
     let (mut rng, mut with) = (Rng(31), 0);
     for _ in 0..3 {
