@@ -1,5 +1,4 @@
-//! Loops on all cores. Each is a few lines over one function that is not generic, so that rayon's own code is compiled once and not for
-//! every loop.
+//! Loops on all cores. Each is a few lines over one function that is not generic: rayon's own code is compiled once, not once a loop.
 
 use std::mem::MaybeUninit;
 use std::ops::Range;
@@ -8,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::slice::ParallelSliceMut;
 
-/// Parts of a loop for each thread: with so many no thread waits long for the last part.
+/// A loop has this many parts for each thread. With so many, no thread waits long for the last part.
 const PARTS: usize = 32;
 
 /// What a loop goes over: a range of numbers, or the items of a slice.
@@ -51,12 +50,12 @@ macro_rules! items_of_range {
             type Item = $number;
 
             fn count(&self) -> usize {
-                // memory for something of each item is asked for, which tells if there are too many
+                // a range of more numbers than memory can hold fails when the list of its results is allocated
                 usize::try_from(self.end.saturating_sub(self.start)).unwrap_or(usize::MAX)
             }
 
             fn part(&self, places: Range<usize>) -> impl Iterator<Item = $number> {
-                // no place is beyond the range's end
+                // the places lie in the range, so the sums fit its type
                 self.start + places.start as $number..self.start + places.end as $number
             }
         }
@@ -65,7 +64,7 @@ macro_rules! items_of_range {
 
 items_of_range!(u32, u64, usize);
 
-/// What a function makes of each item, in order.
+/// Calls `each` with every item and returns the results, in the order of the items.
 pub fn map<I: Items, T: Send>(items: I, each: impl Fn(I::Item) -> T + Sync) -> Vec<T> {
     let count = items.count();
     let mut all = Vec::with_capacity(count);
@@ -82,7 +81,7 @@ pub fn map<I: Items, T: Send>(items: I, each: impl Fn(I::Item) -> T + Sync) -> V
     all
 }
 
-/// All that a function makes of each item, which may be several or an option, in order.
+/// Calls `each` with every item and joins the lists or options that it returns, in the order of the items.
 pub fn flat_map<I: Items, L: IntoIterator<Item: Send>>(items: I, each: impl Fn(I::Item) -> L + Sync) -> Vec<L::Item> {
     let of_part = |places| {
         let mut own = Vec::new();
@@ -92,7 +91,8 @@ pub fn flat_map<I: Items, L: IntoIterator<Item: Send>>(items: I, each: impl Fn(I
     joined(of_parts(items.count(), |_, places| of_part(places)))
 }
 
-/// What a function makes of each item, in order, or the error of the first item that has one. Not all items after it are looked at.
+/// Calls `each` with the items and returns the results in their order, or the error of the first item that has one. Items after that one
+/// may be left out.
 pub fn try_map<I: Items, T: Send, E: Send>(
     items: I,
     each: impl Fn(I::Item) -> Result<T, E> + Sync,
@@ -113,8 +113,8 @@ pub fn try_map<I: Items, T: Send, E: Send>(
     Ok(joined(parts))
 }
 
-/// What a function makes of items, joined in order; `None` where it makes something of none. To be the same whatever the number of threads,
-/// it must not matter which are joined first.
+/// Joins the results of `each`, in the order of the items; `None` if there is no result. `join` must be associative, since the number of
+/// threads decides which results are joined first.
 pub fn reduce<I: Items, T: Send>(
     items: I,
     each: impl Fn(I::Item) -> Option<T> + Sync,
@@ -124,7 +124,7 @@ pub fn reduce<I: Items, T: Send>(
     of_parts(items.count(), of_part).into_iter().flatten().reduce(&join)
 }
 
-/// Whether something holds for any item. Not all items are looked at after one is found.
+/// Whether `holds` is true of any item. Once one is found, the rest may be left out.
 pub fn any<I: Items>(items: I, holds: impl Fn(I::Item) -> bool + Sync) -> bool {
     let found = AtomicBool::new(false);
     of_parts(items.count(), |_, places| {
@@ -135,12 +135,12 @@ pub fn any<I: Items>(items: I, holds: impl Fn(I::Item) -> bool + Sync) -> bool {
     found.into_inner()
 }
 
-/// Calls a function with each item of a list, and its number.
+/// Calls `each` with every item of a list and its number.
 pub fn for_each_mut<T: Send>(list: &mut [T], each: impl Fn(usize, &mut T) + Sync) {
     in_parts(list, &|first, part| part.iter_mut().zip(first..).for_each(|(item, k)| each(k, item)));
 }
 
-/// Calls a function with all that an iterator gives, as chunks of lists are. Threads take what it gives in turn.
+/// Calls `each` with every item of an iterator, such as the chunks of a list. Threads take the items in turn.
 pub fn for_each<I: ExactSizeIterator + Send>(all: I, each: impl Fn(I::Item) + Sync) {
     let size = part_size(all.len());
     let parts = all.len().div_ceil(size);
@@ -156,27 +156,27 @@ pub fn for_each<I: ExactSizeIterator + Send>(all: I, each: impl Fn(I::Item) + Sy
     });
 }
 
-/// Calls two functions, at the same time where a thread is idle.
+/// Calls two functions, at the same time if a thread is idle.
 pub fn both(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
     rayon::join(a, b);
 }
 
-/// Sorts; equal items may change places.
+/// Sorts a list. Equal items may change places.
 pub fn sort<T: Ord + Send>(list: &mut [T]) {
     list.par_sort_unstable();
 }
 
-/// The same, in an order of one's own.
+/// Sorts a list by `order`. Equal items may change places.
 pub fn sort_by<T: Send>(list: &mut [T], order: impl Fn(&T, &T) -> std::cmp::Ordering + Sync) {
     list.par_sort_unstable_by(order);
 }
 
-/// Items of a part of a loop over so many.
+/// How many items a part has, in a loop over `count` items.
 fn part_size(count: usize) -> usize {
     count.div_ceil(PARTS * rayon::current_num_threads()).max(1)
 }
 
-/// What a function makes of the number of each part of a loop and of the places in it, in order.
+/// Calls `of_part` with the number of each part of a loop and with its places, and returns the results in order.
 fn of_parts<T: Send>(count: usize, of_part: impl Fn(usize, Range<usize>) -> T + Sync) -> Vec<T> {
     let size = part_size(count);
     map(0..count.div_ceil(size), |k| of_part(k, k * size..count.min((k + 1) * size)))
@@ -202,14 +202,14 @@ fn in_parts<T: Send>(list: &mut [T], work: &(dyn Fn(usize, &mut [T]) + Sync)) {
     });
 }
 
-/// Takes something out of what threads share. The lock is free again when it returns.
+/// Takes work from a shared queue. The lock is free again when this returns.
 fn in_turn<L, T>(left: &Mutex<L>, take: impl FnOnce(&mut L) -> T) -> T {
     // nothing is half taken after a panic
     take(&mut left.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Calls `work` on so many threads, at most on all; it takes what is to be done from a queue until nothing is left. So it does not matter
-/// how often it is called: a thread that is busy elsewhere and comes late finds nothing to do.
+/// Calls `work` on as many threads as there are tasks, at most on all. `work` takes tasks from a queue until none is left, so it does not
+/// matter how often it is called: a thread that is busy elsewhere and comes late finds nothing to do.
 fn on_all_cores(tasks: usize, work: &(dyn Fn() + Sync)) {
     match tasks.min(rayon::current_num_threads()) {
         0 => {}

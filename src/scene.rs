@@ -88,7 +88,7 @@ pub struct Scene {
     /// The camera at the times of a frame, if it moves.
     pub camera_steps: Vec<(f64, CameraSpec)>,
     pub output: file::OutputSpec,
-    /// Those that it was loaded within, and on all that is made of it later.
+    /// The limits that the scene was loaded within. They also hold for everything that is made of it later.
     pub limits: Limits,
 }
 

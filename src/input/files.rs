@@ -15,7 +15,7 @@ pub struct Inputs {
 pub type Stamp = Option<(SystemTime, u64)>;
 
 impl Inputs {
-    /// Each as it was found.
+    /// The files, each with its state when it was read.
     pub fn files(&self) -> impl Iterator<Item = (&Path, &Stamp)> {
         self.files.iter().map(|(path, found)| (path.as_path(), found))
     }

@@ -14,7 +14,7 @@ pub struct Source<'a> {
     pub path: &'a Path,
     /// Folder that relative paths start from.
     pub dir: &'a Path,
-    /// Reads the files that it names.
+    /// The load that reads the files which this one names.
     pub loading: &'a Loading,
     /// A value was read as a file name.
     names_files: Cell<bool>,
@@ -63,12 +63,12 @@ impl<'a> Field<'a> {
         self.node
     }
 
-    /// What reads the files that it names.
+    /// The load that reads the files named here.
     pub fn loading(&self) -> &'a Loading {
         self.source.loading
     }
 
-    /// The limits on what it asks for.
+    /// The limits of the load.
     pub fn limits(&self) -> Limits {
         self.source.loading.limits()
     }
@@ -265,7 +265,7 @@ impl<'a> Table<'a> {
         Some(Field { source: self.field.source, key: dotted, place: entry.node.place, node: &entry.node })
     }
 
-    /// What reads the files that it names.
+    /// The load that reads the files named here.
     pub fn loading(&self) -> &'a Loading {
         self.field.loading()
     }

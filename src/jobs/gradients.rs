@@ -29,7 +29,7 @@ pub fn gradients_of(
 ) -> Result<Gradients> {
     let size = (camera.width, camera.height);
     asked.check_memory(size, scene.limits)?;
-    // the camera may be of a file, which its numbers are read from
+    // the numbers of a camera may lie in a file, which is read here
     let loading = &Loading::new(scene.limits);
     let number = |key| Ok((key, keys.number(key, loading)?));
     let numbers: Vec<(&str, f64)> = asked.numbers().map(number).collect::<Result<_>>()?;

@@ -61,7 +61,7 @@ pub struct RenderJob {
     pub no_cull: bool,
     /// How the triangle of each pixel is found.
     pub method: Method,
-    /// The limits on what it may take.
+    /// The limits on the scene that it loads and on the memory of its image.
     pub limits: Limits,
 }
 

@@ -103,7 +103,7 @@ impl Work {
         Ok((work, loading.into_inputs()))
     }
 
-    /// `loading` has read the scene.
+    /// `loading` is the load that read the scene.
     fn of(job: RenderJob, scene: Scene, camera: Arc<Camera>, library: &Library, loading: &Loading) -> Result<Work> {
         if job.strict {
             refuse_missing(&scene)?;

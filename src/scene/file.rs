@@ -177,7 +177,7 @@ pub(crate) fn expanded(text: &str, path: &Path, loading: &Loading) -> Result<Nod
     Ok(root)
 }
 
-/// Of a scene file, whose relative paths start from its folder.
+/// The source of a scene file. Its relative paths start from its folder.
 fn source<'a>(path: &'a Path, loading: &'a Loading) -> Source<'a> {
     Source::new(path, path.parent().unwrap_or(Path::new("")), loading)
 }

@@ -56,7 +56,7 @@ pub struct Document {
     undo: Vec<String>,
     redo: Vec<String>,
     gesture: Option<Gesture>,
-    /// Those of the scene, whatever its text asks for.
+    /// The limits of every load of the text.
     limits: Limits,
 }
 
@@ -365,7 +365,7 @@ impl Document {
         Ok(words.join(" "))
     }
 
-    /// Reads what the text names.
+    /// A load of the text.
     fn loading(&self) -> Loading {
         Loading::new(self.limits)
     }

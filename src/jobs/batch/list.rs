@@ -15,7 +15,7 @@ pub struct Jobs {
     all: Vec<Job>,
     /// Folder of the file, which paths start from.
     dir: PathBuf,
-    /// Those of the list, and of each of its frames.
+    /// The limits on the list and on each of its frames.
     limits: Limits,
 }
 

@@ -81,7 +81,7 @@ pub struct Caps {
 }
 
 impl Caps {
-    /// The limits that are left.
+    /// The limits, less those that the flags remove.
     pub fn limits(&self) -> Limits {
         let limits = if self.no_limits { Limits::none() } else { Limits::default() };
         self.memory.map_or(limits, |bytes| limits.memory(bytes))
