@@ -1,4 +1,5 @@
-//! Loops on all cores. Each is a few lines over one function that is not generic: rayon's own code is compiled once, not once a loop.
+//! Loops that run on all cores. All but the sorts end in [`on_all_cores`], which is not generic: rayon's code is compiled once, not once
+//! for each loop.
 
 use std::mem::MaybeUninit;
 use std::ops::Range;
@@ -7,20 +8,24 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::slice::ParallelSliceMut;
 
-/// A loop has this many parts for each thread. With so many, no thread waits long for the last part.
+/// A long loop is cut into this many parts for each thread. They are small, so no thread waits long for the last one.
 const PARTS: usize = 32;
 
 /// What a loop goes over: a range of numbers, or the items of a slice.
-pub trait Items: Sync {
+///
+/// # Safety
+/// `part` gives exactly one item for each of its places.
+pub unsafe trait Items: Sync {
     type Item;
 
     fn count(&self) -> usize;
 
-    /// The items at these places, as many as there are places.
+    /// The items at these places, in order.
     fn part(&self, places: Range<usize>) -> impl Iterator<Item = Self::Item>;
 }
 
-impl<'a, T: Sync> Items for &'a [T] {
+// SAFETY: a slice has an item at each of its places
+unsafe impl<'a, T: Sync> Items for &'a [T] {
     type Item = &'a T;
 
     fn count(&self) -> usize {
@@ -32,7 +37,8 @@ impl<'a, T: Sync> Items for &'a [T] {
     }
 }
 
-impl<'a, T: Sync> Items for &'a Vec<T> {
+// SAFETY: a slice has an item at each of its places
+unsafe impl<'a, T: Sync> Items for &'a Vec<T> {
     type Item = &'a T;
 
     fn count(&self) -> usize {
@@ -46,11 +52,12 @@ impl<'a, T: Sync> Items for &'a Vec<T> {
 
 macro_rules! items_of_range {
     ($($number:ty),+) => {$(
-        impl Items for Range<$number> {
+        // SAFETY: a range of as many numbers as there are places
+        unsafe impl Items for Range<$number> {
             type Item = $number;
 
             fn count(&self) -> usize {
-                // a range of more numbers than memory can hold fails when the list of its results is allocated
+                // machines whose pointers have 32 bits have no memory for the results of more numbers either
                 usize::try_from(self.end.saturating_sub(self.start)).unwrap_or(usize::MAX)
             }
 
@@ -75,8 +82,8 @@ pub fn map<I: Items, T: Send>(items: I, each: impl Fn(I::Item) -> T + Sync) -> V
             slot.write(each(item));
         });
     });
-    // SAFETY: the slots are the first `count` of the list. Each is in a part, every part has been worked through, since a panic would not
-    // have come here, and a part has an item for each of its slots.
+    // SAFETY: no call of `each` panicked, or this line would not be reached. So every part is finished, and by the contract of `Items` a part
+    // has an item for each of its slots: all `count` slots are written.
     unsafe { all.set_len(count) };
     all
 }
@@ -108,7 +115,7 @@ pub fn try_map<I: Items, T: Send, E: Send>(
         }
         own
     };
-    // a part is left out only after one before it failed
+    // where a part was left out, an earlier one failed, whose error is returned here
     let parts = of_parts(items.count(), of_part).into_iter().collect::<Result<Vec<Vec<T>>, E>>()?;
     Ok(joined(parts))
 }
@@ -135,12 +142,12 @@ pub fn any<I: Items>(items: I, holds: impl Fn(I::Item) -> bool + Sync) -> bool {
     found.into_inner()
 }
 
-/// Calls `each` with every item of a list and its number.
+/// Calls `each` with the number of every item of a list and the item.
 pub fn for_each_mut<T: Send>(list: &mut [T], each: impl Fn(usize, &mut T) + Sync) {
     in_parts(list, &|first, part| part.iter_mut().zip(first..).for_each(|(item, k)| each(k, item)));
 }
 
-/// Calls `each` with every item of an iterator, such as the chunks of a list. Threads take the items in turn.
+/// Calls `each` with every item of an iterator, such as the chunks of a list. Each idle thread takes the next few.
 pub fn for_each<I: ExactSizeIterator + Send>(all: I, each: impl Fn(I::Item) + Sync) {
     let size = part_size(all.len());
     let parts = all.len().div_ceil(size);
@@ -204,11 +211,11 @@ fn in_parts<T: Send>(list: &mut [T], work: &(dyn Fn(usize, &mut [T]) + Sync)) {
 
 /// Takes work from a shared queue. The lock is free again when this returns.
 fn in_turn<L, T>(left: &Mutex<L>, take: impl FnOnce(&mut L) -> T) -> T {
-    // nothing is half taken after a panic
+    // a panic in `take` leaves the queue usable
     take(&mut left.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Calls `work` on as many threads as there are tasks, at most on all. `work` takes tasks from a queue until none is left, so it does not
+/// Calls `work` on as many threads as there are tasks, but not on more than rayon has. `work` takes tasks from a queue until none is left, so it does not
 /// matter how often it is called: a thread that is busy elsewhere and comes late finds nothing to do.
 fn on_all_cores(tasks: usize, work: &(dyn Fn() + Sync)) {
     match tasks.min(rayon::current_num_threads()) {
@@ -223,7 +230,7 @@ mod tests {
     use super::*;
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
-    /// Counts of items around those at which parts get larger.
+    /// Lengths of loops just below, at and above the one from which parts have more than one item.
     fn counts() -> Vec<usize> {
         let most = PARTS * rayon::current_num_threads();
         vec![0, 1, 2, 3, most - 1, most, most + 1, 10 * most + 7]

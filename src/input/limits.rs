@@ -1,7 +1,7 @@
 //! Limits on the work that a scene or a list of jobs may ask for.
 //!
-//! A file of a few lines can ask for days of work. Work over a limit is refused in one line, before it begins. [`Limits`]
-//! say which limits hold, and are passed to whatever reads or computes. Limits of formats and kernels always hold: a
+//! A file of a few lines can ask for days of work. Work over a limit is refused in one line, before it begins. A
+//! [`Limits`] says which limits hold; it is passed to whatever reads or computes. Limits of formats and kernels always hold: a
 //! triangle id has 28 bits, an image 65,536 pixels per side.
 
 mod memory;
@@ -23,7 +23,7 @@ use std::fmt::Display;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Limits {
     are_lifted: bool,
-    /// Bytes that the process may use in all; `None`: as many more as are free.
+    /// The most bytes that the process may use in all. With `None` it may use what is free besides what it has.
     memory: Option<u64>,
 }
 
@@ -46,7 +46,7 @@ pub const LISTED_PIECES: Cap = Cap { what: "listed pieces", most: 1 << 22, advic
 /// Cells of a grid of pieces, with two pieces each: perspective strips, offsets of a camera texture.
 pub const CELLS: Cap = Cap { what: "cells", most: 1 << 20, advice: "give fewer" };
 
-/// Cameras on the triangles of a mesh, one each.
+/// Cameras of a `surround`: one for each triangle of a mesh.
 pub const CAMERAS: Cap = Cap { what: "cameras", most: 1_000_000, advice: "use a coarser mesh" };
 
 /// Corners of a polygon in the image, which is triangulated in quadratic time.
@@ -76,8 +76,8 @@ impl Limits {
         Limits { are_lifted: true, memory: None }
     }
 
-    /// The same with a budget of memory, as with `--memory`: the process may use this many bytes in all, however many are free. Where nothing is
-    /// refused, it only tells a batch how many frames may be in memory at once.
+    /// The same with a budget of memory, as with `--memory`: the process may use this many bytes in all, however many are free. Without
+    /// limits it only decides how many frames of a batch are in memory at once.
     #[must_use]
     pub fn memory(self, bytes: u64) -> Limits {
         Limits { memory: Some(bytes), ..self }

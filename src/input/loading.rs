@@ -8,14 +8,15 @@ use std::io::{self, Read};
 use std::path::Path;
 
 /// One load of a scene or of another input: its limits, and a record of its files, so that callers can ask which ones it depended on. All input
-/// files are read through it. It stays on one thread (it is not [`Sync`]), so that no other thread reads files that are recorded nowhere.
+/// files are read through it. Threads cannot share it (it is not [`Sync`]): a thread that reads files has a
+/// load of its own ([`Loading::beside`]), whose files are then added to this one.
 #[derive(Debug, Default)]
 pub struct Loading {
     limits: Limits,
     inputs: RefCell<Inputs>,
 }
 
-/// Most bytes read from a pipe: far more than any scene has.
+/// A pipe must hold fewer bytes. No scene has nearly so many.
 const PIPE_MAX: u64 = 1 << 30;
 
 impl Loading {
@@ -32,12 +33,12 @@ impl Loading {
         self.limits
     }
 
-    /// The files so far.
+    /// The files recorded so far.
     pub fn inputs(&self) -> Ref<'_, Inputs> {
         self.inputs.borrow()
     }
 
-    /// All of its files, at the end.
+    /// Ends the load and returns the recorded files.
     pub fn into_inputs(self) -> Inputs {
         self.inputs.into_inner()
     }
@@ -45,7 +46,7 @@ impl Loading {
     /// The bytes of a file.
     ///
     /// # Errors
-    /// If it cannot be read, or is not a regular file: a device may have no end, and a pipe no writer.
+    /// If it cannot be read, or is not a regular file: a device may never end, and a pipe may have no writer.
     pub fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         self.open(path)?.read_to_end(&mut bytes)?;
@@ -94,7 +95,7 @@ impl Loading {
         Err(io::Error::other(what))
     }
 
-    /// Records a file, existing or not.
+    /// Records a file and its present state, whether or not it exists.
     pub fn note(&self, path: &Path) {
         self.inputs.borrow_mut().insert(path, stamp(path));
     }
