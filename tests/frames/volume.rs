@@ -329,6 +329,7 @@ fn error_of(engine: &mut Engine, scene: &Scene, camera: &Camera) -> (f64, usize)
 
 /// Bumps with shells among triangles: through every camera, at every pixel.
 #[test]
+#[ignore = "slow: make test-all"]
 fn frames_agree_with_the_reference_through_every_camera() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let mut scene = common::scene(soup(&mut Rng(8), 40, 0.3));

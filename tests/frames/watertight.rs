@@ -83,6 +83,7 @@ fn divided_box() -> Mesh {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn convex_shells_from_inside_at_any_offset() {
     for offset in [0.0, 1e3, 1e6] {
         let at = offset * DVec3::new(1.0, -0.7, 0.3);
