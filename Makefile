@@ -24,7 +24,7 @@ export PYO3_BUILD_EXTENSION_MODULE := 1
 LONG_TESTS := frames kernels
 ALL_TESTS := $(basename $(notdir $(wildcard tests/*.rs lab/tests/*.rs))) $(patsubst tests/%/main.rs,%,$(wildcard tests/*/main.rs))
 OTHER_TESTS := $(filter-out $(LONG_TESTS),$(ALL_TESTS))
-# Runs the tests, the longest programs beside the others; with an argument for the programs.
+# Runs the test programs, the two longest at the same time as the others. The argument is passed to the programs.
 beside = $(CARGO_TEST) $(addprefix --test ,$(LONG_TESTS)) $(1) >$(BUILD)/long-tests.txt 2>&1 & long=$$!; \
 	$(CARGO_TEST) --lib --bins $(addprefix --test ,$(OTHER_TESTS)) $(1); others=$$?; \
 	wait $$long; long=$$?; cat $(BUILD)/long-tests.txt; [ $$others = 0 ] && [ $$long = 0 ]
@@ -97,7 +97,7 @@ test-all: rust driver
 	$(CARGO_TEST) --lib --bins --tests --no-run
 	@$(call beside,-- --ignored)
 
-# The tests on random input, with 3 to 10 times as much of it: up to an hour. docs/testing.md has the last run.
+# The tests on random input, with 3 to 10 times as much of it, outside of .ci/run.
 test-long: rust driver
 	SEEDS=36 $(CARGO_TEST) --test kernels -- --include-ignored
 	ANAMORPH_POLYNOMIALS=600000 $(CARGO_TEST) --lib --test cameras root

@@ -126,7 +126,7 @@ impl Scene {
     }
 
     /// Sets the limits on what is read for the scene and computed from it from now on: its cameras, volumes, pictures, spheres and gradients.
-    /// Those of images are in [`RenderOptions`](super::RenderOptions).
+    /// The limits on images are in [`RenderOptions`](super::RenderOptions).
     pub fn set_limits(&mut self, limits: Limits) {
         self.scene.limits = limits;
     }

@@ -76,7 +76,7 @@ impl Limits {
         Limits { are_lifted: true, memory: None }
     }
 
-    /// The same with a budget of memory, as with `--memory`: the process may use this many bytes in all, however many are free. Without
+    /// Sets a budget of memory, as `--memory` does: the process may use this many bytes in all, however many are free. Without
     /// limits it only decides how many frames of a batch are in memory at once.
     #[must_use]
     pub fn memory(self, bytes: u64) -> Limits {

@@ -1,4 +1,4 @@
-//! What a load may ask for, and which files it has read.
+//! A load of input files: its limits, and a record of the files that it has read.
 
 use super::files::{Inputs, stamp};
 use super::limits::Limits;
@@ -57,7 +57,7 @@ impl Loading {
     /// `<(command)`.
     ///
     /// # Errors
-    /// Those of [`Loading::read`], and 1 GiB or more from a pipe.
+    /// The errors of [`Loading::read`], and 1 GiB or more from a pipe.
     pub fn read_or_pipe(&self, path: &Path) -> io::Result<Vec<u8>> {
         if !is_own_pipe(path) {
             return self.read(path);
@@ -74,7 +74,7 @@ impl Loading {
     /// The text of a file.
     ///
     /// # Errors
-    /// Those of [`Loading::read`], and bytes that are not UTF-8.
+    /// The errors of [`Loading::read`], and bytes that are not UTF-8.
     pub fn read_to_string(&self, path: &Path) -> io::Result<String> {
         let mut text = String::new();
         self.open(path)?.read_to_string(&mut text)?;
@@ -84,7 +84,7 @@ impl Loading {
     /// A file, open to be read.
     ///
     /// # Errors
-    /// Those of [`Loading::read`].
+    /// The errors of [`Loading::read`].
     pub fn open(&self, path: &Path) -> io::Result<File> {
         self.note(path);
         let kind = fs::metadata(path)?.file_type();
