@@ -83,6 +83,7 @@
 #![cfg_attr(not(feature = "internals"), deny(missing_docs))]
 
 mod api;
+mod arrays;
 mod camera;
 mod engine;
 mod geometry;

@@ -43,6 +43,7 @@ pub mod volume;
 #[cfg(test)]
 mod tests;
 
+use crate::arrays::MapEach;
 pub use bounces::Outcome;
 pub use finding::Finding;
 pub use margin::{GAP, MARGIN_PX};
@@ -226,7 +227,7 @@ impl<'a> Reference<'a> {
             Some((steps, moment)) => steps.position_at(mesh, v, moment),
             None => mesh.positions[v as usize],
         };
-        mesh.triangles[id as usize].map(at)
+        mesh.triangles[id as usize].map_each(at)
     }
 
     /// A normal of the mesh.
@@ -269,7 +270,7 @@ fn nearer(best: Option<Hit>, hit: Hit) -> Option<Hit> {
 /// The bundle with `h > 0` at its centre (the same rays), if it has a finite ray there.
 fn upright(b: &Bundle) -> Option<Bundle> {
     let sign = b.h[0].signum();
-    let b = Bundle { p: b.p.map(|v| v * sign), d: b.d.map(|v| v * sign), h: b.h.map(|v| v * sign) };
+    let b = Bundle { p: b.p.map_each(|v| v * sign), d: b.d.map_each(|v| v * sign), h: b.h.map_each(|v| v * sign) };
     let finite = b.p.iter().chain(&b.d).all(|v| v.is_finite()) && b.h.iter().all(|v| v.is_finite());
     (finite && b.h[0] > 0.0 && b.d[0] != DVec3::ZERO).then_some(b)
 }

@@ -18,6 +18,7 @@ pub mod sky;
 pub mod style;
 pub mod volume;
 
+use crate::arrays::MapEach;
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
 use crate::camera::kinds::pinhole::Pinhole;
@@ -265,7 +266,7 @@ impl Scene {
             Some(steps) => steps.position_at(&self.mesh, v, moment),
             None => self.mesh.positions[v as usize],
         };
-        self.mesh.triangles[id as usize].map(at)
+        self.mesh.triangles[id as usize].map_each(at)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::project::refuse_optics;
+use crate::arrays::MapEach;
 use crate::camera::Field;
 use crate::camera::kinds::raymap::RayArrays;
 use crate::camera::kinds::{KINDS, calibrated};
@@ -112,7 +113,7 @@ impl Camera {
         let none = [[f64::NAN; 3]; 2];
         let ray = |k: u32| self.ray(k % width, k / width).unwrap_or(none);
         let both: Vec<[[f64; 3]; 2]> = parallel::map(0..width * self.camera.height, ray);
-        [0, 1].map(|k| both.iter().map(|ray| ray[k]).collect())
+        [0, 1].map_each(|k| both.iter().map(|ray| ray[k]).collect())
     }
 }
 

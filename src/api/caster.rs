@@ -1,6 +1,7 @@
 //! Rays cast at a scene.
 
 use super::Scene;
+use crate::arrays::MapEach;
 use crate::geometry::cast::{ExactCaster, Hit, Ray};
 use crate::geometry::mesh::Mesh;
 use crate::input::{Error, Result};
@@ -118,7 +119,7 @@ impl Caster {
             let normal = ball.normal(ray, hit.t);
             return (ball.place(normal), normal);
         }
-        let [a, b, c] = self.mesh.triangles[hit.triangle as usize].map(|k| self.mesh.positions[k as usize]);
+        let [a, b, c] = self.mesh.triangles[hit.triangle as usize].map_each(|k| self.mesh.positions[k as usize]);
         let [u, v] = hit.bary;
         ((1.0 - u - v) * a + u * b + v * c, unit_normal(a, b, c))
     }

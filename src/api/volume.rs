@@ -1,6 +1,7 @@
 //! Volumes from arrays.
 
 use super::Scene;
+use crate::arrays::MapEach;
 use crate::input::{Error, Loading, Result};
 use crate::scene::file;
 use crate::scene::volume::Volume;
@@ -29,7 +30,7 @@ impl Scene {
             let count = values.len();
             return Err(Error::input(format!("volume: {count} numbers do not fill the shape {z} x {y} x {x}")));
         }
-        let grid = load_grid(&spec.grid, Some((shape.map(|n| n as u64), values)), &loading)?;
+        let grid = load_grid(&spec.grid, Some((shape.map_each(|n| n as u64), values)), &loading)?;
         let (transfer, mode, is_lit) = (spec.transfer, spec.mode, spec.is_lit);
         self.scene.volume = Some(Volume { grid: Arc::new(grid), transfer, mode, is_lit });
         Ok(())

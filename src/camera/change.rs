@@ -5,6 +5,7 @@
 //! How far the last extrapolation moved the result is a bound on the error of the one before it, and is kept.
 
 use super::{Camera, Ray, Rays};
+use crate::arrays::MapEach;
 use crate::input::{Error, Result};
 use crate::parallel;
 use glam::{DVec2, DVec3};
@@ -69,7 +70,7 @@ impl Camera {
         let mut numbers = NO_RAY;
         put(&mut numbers[..6], ray.origin, ray.direction);
         for (k, side) in SIDES.into_iter().enumerate().filter(|_| has_slopes) {
-            let ends = [-side, side].map(|by| self.ray_of(owner, pixel, by));
+            let ends = [-side, side].map_each(|by| self.ray_of(owner, pixel, by));
             if let [Some(from), Some(to)] = ends {
                 put(&mut numbers[6 + 6 * k..][..6], to.origin - from.origin, to.direction - from.direction);
             }
@@ -145,14 +146,14 @@ pub fn rate(
         let pixel = camera.pixel_of(k);
         let owner = camera.owner(pixel);
         let slope = |(ends, width): &([Camera; 2], f64)| {
-            let [from, to] = ends.each_ref().map(|end| end.pixel_ray(owner, pixel, has_slopes));
+            let [from, to] = ends.each_ref().map_each(|end| end.pixel_ray(owner, pixel, has_slopes));
             std::array::from_fn::<f64, NUMBERS, _>(|n| (to[n] - from[n]) / width)
         };
-        extrapolated([&cameras[0], &cameras[1], &cameras[2]].map(slope))
+        extrapolated([&cameras[0], &cameras[1], &cameras[2]].map_each(slope))
     };
     let both: Vec<(PixelRay, PixelRay)> = parallel::map(0..camera.pixel_count(), each);
     let largest = |of: &(dyn Fn(usize, usize) -> f64 + Sync)| {
-        [0, 3].map(|first| {
+        [0, 3].map_each(|first| {
             (0..both.len()).flat_map(|k| (first..first + 3).map(move |n| of(k, n).abs())).fold(0.0, f64::max)
         })
     };
@@ -179,7 +180,7 @@ fn extrapolated([whole, half, quarter]: [PixelRay; 3]) -> (PixelRay, PixelRay) {
     let (mut limit, mut error) = (NO_RAY, NO_RAY);
     for n in 0..NUMBERS {
         let [far, near] =
-            [(half[n], whole[n]), (quarter[n], half[n])].map(|(fine, coarse)| fine + (fine - coarse) / 3.0);
+            [(half[n], whole[n]), (quarter[n], half[n])].map_each(|(fine, coarse)| fine + (fine - coarse) / 3.0);
         limit[n] = near + (near - far) / 15.0;
         error[n] = limit[n] - near;
     }
@@ -228,7 +229,7 @@ fn turn(camera: &Camera, base: &[(usize, Option<Owner>)], ends: [&Camera; 2]) ->
         let pixel = camera.pixel_of(*k);
         let Some((owner, ray)) = owner.and_then(|o| Some((o, camera.ray_of(o, pixel, DVec2::ZERO)?))) else { continue };
         seen += 1;
-        match ends.map(|end| end.ray_of(owner, pixel, DVec2::ZERO)) {
+        match ends.map_each(|end| end.ray_of(owner, pixel, DVec2::ZERO)) {
             [Some(a), Some(b)] => turn = turn.max((b.direction - a.direction).length() / ray.direction.length()),
             _ => lost += 1,
         }

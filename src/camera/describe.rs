@@ -1,5 +1,6 @@
 //! A summary of a compiled camera, as text and for EXR headers.
 
+use crate::arrays::MapEach;
 use crate::camera::glc::{Class, classify};
 use crate::camera::{Bundle, Camera, Rays};
 use glam::DVec3;
@@ -68,7 +69,7 @@ impl Description {
             kind: camera.kind,
             width: camera.width,
             height: camera.height,
-            t_range: camera.t_range.map(Bound),
+            t_range: camera.t_range.map_each(Bound),
             pieces: camera.piece_count(),
             layers: camera.layers.iter().map(Layer::of).collect(),
             moves: camera.moving.is_some(),
@@ -83,7 +84,7 @@ impl Layer {
         match rays {
             Rays::Pieces(pieces) => {
                 let whole = pieces.pieces.first().filter(|piece| piece.corners_px.is_none());
-                let rows = |v: &[DVec3; 3]| v.map(|v| v.to_array());
+                let rows = |v: &[DVec3; 3]| v.map_each(|v| v.to_array());
                 Layer {
                     pieces: pieces.pieces.len(),
                     classes: count_classes(pieces.pieces.iter().map(|piece| &piece.bundle)),

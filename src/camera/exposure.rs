@@ -1,5 +1,6 @@
 //! When each pixel of an image is exposed: all at once, line by line, or by a table; and the time that the shutter is open.
 
+use crate::arrays::MapEach;
 use crate::image::{Grid, read_npy_grid};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
@@ -203,7 +204,7 @@ pub fn read_readout(
 
 fn read_order(field: &Field) -> Result<LineOrder> {
     let text = field.text()?;
-    let known = || LineOrder::ALL.map(|(_, name)| format!("{name:?}")).join(", ");
+    let known = || LineOrder::ALL.map_each(|(_, name)| format!("{name:?}")).join(", ");
     LineOrder::named(text).ok_or_else(|| field.error(format_args!("{text:?} is no order of lines; known: {}", known())))
 }
 

@@ -5,6 +5,7 @@ pub mod spec;
 
 use super::bundle::{Bundle, Ray};
 use super::pieces::{Piece, Pieces, side};
+use crate::arrays::MapEach;
 use crate::camera::mesh::spec::MeshCameraSpec;
 use crate::input::limits::LISTED_PIECES;
 use crate::input::{Error, Limits, Result};
@@ -44,28 +45,28 @@ pub fn compile(
 }
 
 fn piece(spec: &MeshCameraSpec, index: usize, triangle: &[u32; 3], size: DVec2) -> Result<Piece> {
-    let v = triangle.map(|i| &spec.vertices[i as usize]);
-    let corners = v.map(|v| DVec2::from(v.image) * size);
+    let v = triangle.map_each(|i| &spec.vertices[i as usize]);
+    let corners = v.map_each(|v| DVec2::from(v.image) * size);
     let area2 = side(corners[0], corners[1], corners[2]);
     if area2 == 0.0 {
         return Err(Error::input(format!("camera.triangles: {index} has no area in the image; remove it")));
     }
-    let mut direction = v.map(|v| v.far - v.near);
+    let mut direction = v.map_each(|v| v.far - v.near);
     if spec.normalize {
-        direction = direction.map(|d| d.normalize_or_zero());
+        direction = direction.map_each(|d| d.normalize_or_zero());
     }
-    let w = v.map(|v| v.w);
+    let w = v.map_each(|v| v.w);
     let affine = |q: [DVec3; 3]| interpolated(&corners, q);
     let weighted = |q: [DVec3; 3]| affine([w[0] * q[0], w[1] * q[1], w[2] * q[2]]);
-    let h = affine(w.map(|w| DVec3::new(w, 0.0, 0.0))).map(|v| v.x);
-    let bundle = Bundle { p: weighted(v.map(|v| v.near)), d: weighted(direction), h };
+    let h = affine(w.map_each(|w| DVec3::new(w, 0.0, 0.0))).map_each(|v| v.x);
+    let bundle = Bundle { p: weighted(v.map_each(|v| v.near)), d: weighted(direction), h };
     Ok(Piece { bundle, centre_px: (corners[0] + corners[1] + corners[2]) / 3.0, corners_px: Some(corners) })
 }
 
 /// The piece over an image triangle (px) of some area whose corners have the rays `rays`: P and D are affine between.
 pub(crate) fn triangle(corners: [DVec2; 3], rays: [Ray; 3]) -> Piece {
-    let p = interpolated(&corners, rays.map(|r| r.origin));
-    let d = interpolated(&corners, rays.map(|r| r.direction));
+    let p = interpolated(&corners, rays.map_each(|r| r.origin));
+    let d = interpolated(&corners, rays.map_each(|r| r.direction));
     let centre_px = (corners[0] + corners[1] + corners[2]) / 3.0;
     Piece { bundle: Bundle { p, d, h: [1.0, 0.0, 0.0] }, centre_px, corners_px: Some(corners) }
 }
@@ -75,7 +76,7 @@ pub(crate) fn triangle(corners: [DVec2; 3], rays: [Ray; 3]) -> Piece {
 pub(super) fn interpolated(corners: &[DVec2; 3], q: [DVec3; 3]) -> [DVec3; 3] {
     let area2 = side(corners[0], corners[1], corners[2]);
     // dL_i/dx = (y_j - y_k) / 2A, dL_i/dy = (x_k - x_j) / 2A for the corners i, j, k in order
-    let gradient = [0, 1, 2].map(|i| {
+    let gradient = [0, 1, 2].map_each(|i| {
         let e = corners[(i + 2) % 3] - corners[(i + 1) % 3];
         DVec2::new(-e.y, e.x) / area2
     });

@@ -5,6 +5,7 @@ use super::curve::{Curve, CurveMap, Curves};
 use super::exposure::{Exposure, Sample};
 use super::field::{Field, RayMap};
 use super::{Camera, Rays};
+use crate::arrays::MapEach;
 use crate::input::{Error, Result};
 use glam::DVec2;
 use std::sync::Arc;
@@ -95,7 +96,7 @@ impl InTime {
         let time = exposure.time(pixel, (width, height), self.sample);
         let next = times.partition_point(|t| *t <= time).clamp(1, times.len() - 1);
         let share = ((time - times[next - 1]) / (times[next] - times[next - 1])).clamp(0.0, 1.0);
-        ([next - 1, next].map(|k| &cameras[k].layers[self.layer]), share, pixel, place)
+        ([next - 1, next].map_each(|k| &cameras[k].layers[self.layer]), share, pixel, place)
     }
 }
 
@@ -130,7 +131,7 @@ impl CurveMap for InTime {
             Rays::Curves(curves) => curves.at_place(place),
             _ => ray(rays, pixel, place).map(|ray| (0, Curve::of_ray(&ray))),
         };
-        let [Some((piece, from)), Some((_, to))] = ends.map(curve) else { return None };
+        let [Some((piece, from)), Some((_, to))] = ends.map_each(curve) else { return None };
         let points: Vec<_> = from.points().iter().zip(to.points()).map(|(p, q)| *p + share * (*q - *p)).collect();
         Some((piece, Curve::new(&points)))
     }

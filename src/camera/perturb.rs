@@ -7,6 +7,7 @@
 //! centres too. Depths and weights are those of the unperturbed ray.
 
 use super::bundle::{Bundle, Ray};
+use crate::arrays::MapEach;
 use crate::geometry::cast::Aim;
 use glam::DVec3;
 
@@ -61,7 +62,7 @@ impl Bundle {
     pub fn sloping(&self) -> Bundle {
         let mut b = *self;
         let along = b.d[0] / size(b.d[0]);
-        let [no_right, no_down] = [1, 2].map(|k| (b.p[k], b.d[k], b.h[k]) == (DVec3::ZERO, DVec3::ZERO, 0.0));
+        let [no_right, no_down] = [1, 2].map_each(|k| (b.p[k], b.d[k], b.h[k]) == (DVec3::ZERO, DVec3::ZERO, 0.0));
         if no_right && no_down {
             b.d[1] = across(b.d[0]);
         } else if no_right {

@@ -6,6 +6,7 @@
 use super::boxes::{Boxes, EMPTY, join};
 use super::bundle::Bundle;
 use super::stack::Stack;
+use crate::arrays::MapEach;
 use crate::camera::TILE;
 use crate::parallel;
 use glam::DVec2;
@@ -330,7 +331,7 @@ fn tiles_near(piece: &Piece, tiles_x: u32, tiles_y: u32) -> impl Iterator<Item =
         let first = ((lo - TILE_REACH_PX) / side_px).floor().clamp(0.0, n as f64) as u32;
         first..(((hi + TILE_REACH_PX) / side_px).floor() + 1.0).clamp(first as f64, n as f64) as u32
     };
-    let ys = corners.map(|q| q.y);
+    let ys = corners.map_each(|q| q.y);
     let rows = range(
         ys.iter().fold(f64::INFINITY, |m, y| m.min(*y)),
         ys.iter().fold(f64::NEG_INFINITY, |m, y| m.max(*y)),

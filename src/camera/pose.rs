@@ -1,6 +1,7 @@
 //! The pose of a viewer: an eye, a target and an up vector; or a matrix; or an eye and a quaternion.
 
 use super::view::{View, view};
+use crate::arrays::MapEach;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
@@ -124,7 +125,7 @@ fn read_matrix(field: &Field) -> Result<(DVec3, DMat3)> {
 /// That the axes are those of a rotation, as far as four decimals say.
 pub(crate) fn check_axes(axes: DMat3) -> std::result::Result<(), String> {
     let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];
-    let lengths = [x, y, z].map(DVec3::length);
+    let lengths = [x, y, z].map_each(DVec3::length);
     // NaN is no length
     if !lengths.iter().all(|l| (l * l - 1.0).abs() <= GRAM_ERROR) {
         let [x, y, z] = lengths;

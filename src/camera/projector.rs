@@ -17,6 +17,7 @@ use super::pieces::Pieces;
 use super::recipe::{Built, Recipe, Setting};
 use super::tessellate::{self, Tessellation};
 use super::{Rays, glc, mesh};
+use crate::arrays::MapEach;
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::input::reader::Table;
 use crate::input::{Error, Limits, Result};
@@ -169,7 +170,7 @@ impl Volume {
                 (Surface::Pieces(f), _) => f.points[f.triangles[k][corner] as usize],
                 (_, plane) => plane.map_or(DVec3::NAN, |p| p.at(uv)),
             };
-            let [near, far] = [0, 1].map(|s| point(&self.surfaces[s], &planes[s]));
+            let [near, far] = [0, 1].map_each(|s| point(&self.surfaces[s], &planes[s]));
             CameraVertex { image: (image_from_uv * (uv - reparam.offset)).to_array(), near, far, w: 1.0 }
         };
         let vertices = (0..count as usize).flat_map(|k| [(k, 0), (k, 1), (k, 2)]).map(vertex).collect();

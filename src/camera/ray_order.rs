@@ -4,6 +4,7 @@
 //! nothing. Sorted by their rays, they fill tiles as narrow as any camera's. The frame is put back in order after read-back.
 
 use super::{Camera, Field, Rays};
+use crate::arrays::MapEach;
 use crate::camera::TILE;
 use crate::geometry::interleave::{KEY_BITS, interleaved};
 use crate::parallel;
@@ -43,13 +44,13 @@ fn order(field: &Field, centre: DVec3) -> Vec<u32> {
     let parts = |k: u32| ray(k).map(|(p, d)| [p, far * d.normalize()]);
     let none = ([DVec3::INFINITY; 2], [DVec3::NEG_INFINITY; 2]);
     let join = |a: ([DVec3; 2], [DVec3; 2]), b: ([DVec3; 2], [DVec3; 2])| {
-        ([0, 1].map(|k| a.0[k].min(b.0[k])), [0, 1].map(|k| a.1[k].max(b.1[k])))
+        ([0, 1].map_each(|k| a.0[k].min(b.0[k])), [0, 1].map_each(|k| a.1[k].max(b.1[k])))
     };
     let (lo, hi) = parallel::reduce(0..count, |k| parts(k).map(|p| (p, p)), join).unwrap_or(none);
-    let size = [0, 1].map(|k| (hi[k] - lo[k]).max_element()).into_iter().fold(f64::MIN_POSITIVE, f64::max);
+    let size = [0, 1].map_each(|k| (hi[k] - lo[k]).max_element()).into_iter().fold(f64::MIN_POSITIVE, f64::max);
     let unit = f64::from((1 << KEY_BITS) - 1) / size;
     // pixels without a ray go last
-    let key = |k: u32| parts(k).map_or(u64::MAX, |p| interleaved([0, 1].map(|k| (p[k] - lo[k]) * unit)));
+    let key = |k: u32| parts(k).map_or(u64::MAX, |p| interleaved([0, 1].map_each(|k| (p[k] - lo[k]) * unit)));
     let mut sorted: Vec<(u64, u32)> = parallel::map(0..count, |k| (key(k), k));
     parallel::sort(&mut sorted);
     let mut source = vec![0; count as usize];

@@ -3,6 +3,7 @@
 use super::describe::piece_class;
 use super::glc::Class;
 use super::{Camera, Curve, Piece, Pieces, Rays};
+use crate::arrays::MapEach;
 use glam::{DVec2, DVec3};
 
 /// Pixels between which surfaces are drawn, across and down; every [`STEP`]th has a line and a ray.
@@ -55,7 +56,7 @@ pub fn corners((lo, hi): Box3) -> [DVec3; 8] {
 /// The numbers of the two corners of each of a box's twelve edges.
 #[cfg(feature = "cli")]
 pub fn box_edges() -> impl Iterator<Item = [usize; 2]> {
-    (0..8).flat_map(|k| [1, 2, 4].map(|bit| [k, k | bit])).filter(|[k, end]| k != end)
+    (0..8).flat_map(|k| [1, 2, 4].map_each(|bit| [k, k | bit])).filter(|[k, end]| k != end)
 }
 
 impl LayerVolume {
@@ -69,7 +70,8 @@ impl LayerVolume {
         let ends = if whole { [0.0, 1.0] } else { ends(&curves, bounds, camera.t_range) };
         if !whole {
             // of straight rays: P and P + D
-            let clipped = |c: &Curve| Curve::new(&ends.map(|t| c.points()[0] + t * (c.points()[1] - c.points()[0])));
+            let clipped =
+                |c: &Curve| Curve::new(&ends.map_each(|t| c.points()[0] + t * (c.points()[1] - c.points()[0])));
             curves.iter_mut().flatten().for_each(|c| *c = clipped(c));
         }
         let (slits, outlines) = match &camera.layers[layer] {
@@ -196,7 +198,7 @@ fn span(p: DVec3, d: DVec3, lo: DVec3, hi: DVec3) -> Option<[f64; 2]> {
 
 /// The places at t of the pieces' corners, if there are several, and few enough to distinguish.
 fn outlines(pieces: &Pieces, t: f64) -> Vec<[DVec3; 3]> {
-    let corners = pieces.pieces.iter().filter_map(|piece| Some(piece.corners_px?.map(|q| piece_at(piece, q, t))));
+    let corners = pieces.pieces.iter().filter_map(|piece| Some(piece.corners_px?.map_each(|q| piece_at(piece, q, t))));
     if (2..=OUTLINED_MAX).contains(&pieces.pieces.len()) { corners.collect() } else { Vec::new() }
 }
 
@@ -210,7 +212,7 @@ fn piece_at(piece: &Piece, at_px: DVec2, t: f64) -> DVec3 {
 /// The slits of a layer's first pieces, each as long as the piece makes it; a point twice where the rays meet.
 fn slits(camera: &Camera, pieces: &Pieces) -> Vec<[DVec3; 2]> {
     let (w, h) = (f64::from(camera.width), f64::from(camera.height));
-    let image = [(0.0, 0.0), (w, 0.0), (0.0, h), (w, h)].map(DVec2::from);
+    let image = [(0.0, 0.0), (w, 0.0), (0.0, h), (w, h)].map_each(DVec2::from);
     let mut slits = Vec::new();
     for piece in pieces.pieces.iter().take(SLITS_MAX) {
         let (class, roots) = piece_class(&piece.bundle);

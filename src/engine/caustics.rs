@@ -1,6 +1,7 @@
 //! The caustics of a scene: photons by a frame of the light's camera, their triangles on the maps of the receivers.
 
 use super::{Engine, RunOptions};
+use crate::arrays::MapEach;
 use crate::engine::plan::Wanted;
 use crate::engine::stage::deposit::{CausticTriangles, Deposit};
 use crate::geometry::mesh::Mesh;
@@ -79,7 +80,7 @@ impl Engine {
 fn upload(gpu: &Gpu, receiver_triangles: &ReceiverTriangles, buffers: &mut Buffers) -> Result<()> {
     let packed = |l: &ReceiverTriangle| {
         let [a, b, c] = l.corners;
-        let [a, ab, ac] = [a, b - a, c - a].map(|v| v.as_vec2().to_array());
+        let [a, ab, ac] = [a, b - a, c - a].map_each(|v| v.as_vec2().to_array());
         layout::ReceiverTriangle { a, ab, ac, receiver: l.receiver, pad0: 0, diffuse: l.diffuse, pad1: 0 }
     };
     // the smallest buffer is larger than the list of a few triangles

@@ -3,6 +3,7 @@
 //! Positions are rebased to an anchor in f64 and stored as f32 pairs. Every triangle names its corners in the
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
+use crate::arrays::MapEach;
 use crate::geometry::mesh::{self, Mesh, NO_NORMAL};
 use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::kernels::SurfaceKind;
@@ -235,7 +236,7 @@ fn has_area(all: MovingMesh, id: u32) -> bool {
         return true;
     }
     let corners = all.corners(id, 0);
-    let [a, b, c] = order_by_position(all, id).map(|k| corners[k]);
+    let [a, b, c] = order_by_position(all, id).map_each(|k| corners[k]);
     all.steps.is_some() || a != b && b != c && (b - a).cross(c - a) != DVec3::ZERO
 }
 
@@ -270,16 +271,16 @@ pub const CORNER_ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0,
 fn packed_triangle(mesh: &Mesh, last: u32, sorted: [usize; 3], index_of: impl Fn(u32) -> u32) -> [u32; 4] {
     let corners = mesh.triangles[(last & ID_MASK) as usize];
     // the place of file corner c in the packed triangle
-    let place = [0, 1, 2].map(|c| sorted.iter().position(|&s| s == c).unwrap_or(0));
+    let place = [0, 1, 2].map_each(|c| sorted.iter().position(|&s| s == c).unwrap_or(0));
     let order = CORNER_ORDERS.iter().position(|o| *o == place).unwrap_or(0) as u32;
-    let [a, b, c] = sorted.map(|s| index_of(corners[s]));
+    let [a, b, c] = sorted.map_each(|s| index_of(corners[s]));
     [a, b, c, last & (ID_MASK | ONE_SIDED) | order << ORDER_SHIFT]
 }
 
 /// Of the sphere with the id and the sidedness in `last`.
 fn packed_sphere(mesh: &Mesh, last: u32, radius: f64, index_of: impl Fn(u32) -> u32) -> [u32; 4] {
     let [centre, ..] = mesh.triangles[(last & ID_MASK) as usize];
-    let [hi, lo] = split2(radius).map(f32::to_bits);
+    let [hi, lo] = split2(radius).map_each(f32::to_bits);
     [index_of(centre), hi, lo, last & (ID_MASK | ONE_SIDED) | SPHERE]
 }
 

@@ -4,6 +4,7 @@
 //! one by corners of the transfer function, one by the legs of curves; and a quarter of 1/512, two shares of 1/4096, by what is left out behind
 //! dark volume and by rounding. `docs/reference/definitions.md`, Volume, has the proof.
 
+use crate::arrays::MapEach;
 use crate::engine::plan::Plan;
 use crate::gpu::kernels::RaysKind;
 use crate::gpu::layout::{Medium, split2};
@@ -25,9 +26,9 @@ const LEAST_SINE: f64 = 1.0 / 8.0;
 pub fn medium(volume: &Volume, scene: &Scene, plan: &Plan) -> Medium {
     let grid = &volume.grid;
     let from_anchor = grid.to_world.inverse() * glam::DAffine3::from_translation(plan.anchor);
-    let rows = [0, 1, 2].map(|row| {
-        let values = [from_anchor.x_axis[row], from_anchor.y_axis[row], from_anchor.z_axis[row]].map(split2);
-        (values.map(|v| v[0]), values.map(|v| v[1]), split2(from_anchor.translation[row]))
+    let rows = [0, 1, 2].map_each(|row| {
+        let values = [from_anchor.x_axis[row], from_anchor.y_axis[row], from_anchor.z_axis[row]].map_each(split2);
+        (values.map_each(|v| v[0]), values.map_each(|v| v[1]), split2(from_anchor.translation[row]))
     });
     let [(x_hi, x_lo, x0), (y_hi, y_lo, y0), (z_hi, z_lo, z0)] = rows;
     let errors = Errors::of(volume, plan);
@@ -45,7 +46,7 @@ pub fn medium(volume: &Volume, scene: &Scene, plan: &Plan) -> Medium {
         z0_hi: z0[0],
         z_lo,
         z0_lo: z0[1],
-        last: grid.sides.map(|n| (n - 1) as f32),
+        last: grid.sides.map_each(|n| (n - 1) as f32),
         layers: plan.slabs.layers,
         corner_rate: errors.corner_rate as f32,
         value_error: errors.value_error as f32,
@@ -78,7 +79,7 @@ impl Table {
             let slope = next.map_or([0.0; 4], |next| {
                 let width = f64::from(next.value) - f64::from(own.value);
                 let (a, b) = (row(own), row(next));
-                [0, 1, 2, 3].map(|n| ((f64::from(b[n]) - f64::from(a[n])) / width) as f32)
+                [0, 1, 2, 3].map_each(|n| ((f64::from(b[n]) - f64::from(a[n])) / width) as f32)
             });
             let steepest = slope[..3].iter().fold(0.0, |most: f32, s| most.max(s.abs()));
             table.point[k + 1] = row(own);

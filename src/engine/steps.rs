@@ -27,6 +27,7 @@ use super::stage::trace::{take_over, trace};
 use super::stage::volume::volume;
 use super::stage::write::write;
 use super::stage::{Dispatch, Pixels};
+use crate::arrays::MapEach;
 use crate::camera::TILE;
 use crate::engine::plan::Plan;
 use crate::gpu::kernels::{Method, OpticsKind, Variant};
@@ -316,7 +317,7 @@ impl StepList<'_> {
             for job in self.jobs(at) {
                 self.pass("edges", job, [edges_by_tile(inputs.tiles(at.band))]);
                 self.pass("sample", job, sample_by_tile());
-                self.steps.extend([Counter::Edges, Counter::RecheckSamples].map(count));
+                self.steps.extend([Counter::Edges, Counter::RecheckSamples].map_each(count));
             }
             return;
         }

@@ -1,6 +1,7 @@
 //! Structs of the surfaces of mirrors and lenses, as `bounce` and `meet` read them.
 
 use super::tables::split_vector;
+use crate::arrays::MapEach;
 use crate::camera::optics::{Facets, Quadric, Smooth, Surface, Torus, Wave};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
@@ -56,7 +57,7 @@ fn corners(facets: &Facets, anchor: DVec3) -> Vec<layout::Corner> {
     let facet = |k: usize| {
         let facet = facets.facet(k);
         let (piece, weights) = (facets.coarse_of(k), facets.coarse_weights(k));
-        [0, 1, 2].map(|c| corner(piece, weights[c], (facet.corners[c], facet.normals[c])))
+        [0, 1, 2].map_each(|c| corner(piece, weights[c], (facet.corners[c], facet.normals[c])))
     };
     (0..facets.triangles.len()).flat_map(facet).collect()
 }

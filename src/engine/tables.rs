@@ -3,6 +3,7 @@
 
 use super::Capacities;
 use super::bounces::Bounce;
+use crate::arrays::MapEach;
 use crate::camera::Camera;
 use crate::camera::optics::{self, Branch, Law, Optics, Surface};
 use crate::engine::plan::hierarchy::PackedBvh;
@@ -242,7 +243,7 @@ const BOUNCED_T_RANGE: [f64; 2] = [0.0, f64::INFINITY];
 
 /// The parameters for rays after a bounce. These are not perturbed: a perturbed ray may have met another surface.
 pub fn after_bounce(own: layout::Params) -> layout::Params {
-    let [t_min, t_max] = BOUNCED_T_RANGE.map(split3);
+    let [t_min, t_max] = BOUNCED_T_RANGE.map_each(split3);
     layout::Params { t_min, t_max, t_words: f64_pair_bits(BOUNCED_T_RANGE), scene_size: 0.0, ..own }
 }
 
@@ -258,7 +259,7 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, bounc
         optics::Bounce::Refract { ior } => split2(ior),
     };
     let [from_hi, from_lo] = split_vector(optics.environment.map_or(DVec3::ZERO, |p| p - plan.anchor));
-    let [[tilt_x_hi, tilt_x_lo], [tilt_y_hi, tilt_y_lo]] = bounce.tilt.to_array().map(split2);
+    let [[tilt_x_hi, tilt_x_lo], [tilt_y_hi, tilt_y_lo]] = bounce.tilt.to_array().map_each(split2);
     let around = optics.surface.bounds();
     let box_centre = (around.lo + around.hi) / 2.0 - plan.anchor;
     let box_half = (around.hi - around.lo) / 2.0;
@@ -303,6 +304,6 @@ const BOX_ROUNDING: f64 = 1.0 / 1048576.0;
 
 /// Each component as a sum of two.
 pub fn split_vector(v: DVec3) -> [[f32; 3]; 2] {
-    let s = v.to_array().map(split2);
-    [s.map(|s| s[0]), s.map(|s| s[1])]
+    let s = v.to_array().map_each(split2);
+    [s.map_each(|s| s[0]), s.map_each(|s| s[1])]
 }

@@ -4,6 +4,8 @@
 //! its ends differ in sign. Nothing is sampled and nothing can be stepped over: a root is lost, or two taken for one,
 //! only where the polynomial is 0 within the bound of its own rounding.
 
+use crate::arrays::MapEach;
+
 /// `sum of Bernstein(i, degree)(t) * c[i]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bernstein {
@@ -146,7 +148,7 @@ impl Bernstein {
                 // c0 + 2 h t + a t^2
                 let (h, a) = (c1 - c0, c0 - 2.0 * c1 + c2);
                 let q = -(h + h.signum() * (h * h - a * c0).max(0.0).sqrt());
-                [Some(q / a), Some(c0 / q)].map(|t| t.filter(|t| t.is_finite()))
+                [Some(q / a), Some(c0 / q)].map_each(|t| t.filter(|t| t.is_finite()))
             }
             1 => [Some(c0 / (c0 - c1)).filter(|t| t.is_finite()), None],
             _ => [None, None],

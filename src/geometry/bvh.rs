@@ -2,6 +2,7 @@
 //!
 //! Boxes are relative to the middle of all items, scaled to within 1, and rounded outwards: no box that a ray enters is left out.
 
+use crate::arrays::MapEach;
 use crate::parallel;
 use glam::DVec3;
 
@@ -107,12 +108,12 @@ impl Frame {
     /// Bounds on a coordinate.
     fn ends(&self, x: DVec3) -> [[f32; 2]; 3] {
         let (near, off) = (x - self.centre, FRAME_ROUNDING * (x.abs() + self.centre.abs()));
-        [0, 1, 2].map(|k| [below((near[k] - off[k]) * self.scale), above((near[k] + off[k]) * self.scale)])
+        [0, 1, 2].map_each(|k| [below((near[k] - off[k]) * self.scale), above((near[k] + off[k]) * self.scale)])
     }
 
     fn boxed(&self, id: u32, b: &Aabb) -> Item {
         let (lo, hi) = (self.ends(b.lo), self.ends(b.hi));
-        Item { lo: lo.map(|ends| ends[0]), hi: hi.map(|ends| ends[1]), id }
+        Item { lo: lo.map_each(|ends| ends[0]), hi: hi.map_each(|ends| ends[1]), id }
     }
 }
 
@@ -146,7 +147,7 @@ impl Item {
 
     /// Half of its surface; 0 where it is empty.
     fn area(&self) -> f32 {
-        let [x, y, z] = [0, 1, 2].map(|k| (self.hi[k] - self.lo[k]).max(0.0));
+        let [x, y, z] = [0, 1, 2].map_each(|k| (self.hi[k] - self.lo[k]).max(0.0));
         x * y + y * z + z * x
     }
 }
@@ -194,7 +195,7 @@ fn split(items: &mut [Item]) -> usize {
         let each = items.iter().map(|item| item.middle(axis));
         each.fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
     };
-    let ends = [0, 1, 2].map(ends);
+    let ends = [0, 1, 2].map_each(ends);
     let extent = |axis: &usize| ends[*axis][1] - ends[*axis][0];
     let axis = (0..3).max_by(|a, b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
     let scale = BINS as f32 / extent(&axis);
@@ -282,10 +283,10 @@ impl Bvh {
     /// A ray against the boxes.
     pub fn ray(&self, origin: DVec3, direction: DVec3, [from, to]: [f64; 2]) -> BoxRay {
         let size = direction.abs().max_element();
-        let inverse = (size / direction).to_array().map(|v| v as f32);
+        let inverse = (size / direction).to_array().map_each(|v| v as f32);
         // a component so small that f32 does not hold its inverse bounds nothing; one of 0 does
         let inverse =
-            [0, 1, 2].map(|k| if inverse[k].is_infinite() && direction[k] != 0.0 { f32::NAN } else { inverse[k] });
+            [0, 1, 2].map_each(|k| if inverse[k].is_infinite() && direction[k] != 0.0 { f32::NAN } else { inverse[k] });
         let scale = [self.frame.scale, size];
         let scaled = |t: f64| t * scale[0] * scale[1];
         BoxRay { origin: self.frame.ends(origin), inverse, ends: [below(scaled(from)), above(scaled(to))], scale }
@@ -315,7 +316,7 @@ impl Bvh {
         let off = FRAME_ROUNDING * (place.abs() + centre.abs()).max_element() * scale;
         let near = |node: &Node| {
             let corner =
-                |ends: &[[f32; WIDTH]; 3], k: usize| DVec3::from([0, 1, 2].map(|axis| f64::from(ends[axis][k])));
+                |ends: &[[f32; WIDTH]; 3], k: usize| DVec3::from([0, 1, 2].map_each(|axis| f64::from(ends[axis][k])));
             [0, 1, 2, 3, 4, 5, 6, 7].map(|k| {
                 let b = Aabb { lo: corner(&node.lo, k), hi: corner(&node.hi, k) };
                 // of an empty box infinite, which is not near

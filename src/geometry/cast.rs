@@ -9,6 +9,7 @@ mod corners;
 mod depth;
 mod exactly;
 
+use crate::arrays::MapEach;
 pub use exactly::ExactCaster;
 
 use super::bvh::{Aabb, Bvh, NONE};
@@ -80,7 +81,7 @@ impl<'a> Caster<'a> {
         let mut limit = f64::INFINITY;
         let ends = [-past(-range[0]), past(range[1])];
         // where either ray may be
-        let rays = [&aim.ray, &aim.perturbed].map(|ray| self.bvh.ray(ray.origin, ray.direction, ends));
+        let rays = [&aim.ray, &aim.perturbed].map_each(|ray| self.bvh.ray(ray.origin, ray.direction, ends));
         self.bvh.walk_rays(&rays, |leaf| {
             for id in self.items(leaf) {
                 for hit in self.meet(aim, id).into_iter().flatten() {
@@ -105,11 +106,11 @@ impl<'a> Caster<'a> {
             let hit = Hit { t, triangle: id, bary: [0.0; 2] };
             shows(self.mesh, &hit, facing).then_some(hit)
         };
-        [(enters, -1.0), (leaves, 1.0)].map(hit)
+        [(enters, -1.0), (leaves, 1.0)].map_each(hit)
     }
 
     fn meet_triangle(&self, aim: &Aim, id: u32) -> Option<Hit> {
-        let corners = Corners::new(self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]));
+        let corners = Corners::new(self.mesh.triangles[id as usize].map_each(|k| self.mesh.positions[k as usize]));
         let sign = corners.sign(&aim.perturbed, |_, _, _| 1.0)?;
         let t = corners.depth(&aim.ray, T_ROUNDING)?;
         let hit = Hit { t, triangle: id, bary: corners.weights(&aim.ray, sign) };
@@ -152,7 +153,7 @@ impl<'a> Caster<'a> {
     }
 
     fn nearest_of(&self, place: DVec3, id: u32) -> Hit {
-        let corners = self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]);
+        let corners = self.mesh.triangles[id as usize].map_each(|k| self.mesh.positions[k as usize]);
         let bary = nearest_weights(place, corners);
         let [a, b, c] = corners;
         if let Some(radius) = self.mesh.radius(id) {
@@ -169,7 +170,7 @@ fn hierarchy(mesh: &Mesh) -> Bvh {
         if let Some(ball) = Ball::of(mesh, id as u32) {
             return Some((id as u32, ball.bounds()));
         }
-        let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
+        let [a, b, c] = t.map_each(|k| mesh.positions[k as usize]);
         (a != b && b != c && c != a).then(|| (id as u32, Aabb::around(&[a, b, c])))
     };
     let items: Vec<(u32, Aabb)> = parallel::flat_map(0..mesh.triangles.len(), |id| boxed((id, &mesh.triangles[id])));
@@ -202,9 +203,9 @@ pub fn as_near(place: DVec3, t: f64) -> f64 {
 
 /// The weights of the second and third corner where a triangle is nearest to a place.
 fn nearest_weights(place: DVec3, v: [DVec3; 3]) -> [f64; 2] {
-    let [a, b, c] = v.map(|v| v - place);
+    let [a, b, c] = v.map_each(|v| v - place);
     let normal = (b - a).cross(c - a);
-    let w = [b.cross(c), c.cross(a), a.cross(b)].map(|area| area.dot(normal));
+    let w = [b.cross(c), c.cross(a), a.cross(b)].map_each(|area| area.dot(normal));
     let sum = w[0] + w[1] + w[2];
     if sum > 0.0 && w.iter().all(|w| *w >= 0.0) {
         return [w[1] / sum, w[2] / sum];

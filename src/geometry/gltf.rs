@@ -6,6 +6,7 @@ mod source;
 #[cfg(test)]
 mod tests;
 
+use crate::arrays::MapEach;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -79,11 +80,13 @@ fn parse(bytes: &[u8], access: FileAccess, images: &Images, animation: Option<&A
 /// The node's own transform, in f64.
 fn parent_from_node(node: &Node) -> DMat4 {
     match node.transform() {
-        Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
+        Transform::Matrix { matrix } => {
+            DMat4::from_cols_array_2d(&matrix.map_each(|column| column.map_each(f64::from)))
+        }
         Transform::Decomposed { translation, rotation, scale } => DMat4::from_scale_rotation_translation(
-            DVec3::from(scale.map(f64::from)),
-            DQuat::from_array(rotation.map(f64::from)).normalize(),
-            DVec3::from(translation.map(f64::from)),
+            DVec3::from(scale.map_each(f64::from)),
+            DQuat::from_array(rotation.map_each(f64::from)).normalize(),
+            DVec3::from(translation.map_each(f64::from)),
         ),
     }
 }
@@ -145,13 +148,13 @@ impl<'a> Builder<'a> {
             let has_image = pbr.metallic_roughness_texture().is_some();
             Material {
                 name: material.name().unwrap_or_default().to_owned(),
-                diffuse: [r, g, b].map(|c| c.clamp(0.0, 1.0)),
+                diffuse: [r, g, b].map_each(|c| c.clamp(0.0, 1.0)),
                 specular: [DIELECTRIC; 3],
                 roughness: pbr.roughness_factor().clamp(0.0, 1.0),
                 metallic: if has_image { 0.0 } else { pbr.metallic_factor().clamp(0.0, 1.0) },
                 emissive: match material.emissive_texture() {
                     Some(_) => [0.0; 3],
-                    None => material.emissive_factor().map(|c| c.clamp(0.0, f32::MAX)),
+                    None => material.emissive_factor().map_each(|c| c.clamp(0.0, f32::MAX)),
                 },
                 ..Material::default()
             }
@@ -285,17 +288,17 @@ impl<'a> Builder<'a> {
             None => &[],
         };
         let normal_of = |corner: u32| normals.get(corner as usize).copied().unwrap_or(NO_NORMAL);
-        self.mesh.corner_normals.extend(triangles.iter().map(|t| t.map(normal_of)));
-        self.mesh.triangles.extend(triangles.iter().map(|t| t.map(|corner| base + corner)));
+        self.mesh.corner_normals.extend(triangles.iter().map(|t| t.map_each(normal_of)));
+        self.mesh.triangles.extend(triangles.iter().map(|t| t.map_each(|corner| base + corner)));
         let first_uv = self.place_uvs(primitive, count)?;
         let uv_of = |corner: u32| match first_uv {
             Some(first) if self.mesh.uvs[(first + corner) as usize].is_finite() => first + corner,
             _ => NO_UV,
         };
-        self.mesh.corner_uvs.extend(triangles.iter().map(|t| t.map(uv_of)));
+        self.mesh.corner_uvs.extend(triangles.iter().map(|t| t.map_each(uv_of)));
         if let Some(first) = self.place_colors(primitive, count)? {
             self.mesh.corner_colors.resize(self.mesh.triangles.len() - triangles.len(), [NO_COLOR; 3]);
-            self.mesh.corner_colors.extend(triangles.iter().map(|t| t.map(|corner| first + corner)));
+            self.mesh.corner_colors.extend(triangles.iter().map(|t| t.map_each(|corner| first + corner)));
         }
         let material = primitive.material().index().unwrap_or_else(|| {
             self.default_is_used = true;
@@ -372,7 +375,7 @@ impl<'a> Builder<'a> {
         }
         let placed = |uv: DVec2| {
             let uv = transform.as_ref().map_or(uv, |t| {
-                let [scale, offset] = [t.scale(), t.offset()].map(|v| DVec2::from(v.map(f64::from)));
+                let [scale, offset] = [t.scale(), t.offset()].map_each(|v| DVec2::from(v.map_each(f64::from)));
                 let (sin, cos) = f64::from(t.rotation()).sin_cos();
                 let scaled = scale * uv;
                 DVec2::new(cos * scaled.x + sin * scaled.y, cos * scaled.y - sin * scaled.x) + offset
@@ -396,7 +399,7 @@ impl<'a> Builder<'a> {
             return Err(Error::input("more than 2^32 - 2 colours; split the file"));
         }
         let in_range = |c: f32| if c.is_finite() { c.clamp(0.0, 1.0) } else { 1.0 };
-        self.mesh.colors.extend(self.source.read_colors(&accessor)?.into_iter().map(|rgb| rgb.map(in_range)));
+        self.mesh.colors.extend(self.source.read_colors(&accessor)?.into_iter().map(|rgb| rgb.map_each(in_range)));
         Ok(Some(first as u32))
     }
 

@@ -7,6 +7,7 @@ mod asc;
 mod geotiff;
 
 use super::mesh::{Material, Mesh, check_memory};
+use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
 use crate::parallel;
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -131,7 +132,7 @@ pub fn mesh(grid: &Grid, spec: &HeightSpec, limits: Limits) -> Result<Mesh> {
             let a = row * columns + column;
             [[a, a + columns, a + columns + 1], [a, a + columns + 1, a + 1]]
         });
-        let complete = cells.map(|t| t.map(|k| vertex_of[k])).filter(|t| !t.contains(&NO_VERTEX));
+        let complete = cells.map(|t| t.map_each(|k| vertex_of[k])).filter(|t| !t.contains(&NO_VERTEX));
         complete.collect::<Vec<[u32; 3]>>()
     };
     let triangles: Vec<[u32; 3]> = parallel::flat_map(0..rows - 1, in_row);
@@ -178,7 +179,7 @@ impl Terrain<'_> {
         let Grid { columns, rows, .. } = *self.grid;
         let here = self.height(column, row);
         let slope = |before: Option<f64>, after: Option<f64>, cell: f64| {
-            let [before, after] = [before, after].map(|h| h.filter(|h| h.is_finite()));
+            let [before, after] = [before, after].map_each(|h| h.filter(|h| h.is_finite()));
             let steps = usize::from(before.is_some()) + usize::from(after.is_some());
             (after.unwrap_or(here) - before.unwrap_or(here)) / (steps.max(1) as f64 * cell)
         };

@@ -6,6 +6,7 @@ use super::spec::{AnimationSpec, MeshSource, MeshSpec, TextureSpec};
 use super::spheres::check_radii;
 use super::texture::{Images, Texture};
 use super::{generate, gltf, heights, obj, place, ply, smooth, stl};
+use crate::arrays::MapEach;
 use crate::input::{Error, Loading, Result};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -61,7 +62,7 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images, lo
         MeshSource::Spheres(spheres) => spheres.load(&spec.called(), loading)?,
         MeshSource::File(path) => load_file(path, (files, spec.animation.as_ref()), of_file, loading)?,
         MeshSource::Between(paths, share) => {
-            let [from, to] = [&paths[0], &paths[1]].map(|path| load_file(path, (files, None), of_file, loading));
+            let [from, to] = [&paths[0], &paths[1]].map_each(|path| load_file(path, (files, None), of_file, loading));
             let (from, to) = (from?, to?);
             let names = || format!("{} and {}", paths[0].display(), paths[1].display());
             blended(from, &to, *share).ok_or_else(|| {

@@ -2,6 +2,7 @@
 
 use super::pattern::Pattern;
 use super::texture::Texture;
+use crate::arrays::MapEach;
 use crate::input::{Limits, Result};
 use crate::parallel;
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -117,19 +118,19 @@ impl Mesh {
     /// The texture coordinates of a triangle's corners; `None` if a corner has none.
     pub fn uvs_of(&self, triangle: usize) -> Option<[Vec2; 3]> {
         let corners = self.corner_uvs.get(triangle).filter(|c| !c.contains(&NO_UV))?;
-        Some(corners.map(|k| self.uvs[k as usize]))
+        Some(corners.map_each(|k| self.uvs[k as usize]))
     }
 
     /// The texture coordinates at barycentric weights of its second and third corner.
     pub fn uv_at(&self, triangle: u32, [u, v]: [f64; 2]) -> Option<DVec2> {
-        let [a, b, c] = self.uvs_of(triangle as usize)?.map(|uv| uv.as_dvec2());
+        let [a, b, c] = self.uvs_of(triangle as usize)?.map_each(|uv| uv.as_dvec2());
         Some((1.0 - u - v) * a + u * b + v * c)
     }
 
     /// The colours of a triangle's corners, white where there are none.
     pub fn colors_of(&self, triangle: usize) -> [[f32; 3]; 3] {
         let corners = self.corner_colors.get(triangle).copied().unwrap_or([NO_COLOR; 3]);
-        corners.map(|k| self.colors.get(k as usize).copied().unwrap_or([1.0; 3]))
+        corners.map_each(|k| self.colors.get(k as usize).copied().unwrap_or([1.0; 3]))
     }
 
     /// Leaves out the colours of vertices.

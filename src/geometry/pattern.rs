@@ -1,5 +1,6 @@
 //! Solid patterns: the colour of a surface is a function of its world position.
 
+use crate::arrays::MapEach;
 use crate::input::Result;
 use crate::input::reader::Field;
 use glam::{DVec3, IVec3};
@@ -76,8 +77,8 @@ impl Pattern {
             }
             PatternKind::Wood => 0.5 + 0.5 * (std::f64::consts::TAU * rings(p)).cos(),
         };
-        [0, 1, 2].map(|k| {
-            let [light, dark] = [self.light[k], self.dark[k]].map(f64::from);
+        [0, 1, 2].map_each(|k| {
+            let [light, dark] = [self.light[k], self.dark[k]].map_each(f64::from);
             dark + share * (light - dark)
         })
     }
@@ -114,7 +115,7 @@ pub fn read_pattern(field: &Field) -> Result<Pattern> {
     table.allow(&["kind", "size", "light", "dark"])?;
     let key = table.need("kind", "\"checker\"")?;
     let name = key.text()?;
-    let known = || PatternKind::ALL.map(|k| format!("{:?}", k.name())).join(", ");
+    let known = || PatternKind::ALL.map_each(|k| format!("{:?}", k.name())).join(", ");
     let kind = PatternKind::ALL.into_iter().find(|k| k.name() == name);
     let kind = kind.ok_or_else(|| key.error(format_args!("{name:?} is no pattern; known: {}", known())))?;
     let plain = Pattern::new(kind, table.or("size", 1.0, Field::above_zero)?);

@@ -1,5 +1,6 @@
 //! Placing meshes in the world by scale, rotation and translation, and merging meshes.
 
+use crate::arrays::MapEach;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use crate::geometry::mesh::{MAX_TRIANGLES, Mesh, NO_COLOR, NO_NORMAL, NO_UV, check_memory};
@@ -50,8 +51,9 @@ pub fn copies(mesh: Mesh, places: &[DAffine3], limits: Limits) -> Result<Mesh> {
     check_memory(limits, (total(triangles) as u64, total(vertices) as u64), what, "use fewer")?;
     // indices fit by the first check
     let shifted = |list: &[[u32; 3]], none: Option<u32>, by: usize| -> Vec<[u32; 3]> {
-        let of =
-            |k: usize| list[k % list.len()].map(|i| if Some(i) == none { i } else { i + (k / list.len() * by) as u32 });
+        let of = |k: usize| {
+            list[k % list.len()].map_each(|i| if Some(i) == none { i } else { i + (k / list.len() * by) as u32 })
+        };
         parallel::map(0..total(list.len()), of)
     };
     let position =
@@ -105,7 +107,7 @@ pub fn size_of(place: &DAffine3) -> f64 {
 
 /// Rz Ry Rx for angles in degrees.
 pub fn rotation_xyz(degrees: DVec3) -> DMat3 {
-    let [(sx, cx), (sy, cy), (sz, cz)] = degrees.to_array().map(sin_cos_deg);
+    let [(sx, cx), (sy, cy), (sz, cz)] = degrees.to_array().map_each(sin_cos_deg);
     let about_x = DMat3::from_cols(DVec3::X, DVec3::new(0.0, cx, sx), DVec3::new(0.0, -sx, cx));
     let about_y = DMat3::from_cols(DVec3::new(cy, 0.0, -sy), DVec3::Y, DVec3::new(sy, 0.0, cy));
     let about_z = DMat3::from_cols(DVec3::new(cz, sz, 0.0), DVec3::new(-sz, cz, 0.0), DVec3::Z);
@@ -126,7 +128,7 @@ fn sin_cos_deg(degrees: f64) -> (f64, f64) {
 /// The inverse transpose of `matrix` up to a positive factor; `None` if the matrix is singular or not finite.
 pub(crate) fn world_normal_from_object(matrix: DMat3) -> Option<DMat3> {
     // Scaled first: a determinant of small or large scales leaves the range of f64.
-    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| {
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map_each(|axis| {
         let largest = axis.abs().max_element();
         (axis / largest, largest)
     });
@@ -137,7 +139,8 @@ pub(crate) fn world_normal_from_object(matrix: DMat3) -> Option<DMat3> {
         return None;
     }
     let largest = cofactors.iter().map(|c| c.abs().max_element()).fold(0.0, f64::max);
-    let inverse_transpose = DMat3::from_cols_array_2d(&cofactors.map(|c| (c / largest * determinant.signum()).into()));
+    let inverse_transpose =
+        DMat3::from_cols_array_2d(&cofactors.map_each(|c| (c / largest * determinant.signum()).into()));
     inverse_transpose.is_finite().then_some(inverse_transpose)
 }
 
@@ -258,17 +261,17 @@ fn append_as(has: Attributes, all: &mut Mesh, mesh: Mesh) {
     all.colors.extend_from_slice(&mesh.colors);
     all.materials.extend(mesh.materials);
     all.missing.extend(mesh.missing);
-    all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + position)));
+    all.triangles.extend(mesh.triangles.iter().map(|t| t.map_each(|i| i + position)));
     all.material_of.extend(mesh.material_of.iter().map(|m| m + material));
     let shifted = |none: u32, by: u32| move |k: u32| if k == none { none } else { k + by };
     if has.normals {
-        all.corner_normals.extend(mesh.corner_normals.iter().map(|t| t.map(shifted(NO_NORMAL, normal))));
+        all.corner_normals.extend(mesh.corner_normals.iter().map(|t| t.map_each(shifted(NO_NORMAL, normal))));
     }
     if has.uvs {
-        all.corner_uvs.extend(mesh.corner_uvs.iter().map(|t| t.map(shifted(NO_UV, uv))));
+        all.corner_uvs.extend(mesh.corner_uvs.iter().map(|t| t.map_each(shifted(NO_UV, uv))));
     }
     if has.colors {
-        all.corner_colors.extend(mesh.corner_colors.iter().map(|t| t.map(shifted(NO_COLOR, color))));
+        all.corner_colors.extend(mesh.corner_colors.iter().map(|t| t.map_each(shifted(NO_COLOR, color))));
     }
     if has.radii {
         all.radii.extend_from_slice(&mesh.radii);

@@ -1,5 +1,6 @@
 //! The transforms of the copies of a mesh.
 
+use crate::arrays::MapEach;
 use crate::image::read_npy_affines;
 use crate::input::load::with_tree;
 use crate::input::reader::Field;
@@ -68,7 +69,7 @@ fn check(place: &DAffine3) -> std::result::Result<(), &'static str> {
         return Err("an entry is not finite; use finite numbers");
     }
     let m = place.matrix3;
-    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis / axis.abs().max_element());
+    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map_each(|axis| axis / axis.abs().max_element());
     // NaN, and so not greater, if a column is zero
     match x.dot(y.cross(z)).abs() > DETERMINANT_ERROR {
         true => Ok(()),

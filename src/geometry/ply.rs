@@ -7,6 +7,7 @@ mod tests;
 
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_NORMAL, NO_UV, check_memory};
 use super::texture::{Images, ImagesRead, Texture, linear_of_srgb};
+use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
 use element::{Face, STRIP_END, Skipped, Vertex};
 use glam::Vec2;
@@ -235,16 +236,16 @@ fn assemble(vertices: &[Vertex], faces: &[Face], has: Attributes, textures: usiz
                 )));
             }
             let first = mesh.uvs.len() as u32;
-            mesh.uvs.extend(pairs.iter().map(|uv| Vec2::from(uv.map(|x| x as f32))));
+            mesh.uvs.extend(pairs.iter().map(|uv| Vec2::from(uv.map_each(|x| x as f32))));
             let uv_of = |c: u32| if face.texcoords.is_empty() { NO_UV } else { first + c };
-            mesh.corner_uvs.extend(triangles.iter().map(|t| t.map(uv_of)));
+            mesh.corner_uvs.extend(triangles.iter().map(|t| t.map_each(uv_of)));
         }
         if colors_of_faces {
             let color = linear(face.color.unwrap_or([1.0; 3]), || format!("face {k}"))?;
             mesh.corner_colors.resize(mesh.corner_colors.len() + triangles.len(), [mesh.colors.len() as u32; 3]);
             mesh.colors.push(color);
         }
-        mesh.triangles.extend(triangles.iter().map(|t| t.map(|c| corners[c as usize])));
+        mesh.triangles.extend(triangles.iter().map(|t| t.map_each(|c| corners[c as usize])));
         let material = usize::try_from(face.texture).ok().filter(|t| *t < textures).unwrap_or(0);
         mesh.material_of.resize(mesh.triangles.len(), material as u32);
     }
@@ -288,7 +289,7 @@ fn drop_unusable(mesh: &mut Mesh) {
 /// Linear light of an sRGB colour from 0 to 1.
 fn linear(color: [f64; 3], of: impl Fn() -> String) -> std::result::Result<[f32; 3], Wrong> {
     if color.iter().all(|c| c.is_finite()) {
-        return Ok(color.map(|c| linear_of_srgb(c.clamp(0.0, 1.0)) as f32));
+        return Ok(color.map_each(|c| linear_of_srgb(c.clamp(0.0, 1.0)) as f32));
     }
     Err(Wrong::File(format!("{} has a colour that is not finite; use finite numbers", of())))
 }
@@ -313,7 +314,7 @@ fn strip(corners: &[i64]) -> Vec<[u32; 3]> {
     let mut first = 0;
     for part in corners.split(|k| *k == STRIP_END) {
         let ordered = |k: u32| if k.is_multiple_of(2) { [k, k + 1, k + 2] } else { [k + 1, k, k + 2] };
-        triangles.extend((0..part.len().saturating_sub(2) as u32).map(|k| ordered(k).map(|c| first + c)));
+        triangles.extend((0..part.len().saturating_sub(2) as u32).map(|k| ordered(k).map_each(|c| first + c)));
         first += part.len() as u32 + 1;
     }
     triangles

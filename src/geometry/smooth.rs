@@ -1,6 +1,7 @@
 //! Vertex normals for meshes without them.
 
 use super::mesh::{Mesh, NO_NORMAL};
+use crate::arrays::MapEach;
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -13,13 +14,13 @@ pub fn smooth(mesh: &mut Mesh) {
     let mut vertex = |p: &DVec3| {
         let next = vertices.len();
         // adding 0 makes -0 and 0 equal
-        *vertices.entry(p.to_array().map(|x| (x + 0.0).to_bits())).or_insert(next)
+        *vertices.entry(p.to_array().map_each(|x| (x + 0.0).to_bits())).or_insert(next)
     };
     let vertex_of: Vec<usize> = mesh.positions.iter().map(&mut vertex).collect();
     // the sum of weighted normals, and its error bound
     let mut sums = vec![(DVec3::ZERO, 0.0); vertices.len()];
     for triangle in &mesh.triangles {
-        let corners = triangle.map(|i| mesh.positions[i as usize]);
+        let corners = triangle.map_each(|i| mesh.positions[i as usize]);
         for (i, (normal, error)) in triangle.iter().zip(weighted_normals(corners)) {
             let sum = &mut sums[vertex_of[*i as usize]];
             *sum = (sum.0 + normal, sum.1 + error);
@@ -53,14 +54,14 @@ const ERROR: f64 = 32.0 * f64::EPSILON;
 
 /// The triangle's unit normal times its angle at each corner, and an error bound. Zero if the triangle has no area.
 fn weighted_normals(corners: [DVec3; 3]) -> [(DVec3, f64); 3] {
-    let edges = [0, 1, 2].map(|k| corners[(k + 1) % 3] - corners[k]);
+    let edges = [0, 1, 2].map_each(|k| corners[(k + 1) % 3] - corners[k]);
     // scaled, as squares of large or small lengths overflow or underflow
     let size = edges.iter().map(|e| e.abs().max_element()).fold(0.0, f64::max);
-    let edges = edges.map(|e| e / size);
+    let edges = edges.map_each(|e| e / size);
     let cross = edges[0].cross(edges[1]);
     let Some(normal) = cross.try_normalize() else { return [(DVec3::ZERO, 0.0); 3] };
     let condition = edges[0].length() * edges[1].length() / cross.length();
-    [0, 1, 2].map(|k| {
+    [0, 1, 2].map_each(|k| {
         let (after, before) = (edges[k], -edges[(k + 2) % 3]);
         let angle = after.cross(before).length().atan2(after.dot(before));
         (angle * normal, ERROR * (angle * condition + 1.0))

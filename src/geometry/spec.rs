@@ -1,5 +1,6 @@
 //! `[[mesh]]`: the source of triangles, and their placement.
 
+use crate::arrays::MapEach;
 use std::path::PathBuf;
 
 use glam::{DVec2, DVec3};
@@ -405,7 +406,7 @@ fn read_reflectance(field: &Field) -> Result<[f32; 3]> {
 pub fn read_radiance(field: &Field) -> Result<[f32; 3]> {
     let rgb: [f64; 3] = field.numbers("linear RGB of 0 and above, as [r, g, b]")?;
     match rgb.iter().all(|c| (0.0..=f64::from(f32::MAX)).contains(c)) {
-        true => Ok(rgb.map(|c| c as f32)),
+        true => Ok(rgb.map_each(|c| c as f32)),
         false => Err(field.error("there is no less light than none and no more than f32 holds")),
     }
 }

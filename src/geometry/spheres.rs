@@ -2,6 +2,7 @@
 
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
 use super::ply;
+use crate::arrays::MapEach;
 use crate::image::{read_npy_columns, read_npy_rows, read_points};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Limits, Loading, Result};
@@ -105,7 +106,7 @@ impl SpheresSpec {
             None => points.colors.take(),
             Some(ColorsSpec::Given(colors)) => Some(colors.to_vec()),
             Some(ColorsSpec::File(path)) => {
-                Some(read_npy_rows::<3>(path, loading)?.into_iter().map(|c| c.map(|x| x as f32)).collect())
+                Some(read_npy_rows::<3>(path, loading)?.into_iter().map(|c| c.map_each(|x| x as f32)).collect())
             }
         };
         spheres_of(points.centres, radii, colors, loading.limits())

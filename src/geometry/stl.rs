@@ -2,6 +2,7 @@
 
 use super::lex::{Lines, Tokens, parse_f64, quoted};
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
+use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -48,9 +49,9 @@ fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
         if !triangle.iter().all(|v| v.is_finite()) {
             return Err(wrong(format!("triangle {k} has a corner that is not finite; use finite numbers")));
         }
-        mesh.triangles.push(triangle.map(|v| {
+        mesh.triangles.push(triangle.map_each(|v| {
             // 0 and -0 are one place
-            *known.entry((v + 0.0).to_array().map(f64::to_bits)).or_insert_with(|| {
+            *known.entry((v + 0.0).to_array().map_each(f64::to_bits)).or_insert_with(|| {
                 mesh.positions.push(v);
                 mesh.positions.len() as u32 - 1
             })
@@ -87,7 +88,7 @@ fn read_binary(bytes: &[u8], name: &str) -> Result<Vec<[DVec3; 3]>> {
         f64::from(f32::from_le_bytes([t[4 * k], t[4 * k + 1], t[4 * k + 2], t[4 * k + 3]]))
     };
     let corner = |t: &[u8; TRIANGLE], k: usize| DVec3::new(number(t, k), number(t, k + 1), number(t, k + 2));
-    Ok(triangles.iter().map(|t| [3, 6, 9].map(|k| corner(t, k))).collect())
+    Ok(triangles.iter().map(|t| [3, 6, 9].map_each(|k| corner(t, k))).collect())
 }
 
 fn read_text(bytes: &[u8], name: &str) -> Result<Vec<[DVec3; 3]>> {

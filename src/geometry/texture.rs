@@ -1,5 +1,6 @@
 //! Images on surfaces, decoded to linear light.
 
+use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
 use crate::parallel;
 use glam::DVec2;
@@ -95,7 +96,7 @@ impl Texture {
         let Texels { width, height, rgba } = &*self.texels;
         let x = wrapped(column, i64::from(*width), self.wrap[0]);
         let y = wrapped(row, i64::from(*height), self.wrap[1]);
-        let [r, g, b, a] = rgba[(y * i64::from(*width) + x) as usize].map(f64::from);
+        let [r, g, b, a] = rgba[(y * i64::from(*width) + x) as usize].map_each(f64::from);
         let a = if self.cutoff.is_some() { a } else { 1.0 };
         [r * a, g * a, b * a, a]
     }
@@ -142,7 +143,7 @@ impl Texels {
         }
         let [linear, plain] = tables();
         let texel = |p: &[u8]| {
-            let [r, g, b] = [p[0], p[1], p[2]].map(|v| linear[usize::from(v)]);
+            let [r, g, b] = [p[0], p[1], p[2]].map_each(|v| linear[usize::from(v)]);
             [r, g, b, plain[usize::from(p.get(3).copied().unwrap_or(u8::MAX))]]
         };
         let rgba = srgb8.chunks_exact(each).map(texel).collect();
@@ -242,12 +243,12 @@ pub fn decode(bytes: &[u8]) -> Result<Texels> {
         // light as it is
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
             let clamped = |v: f32| f16::from_f32(v.clamp(0.0, f16::MAX.to_f32()));
-            parallel::map(image.into_rgba32f().as_chunks::<4>().0, |p| p.map(clamped))
+            parallel::map(image.into_rgba32f().as_chunks::<4>().0, |p| p.map_each(clamped))
         }
         _ => {
             let [linear, plain] = tables();
             let pixel = |p: &[u8; 4]| {
-                let [r, g, b] = [p[0], p[1], p[2]].map(|v| linear[usize::from(v)]);
+                let [r, g, b] = [p[0], p[1], p[2]].map_each(|v| linear[usize::from(v)]);
                 [r, g, b, plain[usize::from(p[3])]]
             };
             parallel::map(image.into_rgba8().as_chunks::<4>().0, pixel)
@@ -288,7 +289,7 @@ pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2, limi
     let mask = Texture { cutoff: by_alpha.then_some(0.0), ..mask };
     let size = |t: &Texture| [t.texels.width, t.texels.height];
     let [width, height] = match &colours {
-        Some(colours) => [0, 1].map(|k| size(colours)[k].max(size(&mask)[k])),
+        Some(colours) => [0, 1].map_each(|k| size(colours)[k].max(size(&mask)[k])),
         None => size(&mask),
     };
     let what = format_args!("an image with its mask, {width} x {height} texels,");
@@ -298,7 +299,7 @@ pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2, limi
         let uv = DVec2::new((x as f64 + 0.5) / f64::from(width), 1.0 - (y as f64 + 0.5) / f64::from(height));
         let [r, g, b, _] = colours.as_ref().map_or([1.0; 4], |c| c.at(uv));
         let [light, _, _, alpha] = mask.at(uv + offset);
-        [r, g, b, if by_alpha { alpha } else { srgb_of_linear(light) }].map(f16::from_f64)
+        [r, g, b, if by_alpha { alpha } else { srgb_of_linear(light) }].map_each(f16::from_f64)
     };
     let rgba = parallel::map(0..width as usize * height as usize, texel);
     Ok(Arc::new(Texels { width, height, rgba }))

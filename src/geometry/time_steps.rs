@@ -1,6 +1,7 @@
 //! Vertices that move while an image is taken: their positions and normals at several times, and linear between two of them.
 
 use super::mesh::{Mesh, joined, sphere_box};
+use crate::arrays::MapEach;
 use crate::parallel;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
@@ -105,13 +106,13 @@ impl TimeSteps {
 
     /// A vertex at a time.
     pub fn position_at(&self, mesh: &Mesh, vertex: u32, at: Moment) -> DVec3 {
-        let [a, b] = [at.step, at.step + 1].map(|step| self.position(mesh, vertex, step));
+        let [a, b] = [at.step, at.step + 1].map_each(|step| self.position(mesh, vertex, step));
         a + at.share() * (b - a)
     }
 
     /// A normal at a time, not of unit length.
     pub fn normal_at(&self, mesh: &Mesh, normal: u32, at: Moment) -> DVec3 {
-        let [a, b] = [at.step, at.step + 1].map(|step| self.normal(mesh, normal, step).as_dvec3());
+        let [a, b] = [at.step, at.step + 1].map_each(|step| self.normal(mesh, normal, step).as_dvec3());
         a + at.share() * (b - a)
     }
 
@@ -128,7 +129,7 @@ impl TimeSteps {
     /// A vertex at any time, without rounding it.
     fn exact_position(&self, mesh: &Mesh, vertex: u32, time: f64) -> DVec3 {
         let (step, share) = between(&self.times, time);
-        let [a, b] = [step, step + 1].map(|k| self.position(mesh, vertex, k as u32));
+        let [a, b] = [step, step + 1].map_each(|k| self.position(mesh, vertex, k as u32));
         a + share * (b - a)
     }
 
@@ -167,19 +168,19 @@ impl TimeSteps {
         let others = || (0..self.steps[0].positions.len()).filter(|v| !but.contains(v));
         let normals = 0..self.steps[0].normals.len() as u32;
         let is_same = |a: usize, b: usize| {
-            let [a, b] = [a, b].map(|k| k as u32);
+            let [a, b] = [a, b].map_each(|k| k as u32);
             others().all(|v| self.position(mesh, v as u32, a) == self.position(mesh, v as u32, b))
                 && normals.clone().all(|n| self.normal(mesh, n, a) == self.normal(mesh, n, b))
         };
         let is_between = |a: usize, k: usize, b: usize| {
             let share = (self.times[k] - self.times[a]) / (self.times[b] - self.times[a]);
             let is_straight = |v: usize| {
-                let [p, q, r] = [a, k, b].map(|k| self.position(mesh, v as u32, k as u32));
+                let [p, q, r] = [a, k, b].map_each(|k| self.position(mesh, v as u32, k as u32));
                 let reach = p.abs().max(r.abs()).max_element();
                 (q - (p + share * (r - p))).abs().max_element() <= STRAIGHT_ROUNDING * reach
             };
             let is_steady = |n: u32| {
-                let [p, q, r] = [a, k, b].map(|k| self.normal(mesh, n, k as u32));
+                let [p, q, r] = [a, k, b].map_each(|k| self.normal(mesh, n, k as u32));
                 p == q && q == r
             };
             others().all(is_straight) && normals.clone().all(is_steady)
@@ -187,7 +188,7 @@ impl TimeSteps {
         let mut kept: Vec<usize> = (0..self.times.len()).collect();
         let mut at = 0;
         while at < kept.len() {
-            let [before, after] = [at.checked_sub(1), Some(at + 1)].map(|k| k.and_then(|k| kept.get(k).copied()));
+            let [before, after] = [at.checked_sub(1), Some(at + 1)].map_each(|k| k.and_then(|k| kept.get(k).copied()));
             let is_left_out = match (before, after) {
                 (Some(a), Some(b)) => is_between(a, kept[at], b),
                 (None, Some(other)) | (Some(other), None) => is_same(other, kept[at]),
@@ -213,7 +214,7 @@ impl TimeSteps {
 
     fn exact_normal(&self, mesh: &Mesh, normal: u32, time: f64) -> Vec3 {
         let (step, share) = between(&self.times, time);
-        let [a, b] = [step, step + 1].map(|k| self.normal(mesh, normal, k as u32).as_dvec3());
+        let [a, b] = [step, step + 1].map_each(|k| self.normal(mesh, normal, k as u32).as_dvec3());
         (a + share * (b - a)).normalize_or(a).as_vec3()
     }
 
@@ -266,7 +267,7 @@ impl<'a> MovingMesh<'a> {
 
     /// The corners of a triangle at a time step, in the order of its file.
     pub fn corners(self, id: u32, step: u32) -> [DVec3; 3] {
-        self.mesh.triangles[id as usize].map(|v| self.position(v, step))
+        self.mesh.triangles[id as usize].map_each(|v| self.position(v, step))
     }
 
     /// The corners of the box around all vertices at all times; `None` without any.

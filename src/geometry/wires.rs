@@ -1,5 +1,6 @@
 //! The lines that say what a scene's meshes look like: creases, borders and outlines.
 
+use crate::arrays::MapEach;
 use crate::geometry::mesh::Mesh;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
@@ -51,13 +52,13 @@ pub fn of(mesh: &Mesh, on_page: Option<OnPage>) -> Wires {
 
 /// All edges in the order of their first triangles; vertices at one place are one.
 fn edges(mesh: &Mesh) -> Vec<Edge> {
-    let bits = |v: u32| (mesh.positions[v as usize] + 0.0).to_array().map(f64::to_bits);
+    let bits = |v: u32| (mesh.positions[v as usize] + 0.0).to_array().map_each(f64::to_bits);
     let mut number = HashMap::new();
     let same: Vec<u32> = (0..mesh.positions.len() as u32).map(|v| *number.entry(bits(v)).or_insert(v)).collect();
     let mut index = HashMap::new();
     let mut edges: Vec<Edge> = Vec::new();
     for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|v| same[v as usize]);
+        let [a, b, c] = triangle.map_each(|v| same[v as usize]);
         for (from, to, third) in [(a, b, c), (b, c, a), (c, a, b)] {
             let (from, to) = (from.min(to), from.max(to));
             let at = |v: u32| mesh.positions[v as usize];

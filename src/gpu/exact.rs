@@ -9,6 +9,7 @@ use super::buffers::{Buffers, Pipeline};
 use super::device::label;
 use super::kernels::parts::*;
 use super::single::{run, words};
+use crate::arrays::MapEach;
 use crate::input::{Error, Result};
 
 /// What is compared, with the words of a case where it stands.
@@ -62,14 +63,14 @@ pub fn kernel() -> Kernel {
 
 impl Case {
     fn given(&self) -> [u32; CASE_WORDS] {
-        let [x, y] = self.pair.map(f32::to_bits);
-        let [number, a, b] = [self.number, self.factors[0], self.factors[1]].map(words_of);
+        let [x, y] = self.pair.map_each(f32::to_bits);
+        let [number, a, b] = [self.number, self.factors[0], self.factors[1]].map_each(words_of);
         [x, y, number[0], number[1], a[0], a[1], b[0], b[1]]
     }
 
     /// The CPU's answer.
     fn expected(&self) -> [u32; CASE_WORDS] {
-        let [x, y] = self.pair.map(f64::from);
+        let [x, y] = self.pair.map_each(f64::from);
         let (sum, product) = (words_of(x + y), words_of(x * y));
         let head = nearest_f32(self.number);
         let rest = (self.number - f64::from(head)) as f32;

@@ -3,6 +3,7 @@
 //!
 //! `tests/wgsl_layout.rs` compares names, offsets, sizes and constants of both sides.
 
+use crate::arrays::MapEach;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
@@ -135,13 +136,13 @@ pub struct Vertex {
 
 impl Vertex {
     pub fn new(position: DVec3) -> Vertex {
-        let [[a, b], [c, d], [e, f]] = position.to_array().map(split2);
+        let [[a, b], [c, d], [e, f]] = position.to_array().map_each(split2);
         Vertex { hi: [a, c, e], lo: [b, d, f], pad: [0.0; 2] }
     }
 
     /// As stored.
     pub fn position(&self) -> DVec3 {
-        DVec3::from(self.hi.map(f64::from)) + DVec3::from(self.lo.map(f64::from))
+        DVec3::from(self.hi.map_each(f64::from)) + DVec3::from(self.lo.map_each(f64::from))
     }
 }
 
@@ -709,6 +710,6 @@ pub fn split3(value: f64) -> [f32; 4] {
 /// Two numbers as f64, low words first, what lies beyond f32 cut off.
 pub fn f64_pair_bits(pair: [f64; 2]) -> [u32; 4] {
     let most = f64::from(f32::MAX);
-    let [a, b] = pair.map(|v| v.clamp(-most, most).to_bits());
+    let [a, b] = pair.map_each(|v| v.clamp(-most, most).to_bits());
     [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32]
 }

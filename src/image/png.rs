@@ -1,5 +1,6 @@
 //! 8-bit sRGB PNG files.
 
+use crate::arrays::MapEach;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -111,7 +112,7 @@ pub fn toned8(tone: Tone, linear: f32) -> u8 {
 
 /// A frame's colour as opaque 8-bit sRGB, four bytes a pixel; `None` without colour.
 pub fn opaque8(frame: &Frame, tone: Tone) -> Option<Vec<u8>> {
-    let [r, g, b] = [Channel::R, Channel::G, Channel::B].map(|channel| frame.f32(channel));
+    let [r, g, b] = [Channel::R, Channel::G, Channel::B].map_each(|channel| frame.f32(channel));
     let byte = |linear: &f32| toned8(tone, *linear);
     Some(r?.iter().zip(g?).zip(b?).flat_map(|((r, g), b)| [byte(r), byte(g), byte(b), u8::MAX]).collect())
 }

@@ -2,6 +2,7 @@
 //! sphere. Between two names of a `file` there is a table of both, and of the share of the way from the one to the other.
 
 use super::reader::{Field, Source};
+use crate::arrays::MapEach;
 use crate::input::Result;
 use crate::input::tree::{Entry, Node, Value};
 use glam::{DQuat, DVec4};
@@ -199,7 +200,7 @@ fn rotated(a: &Key, b: &Key, frame: f64) -> Value {
     let part = rotation.xyz().normalize_or_zero() * sin;
     let q = (from * DQuat::from_xyzw(part.x, part.y, part.z, cos)).normalize();
     let place = a.value.node().place;
-    Value::List([q.w, q.x, q.y, q.z].map(|x| Node { value: Value::Float(x), place }).into())
+    Value::List([q.w, q.x, q.y, q.z].map_each(|x| Node { value: Value::Float(x), place }).into())
 }
 
 /// Whole numbers as such, for the keys that want them.

@@ -1,5 +1,6 @@
 //! Typed reading of the value tree. Every error is one line: where, what is wrong, and what to write.
 
+use crate::arrays::MapEach;
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
@@ -196,7 +197,7 @@ impl<'a> Field<'a> {
             _ => return Err(self.wrong(expected)),
         }
         let [a, b, c] = [row(a)?, row(b)?, row(c)?];
-        let [x, y, z, translation] = [0, 1, 2, 3].map(|k| DVec3::new(a[k], b[k], c[k]));
+        let [x, y, z, translation] = [0, 1, 2, 3].map_each(|k| DVec3::new(a[k], b[k], c[k]));
         Ok(DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation })
     }
 
@@ -207,7 +208,7 @@ impl<'a> Field<'a> {
             let [r, g, b] = rgb;
             return Err(self.error(format_args!("colours lie in [0, 1]; [{r}, {g}, {b}] does not")));
         }
-        Ok(rgb.map(|c| c as f32))
+        Ok(rgb.map_each(|c| c as f32))
     }
 
     /// The items of a list; `expected` says what the error asks for.

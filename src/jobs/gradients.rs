@@ -2,6 +2,7 @@
 
 use super::Backend;
 use super::options::Gradients as Named;
+use crate::arrays::MapEach;
 use crate::camera::Camera;
 use crate::camera::change::{PixelRay, rate};
 use crate::engine::stage::gradient::Gradient;
@@ -34,7 +35,7 @@ pub fn gradients_of(
     let number = |key| Ok((key, keys.number(key, loading)?));
     let numbers: Vec<(&str, f64)> = asked.numbers().map(number).collect::<Result<_>>()?;
     let rays = camera.pixel_rays(asked.has_coverage());
-    let corners = |id: u32| scene.mesh.triangles[id as usize].map(|v| scene.mesh.positions[v as usize]);
+    let corners = |id: u32| scene.mesh.triangles[id as usize].map_each(|v| scene.mesh.positions[v as usize]);
     let (width, height) = size;
     let seen = Seen { width, height, rays: &rays, ids, corners: &corners, has_edges: asked.has_coverage() };
     let kernels = match backend {

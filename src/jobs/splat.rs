@@ -1,6 +1,7 @@
 //! Splatting: each pixel shows the nearest of the points whose images lie in it.
 
 use super::project::CHUNK;
+use crate::arrays::MapEach;
 use crate::camera::Camera;
 use crate::camera::project::Projector;
 use crate::engine::stage::splat::Splat;
@@ -108,7 +109,7 @@ impl Splatted {
             (NO_ID, _) => [0; 4],
             (_, None) => [255; 4],
             (k, Some(colors)) => {
-                let [r, g, b] = colors[k as usize].map(srgb8);
+                let [r, g, b] = colors[k as usize].map_each(srgb8);
                 [r, g, b, 255]
             }
         };

@@ -7,6 +7,7 @@ use super::job::{Change, RenderJob, load_from};
 use super::options::{Gradients, Named};
 use super::strips::{self, Strips};
 use super::{judged, memory, points, samples};
+use crate::arrays::MapEach;
 use crate::camera::{Camera, Rays};
 use crate::engine::combinations::{Asked, at_once};
 use crate::engine::left_out::LeftOut;
@@ -274,7 +275,7 @@ impl Work {
         if let Some((next_scene, next_camera)) = &self.next {
             say("finding where all of it is in the next frame");
             let planes = motion::motion((scene, camera), (next_scene, next_camera), &rendered.frame)?;
-            more.extend(motion::NAMES.map(String::from).into_iter().zip(planes));
+            more.extend(motion::NAMES.map_each(String::from).into_iter().zip(planes));
         }
         say("writing");
         if !is_written {

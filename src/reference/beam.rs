@@ -1,6 +1,7 @@
 //! All rays of a bundle within a box about its centre, as an interval of origins and one of directions.
 
 use super::bvh::Probe;
+use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 use glam::DVec3;
 
@@ -47,7 +48,7 @@ impl Beam {
         }
         let origin = hull(&bundle.p, &bundle.h, r, h_size / (h_min * h_min))?;
         let direction = hull(&bundle.d, &bundle.h, r, h_size / (h_min * h_min))?;
-        let reversed = Interval3 { lo: direction.hi.map(|v| -v), hi: direction.lo.map(|v| -v) };
+        let reversed = Interval3 { lo: direction.hi.map_each(|v| -v), hi: direction.lo.map_each(|v| -v) };
         Some(Beam { forward: Half::new(origin, direction), backward: Half::new(origin, reversed) })
     }
 }
@@ -89,9 +90,9 @@ impl Half {
     /// inverse is finite; wider is still conservative.
     fn new(origin: Interval3, direction: Interval3) -> Half {
         let normal = |v: f64, outward: f64| if v.abs() < f64::MIN_POSITIVE { outward } else { v };
-        let lo = direction.lo.map(|v| normal(v, -f64::MIN_POSITIVE));
-        let hi = direction.hi.map(|v| normal(v, f64::MIN_POSITIVE));
-        let inverse = Interval3 { lo: lo.map(f64::recip), hi: hi.map(f64::recip) };
+        let lo = direction.lo.map_each(|v| normal(v, -f64::MIN_POSITIVE));
+        let hi = direction.hi.map_each(|v| normal(v, f64::MIN_POSITIVE));
+        let inverse = Interval3 { lo: lo.map_each(f64::recip), hi: hi.map_each(f64::recip) };
         Half { origin, direction: Interval3 { lo, hi }, inverse }
     }
 

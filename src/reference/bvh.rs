@@ -1,5 +1,6 @@
 //! A bounding volume hierarchy over triangles, in f64.
 
+use crate::arrays::MapEach;
 use crate::parallel;
 use glam::DVec3;
 
@@ -158,7 +159,7 @@ struct Binning {
 impl Binning {
     fn bin(&self, item: &Item) -> [usize; 3] {
         let at = (centre(item) - self.lo) * self.scale;
-        at.to_array().map(|v| (v as usize).min(BINS - 1))
+        at.to_array().map_each(|v| (v as usize).min(BINS - 1))
     }
 }
 

@@ -3,6 +3,7 @@
 use super::light::albedo;
 use super::path::{Path, Segment};
 use super::{Hit, Outcome, Reference};
+use crate::arrays::MapEach;
 use crate::camera::Camera;
 use crate::parallel;
 use crate::scene::Scene;
@@ -47,7 +48,7 @@ fn photon(caustics: &Caustics, first_id: u32, shown: &Outcome) -> Photon {
     if shown.first.is_none() {
         return Photon { fate: Fate::Direct, left: [1.0; 3] };
     }
-    let left = caustics.optics.tint.map(|tint| f64::from(tint).powi(shown.bounces as i32));
+    let left = caustics.optics.tint.map_each(|tint| f64::from(tint).powi(shown.bounces as i32));
     let fate = match shown.seen {
         None => Fate::Missed,
         Some(seen) if seen.hit.triangle >= first_id => Fate::Absorbed,
@@ -80,7 +81,7 @@ fn add(map: &mut Map, triangle: &CausticTriangle, budget: &mut FluxBudget) {
 
 /// The light that a receiver adds to the colour of a hit: diffuse reflection of the caustic.
 pub fn reflected(scene: &Scene, caustics: &CausticMaps, triangle: u32, bary: [f64; 2]) -> [f32; 3] {
-    let corners = scene.mesh.triangles[triangle as usize].map(|k| scene.mesh.positions[k as usize]);
+    let corners = scene.mesh.triangles[triangle as usize].map_each(|k| scene.mesh.positions[k as usize]);
     let Some(map) = caustics.maps.iter().find(|m| corners.iter().all(|p| is_in_plane(&m.receiver, *p))) else {
         return [0.0; 3];
     };
@@ -88,7 +89,7 @@ pub fn reflected(scene: &Scene, caustics: &CausticMaps, triangle: u32, bary: [f6
     let p: DVec3 = a + bary[0] * (b - a) + bary[1] * (c - a);
     let diffuse = albedo(&scene.mesh, corners, &Hit { t: 0.0, triangle, bary });
     let received = map.irradiance(map.receiver.texels_of(p)).unwrap_or_default();
-    [0, 1, 2].map(|k| (f64::from(diffuse[k]) * received[k] / std::f64::consts::PI) as f32)
+    [0, 1, 2].map_each(|k| (f64::from(diffuse[k]) * received[k] / std::f64::consts::PI) as f32)
 }
 
 /// The camera of a scene with caustics shows them.

@@ -5,6 +5,7 @@ use super::Path;
 use super::image::{CameraView, Judged, names_near};
 use super::margin::{MARGIN_PX, clears};
 use super::path::Segment;
+use crate::arrays::MapEach;
 use crate::camera::Ray;
 use crate::camera::composition::Composition;
 use crate::image::frame::{NO_ID, PixelValues};
@@ -76,7 +77,7 @@ impl<'a> Composed<'a> {
     /// The values of the camera that is seen, with blended colours.
     fn resolved(&self, pixel: (u32, u32), values: &[PixelValues]) -> PixelValues {
         let of = self.composition.held(pixel.0, pixel.1);
-        let background = PixelValues { colour: self.scene.background.map(f64::from), ..PixelValues::MISS };
+        let background = PixelValues { colour: self.scene.background.map_each(f64::from), ..PixelValues::MISS };
         let numbered = |k: usize| match values[k].piece {
             NO_ID => values[k],
             _ => PixelValues { piece: k as u32, ..values[k] },

@@ -10,6 +10,7 @@ use super::beam::Beam;
 use super::intersect::{Corners, OPPOSITE, sign_of};
 use super::margin::{Depth, MARGIN_PX, Sides};
 use super::widened;
+use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 
 /// Neighbours are searched in a box larger by this factor: an edge that may pass within the box, as far as the
@@ -63,7 +64,7 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
 fn join(nearby: &[BoxTriangle]) -> (Sets, Vec<bool>) {
     let mut edges: Vec<(EdgeKey, usize, i32, bool)> = Vec::with_capacity(3 * nearby.len());
     for (k, n) in nearby.iter().enumerate() {
-        let end = |c: usize| n.corners.v[c].to_array().map(|x| (x + 0.0).to_bits());
+        let end = |c: usize| n.corners.v[c].to_array().map_each(|x| (x + 0.0).to_bits());
         for (opposite, (i, j, sense)) in OPPOSITE.into_iter().enumerate() {
             // A triangle that is nowhere hit in the box proves that the edge does not pass there: beside
             // the edge it would be hit.

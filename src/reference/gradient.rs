@@ -1,5 +1,6 @@
 //! Gradients by their definitions: numbers that carry their derivative go through the formulas of t, weights and distances. In f64.
 
+use crate::arrays::MapEach;
 use crate::camera::change::PixelRay;
 use crate::parallel;
 use crate::scene::gradients::{HIT_NUMBERS, NONE, Seen, VERTEX_DIRECTIONS};
@@ -85,7 +86,7 @@ fn coverage_rate(seen: &Seen, pixel: usize, edge: &Edge, direction: &Direction) 
 /// Whether E is positive inside the edge's triangle, at the pixel that shows it.
 fn is_inside_positive(seen: &Seen, edge: &Edge) -> bool {
     let ray = vectors(seen.rays[edge.pixels[0] as usize]);
-    across(&ray, &(seen.corners)(edge.triangle).map(vector)) > 0.0
+    across(&ray, &(seen.corners)(edge.triangle).map_each(vector)) > 0.0
 }
 
 /// Distances (px), shares of a way, and depths (relative) that differ by less are equal: rounding does not choose between them.
@@ -104,7 +105,7 @@ fn nearest_edge(seen: &Seen, pixel: usize) -> Option<Edge> {
     let mut nearest: Option<Edge> = None;
     for neighbour in around.into_iter().flatten() {
         let Some((triangle, number, pixels)) = edge_between(seen, pixel, neighbour) else { continue };
-        let (ray, corners) = (vectors(seen.rays[pixel]), (seen.corners)(triangle).map(vector));
+        let (ray, corners) = (vectors(seen.rays[pixel]), (seen.corners)(triangle).map_each(vector));
         let edge = Edge { triangle, number, pixels, distance: 0.0, coverage: 1.0, change: Vec::new() };
         let sign = if is_inside_positive(seen, &edge) { 1.0 } else { -1.0 };
         let distance = sign * distance(&ray, &corners, number);
@@ -125,9 +126,9 @@ fn edge_between(seen: &Seen, a: usize, b: usize) -> Option<(u32, usize, [u32; 2]
     }
     let depth = |pixel: usize| match seen.ids[pixel] {
         NONE => f64::INFINITY,
-        id => hit(&vectors(seen.rays[pixel]), &(seen.corners)(id).map(vector))[1],
+        id => hit(&vectors(seen.rays[pixel]), &(seen.corners)(id).map_each(vector))[1],
     };
-    let [depth_a, depth_b] = [a, b].map(depth);
+    let [depth_a, depth_b] = [a, b].map_each(depth);
     let level = LEVEL * depth_a.abs().min(depth_b.abs());
     let is_first = depth_b - depth_a > level || (depth_a - depth_b <= level && seen.ids[a] < seen.ids[b]);
     let order = if is_first { [(a, b), (b, a)] } else { [(b, a), (a, b)] };
@@ -143,7 +144,7 @@ fn edge_left(seen: &Seen, inside: usize, outside: usize) -> Option<usize> {
     if id == NONE || seen.rays[outside][..6].iter().any(|number| number.is_nan()) {
         return None;
     }
-    let corners = (seen.corners)(id).map(vector);
+    let corners = (seen.corners)(id).map_each(vector);
     let (from, to) = (vectors(seen.rays[inside]), vectors(seen.rays[outside]));
     let sign = across(&from, &corners).signum();
     let mut first = None;
@@ -173,7 +174,7 @@ struct Vectors<T> {
 fn hit<T: Number>(ray: &Vectors<T>, corners: &[[T; 3]; 3]) -> [T; HIT_NUMBERS] {
     let across = across(ray, corners);
     let t = dot(normal(corners), minus(corners[0], ray.p)) / across;
-    let [x, y, z] = [0, 1, 2].map(|k| ray.p[k] + t * ray.d[k]);
+    let [x, y, z] = [0, 1, 2].map_each(|k| ray.p[k] + t * ray.d[k]);
     let weight = |edge: usize| side(ray, corners, edge) / across;
     [t, t * dot(ray.d, ray.d).root(), x, y, z, weight(1), weight(2), weight(0)]
 }
@@ -200,8 +201,8 @@ fn side_of<T: Number>((p, d): ([T; 3], [T; 3]), (from, to): ([T; 3], [T; 3])) ->
 fn distance<T: Number>(ray: &Vectors<T>, corners: &[[T; 3]; 3], k: usize) -> T {
     let slope = |[p, d]: [[T; 3]; 2]| {
         // E of rays that move over the pixel at a unit of speed
-        let moving = |v: [T; 3], rate: [T; 3]| [0, 1, 2].map(|n| Dual { value: v[n], rate: rate[n] });
-        let still = |v: [T; 3]| v.map(Dual::still);
+        let moving = |v: [T; 3], rate: [T; 3]| [0, 1, 2].map_each(|n| Dual { value: v[n], rate: rate[n] });
+        let still = |v: [T; 3]| v.map_each(Dual::still);
         side_of((moving(ray.p, p), moving(ray.d, d)), (still(corners[k]), still(corners[(k + 1) % 3]))).rate
     };
     let (x, y) = (slope(ray.right), slope(ray.down));
@@ -221,7 +222,10 @@ fn moving(
         let rate = if direction.coordinate == Some(3 * corner + axis) { 1.0 } else { 0.0 };
         Dual { value: corners[corner][axis], rate }
     };
-    (split(std::array::from_fn(number)), [0, 1, 2].map(|corner| [0, 1, 2].map(|axis| coordinate(corner, axis))))
+    (
+        split(std::array::from_fn(number)),
+        [0, 1, 2].map_each(|corner| [0, 1, 2].map_each(|axis| coordinate(corner, axis))),
+    )
 }
 
 fn vectors(ray: PixelRay) -> Vectors<f64> {
@@ -303,7 +307,7 @@ impl<T: Number> Number for Dual<T> {
 }
 
 fn minus<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [0, 1, 2].map(|k| a[k] - b[k])
+    [0, 1, 2].map_each(|k| a[k] - b[k])
 }
 
 fn dot<T: Number>(a: [T; 3], b: [T; 3]) -> T {

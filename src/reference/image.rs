@@ -8,6 +8,7 @@ use super::lens::own;
 use super::light::{Obstacles, light, normal, painted_albedo};
 use super::volume::{Medium, Passed};
 use super::{Finding, Outcome, Path, Reference};
+use crate::arrays::MapEach;
 use crate::camera::Camera;
 use crate::image::frame::{Channel, Frame, NO_ID, PixelValues, normalised_depth, plane_of_words};
 use crate::parallel;
@@ -193,16 +194,16 @@ fn pixel(
     let colour = match &camera.optics {
         Some(optics) if shown.first.is_some() && (optics.fresnel || optics.rays > 1) => {
             let path = Path::of_pixel(camera, i, j);
-            let add = |sum: [f64; 3], c: [f64; 3]| [0, 1, 2].map(|k| sum[k] + c[k]);
+            let add = |sum: [f64; 3], c: [f64; 3]| [0, 1, 2].map_each(|k| sum[k] + c[k]);
             reference.shares(optics, &path).iter().map(|o| colour(scene, camera, casters, o)).fold([0.0; 3], add)
         }
         _ => colour(scene, camera, casters, shown),
     };
     // of split rays those that say what is seen show caustics
     let split = camera.optics.as_ref().filter(|_| shown.first.is_some()).map_or(1.0, |o| o.tilts().len() as f64);
-    let kept = light_left(camera, shown).map(|k| k / split);
+    let kept = light_left(camera, shown).map_each(|k| k / split);
     let more = maps.filter(|_| shown.seen.is_some()).map_or([0.0; 3], |maps| shown_by(scene, camera, shown, maps));
-    let colour = [0, 1, 2].map(|k| colour[k] + kept[k] * f64::from(more[k]));
+    let colour = [0, 1, 2].map_each(|k| colour[k] + kept[k] * f64::from(more[k]));
     let has_bounced = shown.first.is_some();
     let coverage = f64::from(u8::from(shown.seen.is_some() || has_bounced));
     let Some(seen) = shown.seen else {
@@ -269,7 +270,7 @@ fn colour(scene: &Scene, camera: &Camera, casters: &Reference, outcome: &Outcome
         },
     };
     let left = light_left(camera, outcome);
-    [0, 1, 2].map(|k| left[k] * f64::from(own[k]))
+    [0, 1, 2].map_each(|k| left[k] * f64::from(own[k]))
 }
 
 /// The colour of a path that hits nothing: background, or sky in its last direction.
@@ -284,7 +285,7 @@ fn beyond(scene: &Scene, path: &Path) -> [f32; 3] {
 /// The share of the light that the tints of all bounces leave.
 fn light_left(camera: &Camera, outcome: &Outcome) -> [f64; 3] {
     let tint = |k: usize| camera.optics.as_ref().map_or(1.0, |o| f64::from(o.tint[k]).powi(outcome.bounces as i32));
-    [0, 1, 2].map(|k| outcome.light * tint(k))
+    [0, 1, 2].map_each(|k| outcome.light * tint(k))
 }
 
 /// Of whole rows.

@@ -11,6 +11,7 @@
 //! the first non-zero derivative in that order decides, for all triangles alike. Signs so found belong to one true
 //! configuration: no ray slips through a closed fan, none hits it twice.
 
+use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 use crate::geometry::exact::{self, Exact};
 use glam::DVec3;
@@ -82,7 +83,7 @@ impl Corners {
         let edge = |(i, j, sense): (usize, usize, i8)| {
             f64::from(sense) * (self.v[i] - origin).cross(self.v[j] - self.v[i]).dot(direction)
         };
-        let e = OPPOSITE.map(edge);
+        let e = OPPOSITE.map_each(edge);
         let mut weights = [0.0; 3];
         (0..3).for_each(|k| weights[self.slot(k)] = e[k] / (e[0] + e[1] + e[2]));
         [weights[1], weights[2]]
@@ -177,7 +178,7 @@ fn edge_side(b: &Bundle, from: DVec3, to: DVec3) -> (f64, i8) {
 
 /// The sign of a triangle's `E`s, of its own winding, for the bundle's central ray; 0 where they differ: outside.
 pub fn sign_of(b: &Bundle, c: &Corners) -> i8 {
-    let mut sign = OPPOSITE.map(|(i, j, sense)| edge_in_f64(b, c.v[i], c.v[j]).1 * sense);
+    let mut sign = OPPOSITE.map_each(|(i, j, sense)| edge_in_f64(b, c.v[i], c.v[j]).1 * sense);
     for (k, (i, j, sense)) in OPPOSITE.into_iter().enumerate() {
         if sign.contains(&1) && sign.contains(&-1) {
             return 0;
@@ -198,8 +199,8 @@ pub fn meet(aim: &Aim, c: &Corners) -> Option<Meeting> {
     let t = depth(&aim.centre, c)?;
     let inside = f64::from(sign * c.parity);
     // the perturbed ray is inside; the centre's may be outside by the perturbation
-    let e =
-        OPPOSITE.map(|(i, j, sense)| (inside * f64::from(sense) * edge_side(&aim.centre, c.v[i], c.v[j]).0).max(0.0));
+    let e = OPPOSITE
+        .map_each(|(i, j, sense)| (inside * f64::from(sense) * edge_side(&aim.centre, c.v[i], c.v[j]).0).max(0.0));
     let sum = e[0] + e[1] + e[2];
     let mut weight = [0.0; 3];
     for (k, e) in e.into_iter().enumerate() {

@@ -2,6 +2,7 @@
 
 use super::pictures::{Shown, painted};
 use super::{Hit, Reference};
+use crate::arrays::MapEach;
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
 use crate::scene::Scene;
 use crate::scene::light::{AmbientOcclusion, Arriving, Light};
@@ -34,7 +35,7 @@ pub fn normal(reference: &Reference, hit: &Hit, (p, view): (DVec3, DVec3)) -> DV
     let weights = [1.0 - hit.bary[0] - hit.bary[1], hit.bary[0], hit.bary[1]];
     let stored = mesh.corner_normals.get(id).filter(|c| !c.contains(&NO_NORMAL));
     let smooth = stored.map(|c| {
-        let n = c.map(|k| reference.normal(k));
+        let n = c.map_each(|k| reference.normal(k));
         (0..3).map(|k| weights[k] * n[k]).sum::<DVec3>()
     });
     let n = smooth.and_then(DVec3::try_normalize).unwrap_or(seen);
@@ -52,11 +53,11 @@ pub fn albedo(mesh: &Mesh, [v0, v1, v2]: [DVec3; 3], hit: &Hit) -> [f32; 3] {
     let weights = [1.0 - hit.bary[0] - hit.bary[1], hit.bary[0], hit.bary[1]];
     let of_vertices = match mesh.corner_colors.is_empty() {
         true => DVec3::ONE,
-        false => {
-            zip(weights, mesh.colors_of(hit.triangle as usize)).map(|(w, c)| w * DVec3::from(c.map(f64::from))).sum()
-        }
+        false => zip(weights, mesh.colors_of(hit.triangle as usize))
+            .map(|(w, c)| w * DVec3::from(c.map_each(f64::from)))
+            .sum(),
     };
-    let [dr, dg, db] = (DVec3::from(material.diffuse.map(f64::from)) * of_vertices).to_array();
+    let [dr, dg, db] = (DVec3::from(material.diffuse.map_each(f64::from)) * of_vertices).to_array();
     [(dr * r * pr) as f32, (dg * g * pg) as f32, (db * b * pb) as f32]
 }
 
@@ -68,7 +69,7 @@ pub fn painted_albedo(obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3, DVec3
     if shown.is_empty() {
         return own;
     }
-    let [lit, seen] = painted(DVec3::from(own.map(f64::from)), &shown);
+    let [lit, seen] = painted(DVec3::from(own.map_each(f64::from)), &shown);
     (lit + seen).as_vec3().to_array()
 }
 
@@ -81,9 +82,9 @@ pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3,
     let n = normal(reference, hit, (p, view));
     let start = obstacles.above(hit, p, view);
     let pictures = reference.pictures.at(&start, p, n);
-    let own = DVec3::from(albedo(mesh, reference.surface(hit.triangle, p), hit).map(f64::from));
+    let own = DVec3::from(albedo(mesh, reference.surface(hit.triangle, p), hit).map_each(f64::from));
     let [colour, as_it_is] = painted(own, &pictures);
-    let rgb = |c: [f32; 3]| DVec3::from(c.map(f64::from));
+    let rgb = |c: [f32; 3]| DVec3::from(c.map_each(f64::from));
     let metallic = f64::from(material.metallic);
     let gloss = Gloss {
         base: colour * (1.0 - metallic),

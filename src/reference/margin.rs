@@ -3,6 +3,7 @@
 use super::beam::Beam;
 use super::bvh::Probe;
 use super::intersect::{Corners, OPPOSITE, TERM_ROUNDING, cross_size, offset_size};
+use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 use glam::DVec3;
 
@@ -56,7 +57,7 @@ fn edge_over_box(b: &Bundle, from: DVec3, to: DVec3) -> i8 {
     let both = |i: usize, j: usize| f(i, j) + f(j, i);
     let [lo, hi] = Quadratic([f(0, 0), both(0, 1), both(0, 2), f(1, 1), both(1, 2), f(2, 2)]).range();
     let offset = over_box(std::array::from_fn(|a| offset_size(from, b.p[a], b.h[a])));
-    let direction = over_box(b.d.map(DVec3::abs));
+    let direction = over_box(b.d.map_each(DVec3::abs));
     let bound = BOX_ROUNDING * cross_size(offset, edge.abs()).dot(direction);
     if lo > bound { 1 } else { -i8::from(hi < -bound) }
 }
@@ -68,7 +69,7 @@ pub struct Sides(pub [i8; 3]);
 
 impl Sides {
     pub fn over_box(b: &Bundle, c: &Corners) -> Sides {
-        Sides(OPPOSITE.map(|(i, j, sense)| edge_over_box(b, c.v[i], c.v[j]) * sense * c.parity))
+        Sides(OPPOSITE.map_each(|(i, j, sense)| edge_over_box(b, c.v[i], c.v[j]) * sense * c.parity))
     }
 
     /// The triangle may be hit somewhere with its `E`s of this sign.
@@ -108,10 +109,10 @@ impl Depth {
         let normal = e1.cross(e2);
         let size = cross_size(e1.abs(), e2.abs());
         let n: [f64; 3] = std::array::from_fn(|a| normal.dot(c.v[0] * b.h[a] - b.p[a]));
-        let d = b.d.map(|d| normal.dot(d));
+        let d = b.d.map_each(|d| normal.dot(d));
         let offset = over_box(std::array::from_fn(|a| offset_size(c.v[0], b.p[a], b.h[a])));
         let n_error = BOX_ROUNDING * size.dot(offset);
-        let d_error = BOX_ROUNDING * size.dot(over_box(b.d.map(DVec3::abs)));
+        let d_error = BOX_ROUNDING * size.dot(over_box(b.d.map_each(DVec3::abs)));
         let spread = MARGIN_PX * (d[1].abs() + d[2].abs()) + d_error;
         let sign = if d[0] > spread { 1 } else { -i8::from(d[0] < -spread) };
         let mut depth = Depth { n, d, n_error, d_error, facing: sign * c.parity, span: [f64::MIN, f64::MAX] };
@@ -147,7 +148,7 @@ impl Depth {
         if sign == 0.0 {
             return false;
         }
-        let size = |c: [f64; 3]| over_box(c.map(f64::abs));
+        let size = |c: [f64; 3]| over_box(c.map_each(f64::abs));
         let (sn, sd, on, od) = (size(self.n), size(self.d), size(other.n), size(other.d));
         let error = on * self.d_error
             + sd * other.n_error

@@ -10,6 +10,7 @@
 use super::curve::{POINT_ROUNDING, blur};
 use super::intersect::{T_ROUNDING, TERM_ROUNDING, cross_size, offset_size};
 use super::margin::GAP;
+use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 use crate::camera::curve::Curve;
 use crate::geometry::bernstein::{Bernstein, Root, VALUE_ROUNDING};
@@ -26,7 +27,7 @@ impl Sphere {
     /// The box around it, and around what rounding makes of its ends.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let ends = |v: f64| [(v - self.radius).next_down(), (v + self.radius).next_up()];
-        let [x, y, z] = self.centre.to_array().map(ends);
+        let [x, y, z] = self.centre.to_array().map_each(ends);
         (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]))
     }
 
@@ -113,7 +114,7 @@ impl Sphere {
         let m = self.exact_offset(p, h);
         let squares = |v: &Exact3| v.iter().fold(Exact::default(), |sum, x| sum.plus(&x.by(x)));
         let minor = |i: usize, j: usize| m[j].times(d[i]).minus(&m[i].times(d[j]));
-        let a = squares(&d.to_array().map(|x| Exact::product(x, 1.0)));
+        let a = squares(&d.to_array().map_each(|x| Exact::product(x, 1.0)));
         a.by(&self.exact_square(h)).minus(&squares(&[minor(1, 2), minor(2, 0), minor(0, 1)])).value()
     }
 

@@ -5,6 +5,7 @@ use super::finding::PLACES;
 use super::intersect::{Aim, Corners};
 use super::margin::{Depth, MARGIN_PX, Sides, beyond, clears};
 use super::{Hit, Reference, cover, nearer, upright, widened};
+use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 use glam::DVec3;
 
@@ -145,7 +146,7 @@ impl Reference<'_> {
     /// Of triangles over the same three positions, drops each that a lower one hides wherever it is visible
     /// itself. Leaves the rest ascending by id.
     fn drop_hidden_twins(&self, found: &mut Vec<Candidate>) {
-        let place = |c: &Candidate| c.corners.v.map(|v| v.to_array().map(|x| (x + 0.0).to_bits()));
+        let place = |c: &Candidate| c.corners.v.map_each(|v| v.to_array().map_each(|x| (x + 0.0).to_bits()));
         found.sort_by_cached_key(|c| (place(c), c.id));
         let mut kept: Vec<Candidate> = Vec::with_capacity(found.len());
         for c in found.iter() {

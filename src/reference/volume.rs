@@ -2,6 +2,7 @@
 //! agree.
 
 use super::path::{Path, Seen, Segment};
+use crate::arrays::MapEach;
 use crate::geometry::bernstein::Bernstein;
 use crate::parallel;
 use crate::scene::Scene;
@@ -38,7 +39,7 @@ impl Passed {
 
     /// With light from behind.
     pub fn over(&self, behind: [f64; 3]) -> [f64; 3] {
-        [0, 1, 2].map(|k| self.light[k] + self.left * behind[k])
+        [0, 1, 2].map_each(|k| self.light[k] + self.left * behind[k])
     }
 
     fn then(&self, next: &Passed) -> Passed {
@@ -111,14 +112,14 @@ impl<'a> Medium<'a> {
                 // as one world unit of this value
                 let (colour, extinction) = self.look(largest);
                 let left = (-extinction).exp();
-                Passed { light: colour.map(|c| c * (1.0 - left)), left }
+                Passed { light: colour.map_each(|c| c * (1.0 - left)), left }
             }
         }
     }
 
     /// Where a segment enters and leaves the cells of the grid, between two t; none outside of it.
     fn cuts(&self, segment: &Segment, [first, last]: [f64; 2]) -> Vec<f64> {
-        let most = DVec3::from(self.volume.grid.sides.map(|n| f64::from(n - 1)));
+        let most = DVec3::from(self.volume.grid.sides.map_each(|n| f64::from(n - 1)));
         let mut cuts = Vec::new();
         match segment {
             Segment::Straight(bundle) => {
@@ -187,15 +188,15 @@ impl<'a> Medium<'a> {
     /// A step of Runge and Kutta's classical method for light' = colour x extinction x left, left' = -extinction x left, over the length.
     fn step(&self, segment: &Segment, [a, b]: [f64; 2]) -> Passed {
         let h = b - a;
-        let [start, middle, end] = [a, 0.5 * (a + b), b].map(|t| self.sample(segment, t));
-        let slope = |(colour, rate): &([f64; 3], f64), left: f64| (colour.map(|c| c * rate * left), -rate * left);
+        let [start, middle, end] = [a, 0.5 * (a + b), b].map_each(|t| self.sample(segment, t));
+        let slope = |(colour, rate): &([f64; 3], f64), left: f64| (colour.map_each(|c| c * rate * left), -rate * left);
         let k1 = slope(&start, 1.0);
         let k2 = slope(&middle, 1.0 + 0.5 * h * k1.1);
         let k3 = slope(&middle, 1.0 + 0.5 * h * k2.1);
         let k4 = slope(&end, 1.0 + h * k3.1);
         let sum = |a: f64, b: f64, c: f64, d: f64| h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
         Passed {
-            light: [0, 1, 2].map(|k| sum(k1.0[k], k2.0[k], k3.0[k], k4.0[k])),
+            light: [0, 1, 2].map_each(|k| sum(k1.0[k], k2.0[k], k3.0[k], k4.0[k])),
             left: 1.0 + sum(k1.1, k2.1, k3.1, k4.1),
         }
     }
@@ -203,14 +204,14 @@ impl<'a> Medium<'a> {
     /// The colour at t, and the extinction per t.
     fn sample(&self, segment: &Segment, t: f64) -> ([f64; 3], f64) {
         let x = self.to_grid.transform_point3(segment.point(t));
-        let most = DVec3::from(self.volume.grid.sides.map(|n| f64::from(n - 1)));
+        let most = DVec3::from(self.volume.grid.sides.map_each(|n| f64::from(n - 1)));
         // a little outside: the border of the grid, or a curve that has left it
         if (x - x.clamp(DVec3::ZERO, most)).abs().max_element() > BORDER {
             return ([0.0; 3], 0.0);
         }
         let (colour, extinction) = self.look(self.value(x));
         let factor = self.factor(x, || segment.view(t));
-        ([0, 1, 2].map(|k| colour[k] * factor[k]), extinction * segment.direction(t).length())
+        ([0, 1, 2].map_each(|k| colour[k] * factor[k]), extinction * segment.direction(t).length())
     }
 
     /// The step may meet a corner of the transfer function: a control point lies between the values at five places, or no farther from
@@ -230,7 +231,7 @@ impl<'a> Medium<'a> {
     /// How much the value changes at most along each axis of the cell that holds a place, per node.
     fn steepest(&self, x: DVec3) -> DVec3 {
         let grid = &self.volume.grid;
-        let cell = [0, 1, 2].map(|axis| x[axis].floor().clamp(0.0, f64::from(grid.sides[axis] - 2)) as u32);
+        let cell = [0, 1, 2].map_each(|axis| x[axis].floor().clamp(0.0, f64::from(grid.sides[axis] - 2)) as u32);
         let value = |n: u32| {
             let node = [cell[0] + (n & 1), cell[1] + (n >> 1 & 1), cell[2] + (n >> 2)];
             f64::from(grid.values[grid.index(node)])
@@ -263,7 +264,7 @@ impl<'a> Medium<'a> {
         let width = f64::from(q.value) - f64::from(p.value);
         let share = if width > 0.0 { ((value - f64::from(p.value)) / width).clamp(0.0, 1.0) } else { 0.0 };
         let between = |a: f32, b: f32| (1.0 - share) * f64::from(a) + share * f64::from(b);
-        ([0, 1, 2].map(|k| between(p.colour[k], q.colour[k])), between(p.extinction, q.extinction))
+        ([0, 1, 2].map_each(|k| between(p.colour[k], q.colour[k])), between(p.extinction, q.extinction))
     }
 
     /// Trilinear in grid coordinates, of numbers at the nodes.
@@ -272,12 +273,12 @@ impl<'a> Medium<'a> {
         T: std::ops::Mul<f64, Output = T> + std::iter::Sum,
     {
         let grid = &self.volume.grid;
-        let cell = [0, 1, 2].map(|axis| x[axis].floor().clamp(0.0, f64::from(grid.sides[axis] - 2)));
+        let cell = [0, 1, 2].map_each(|axis| x[axis].floor().clamp(0.0, f64::from(grid.sides[axis] - 2)));
         let share = (x - DVec3::from(cell)).clamp(DVec3::ZERO, DVec3::ONE);
         let corner = |n: u32| {
             let steps = [n & 1, n >> 1 & 1, n >> 2];
             let weight: f64 = (0..3).map(|k| if steps[k] == 1 { share[k] } else { 1.0 - share[k] }).product();
-            at(grid.index([0, 1, 2].map(|k| cell[k] as u32 + steps[k]))) * weight
+            at(grid.index([0, 1, 2].map_each(|k| cell[k] as u32 + steps[k]))) * weight
         };
         (0..8).map(corner).sum()
     }
@@ -302,9 +303,9 @@ impl<'a> Medium<'a> {
     /// Unit vectors against the gradient at the nodes, by differences of neighbours; 0 where all are 0.
     fn normals(&self) -> Vec<DVec3> {
         let grid = &self.volume.grid;
-        let [nx, ny, _] = grid.sides.map(|n| n as usize);
+        let [nx, ny, _] = grid.sides.map_each(|n| n as usize);
         let normal = |n: usize| {
-            let node = [n % nx, n / nx % ny, n / nx / ny].map(|i| i as u32);
+            let node = [n % nx, n / nx % ny, n / nx / ny].map_each(|i| i as u32);
             let mut slope = [0.0; 3];
             for axis in 0..3 {
                 let (mut a, mut b) = (node, node);
@@ -324,7 +325,7 @@ impl<'a> Medium<'a> {
     /// The light that white matte surfaces with these normals send back from the nodes.
     fn lit(&self, scene: &Scene, normals: &[DVec3]) -> Vec<DVec3> {
         let grid = &self.volume.grid;
-        let [nx, ny, _] = grid.sides.map(|n| n as usize);
+        let [nx, ny, _] = grid.sides.map_each(|n| n as usize);
         let lit = |n: usize| {
             let normal = normals[n];
             if normal == DVec3::ZERO {

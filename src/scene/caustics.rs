@@ -15,6 +15,7 @@ pub mod receiver_triangles;
 pub mod shares;
 pub mod spec;
 
+use crate::arrays::MapEach;
 use crate::camera::optics::Optics;
 use crate::camera::{Camera, Rays};
 use crate::geometry::mesh::{Material, Mesh};
@@ -220,12 +221,12 @@ impl Map {
             let below = at(x, y1, k) * (1.0 - s) + at(x1, y1, k) * s;
             above * (1.0 - t) + below * t
         };
-        Some([0, 1, 2].map(|k| mixed(k) / self.receiver.texel_area()))
+        Some([0, 1, 2].map_each(|k| mixed(k) / self.receiver.texel_area()))
     }
 
     /// The sum of all texels.
     pub fn total(&self) -> [f64; 3] {
-        [0, 1, 2].map(|k| self.flux.iter().map(|f| f[k]).sum())
+        [0, 1, 2].map_each(|k| self.flux.iter().map(|f| f[k]).sum())
     }
 }
 

@@ -8,6 +8,7 @@ mod style;
 #[cfg(test)]
 mod tests;
 
+use crate::arrays::MapEach;
 use std::path::{Path, PathBuf};
 
 pub use header::CameraKeys;
@@ -263,9 +264,9 @@ pub fn volume_look_of(table: &str, folder: &Path, loading: &Loading) -> Result<V
 /// Reads a scene from its tree of values.
 fn read_tree(root: Node, source: &Source) -> Result<SceneFile> {
     let Source { path, dir, loading, .. } = *source;
-    let [of_camera, of_meshes] = [(); 2].map(|()| Source::new(path, dir, loading));
+    let [of_camera, of_meshes] = [(); 2].map_each(|()| Source::new(path, dir, loading));
     let file = read_tables(&root, [source, &of_camera, &of_meshes])?;
-    let names_files = [&of_camera, &of_meshes].map(Source::names_files);
+    let names_files = [&of_camera, &of_meshes].map_each(Source::names_files);
     Ok(SceneFile { camera_keys: Arc::new(CameraKeys::taken(root, names_files, dir)), ..file })
 }
 
@@ -396,7 +397,7 @@ fn read_exposure(field: &Field) -> Result<f64> {
 fn read_curve(field: &Field) -> Result<Curve> {
     let text = field.text()?;
     Curve::ALL.into_iter().find(|c| c.name() == text).ok_or_else(|| {
-        let known = Curve::ALL.map(|c| format!("{:?}", c.name())).join(", ");
+        let known = Curve::ALL.map_each(|c| format!("{:?}", c.name())).join(", ");
         field.error(format_args!("{text:?} is no tone curve; known: {known}"))
     })
 }

@@ -1,6 +1,7 @@
 //! Gradients of a frame: what is asked for, what they are computed from, and the arrays. `docs/reference/definitions.md`, Gradients, says what
 //! each is.
 
+use crate::arrays::MapEach;
 use crate::camera::change::PixelRay;
 use crate::input::tree::nearest;
 use crate::input::{Error, Limits, Result};
@@ -142,7 +143,7 @@ impl Asked {
     pub fn names(&self) -> Vec<String> {
         let mut names = vec!["triangle".to_owned()];
         if self.has_coverage() {
-            names.extend(["coverage", "coverage.triangle", "coverage.pixels"].map(String::from));
+            names.extend(["coverage", "coverage.triangle", "coverage.pixels"].map_each(String::from));
         }
         let ends = [(self.has_vertices(), "vertices"), (self.numbers().next().is_some(), "camera")];
         for quantity in &self.quantities {

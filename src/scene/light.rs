@@ -1,5 +1,6 @@
 //! Lights and ambient occlusion.
 
+use crate::arrays::MapEach;
 use glam::DVec3;
 
 /// Share of ambient light.
@@ -54,7 +55,7 @@ impl Light {
 
     /// The unshadowed light at `p`.
     pub fn arriving(&self, p: DVec3) -> Arriving {
-        let colour = DVec3::from(self.colour.map(f64::from));
+        let colour = DVec3::from(self.colour.map_each(f64::from));
         match self.source {
             Source::Distant(travel) => Arriving { to_light: -travel, far: f64::MAX, strength: colour },
             Source::Point { position, distance } => {

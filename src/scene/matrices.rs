@@ -1,6 +1,7 @@
 //! Matrices of cameras in the header of an EXR file.
 
 use super::Scene;
+use crate::arrays::MapEach;
 use crate::camera::Camera;
 use crate::camera::kinds::orthographic::Orthographic;
 use crate::camera::kinds::pinhole::Pinhole;
@@ -35,8 +36,8 @@ pub fn world_to_ndc(scene: &Scene, camera: &Camera) -> Option<[f32; 16]> {
 
 /// The matrix of `(X - eye) . column + shift`, one column a coordinate.
 fn matrix(eye: DVec3, columns: [DVec3; 4], shift: DVec4) -> [f32; 16] {
-    let row = |k: usize| columns.map(|c| c[k]);
-    let last = [0, 1, 2, 3].map(|k| shift[k] - eye.dot(columns[k]));
+    let row = |k: usize| columns.map_each(|c| c[k]);
+    let last = [0, 1, 2, 3].map_each(|k| shift[k] - eye.dot(columns[k]));
     let mut all = [0.0; 16];
     for (value, number) in all.iter_mut().zip([row(0), row(1), row(2), last].concat()) {
         *value = number as f32;

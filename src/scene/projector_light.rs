@@ -1,5 +1,6 @@
 //! `[[projector_light]]`: pictures that are thrown onto surfaces along the rays of the cameras that took them.
 
+use crate::arrays::MapEach;
 use crate::camera::kinds::read_camera;
 use crate::camera::spec::CameraSpec;
 use crate::camera::{Camera, Rays};
@@ -182,7 +183,7 @@ fn within(table: &Table, key: &str, default: f64, most: f64) -> Result<f64> {
 fn read_mode(field: &Field) -> Result<Mode> {
     let text = field.text()?;
     Mode::ALL.into_iter().find(|(_, name)| *name == text).map(|(mode, _)| mode).ok_or_else(|| {
-        let known = Mode::ALL.map(|(_, name)| format!("{name:?}")).join(", ");
+        let known = Mode::ALL.map_each(|(_, name)| format!("{name:?}")).join(", ");
         field.error(format_args!("{text:?} is no mode; use {known}"))
     })
 }

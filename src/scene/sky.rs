@@ -1,6 +1,7 @@
 //! Environment light from an image.
 
 use super::file::SkySpec;
+use crate::arrays::MapEach;
 use crate::geometry::texture::{Images, Texels, Texture, Wrap};
 use crate::input::{Loading, Result};
 use crate::parallel;
@@ -107,7 +108,8 @@ impl Sky {
     /// Irradiance over pi for the unit normal `n`: spherical harmonics of order 2 (Ramamoorthi and Hanrahan 2001), average error
     /// under 1 %.
     pub fn irradiance(&self, n: DVec3) -> DVec3 {
-        let sum: DVec3 = basis(n).iter().zip(self.irradiance).map(|(y, c)| *y * DVec3::from(c.map(f64::from))).sum();
+        let sum: DVec3 =
+            basis(n).iter().zip(self.irradiance).map(|(y, c)| *y * DVec3::from(c.map_each(f64::from))).sum();
         sum.max(DVec3::ZERO)
     }
 

@@ -4,6 +4,7 @@ mod header;
 pub mod load;
 pub mod spec;
 
+use crate::arrays::MapEach;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::scene::light::AMBIENT;
@@ -73,15 +74,15 @@ impl Volume {
 impl Grid {
     /// The number of a node in [`Grid::values`].
     pub fn index(&self, [i, j, k]: [u32; 3]) -> usize {
-        let [nx, ny, _] = self.sides.map(|n| n as usize);
+        let [nx, ny, _] = self.sides.map_each(|n| n as usize);
         (k as usize * ny + j as usize) * nx + i as usize
     }
 
     /// The corners of the box around it, world units.
     pub fn bounds(&self) -> (DVec3, DVec3) {
-        let last = DVec3::from(self.sides.map(|n| f64::from(n - 1)));
+        let last = DVec3::from(self.sides.map_each(|n| f64::from(n - 1)));
         let corner = |k: u32| {
-            let end = DVec3::from([0, 1, 2].map(|axis| f64::from(k >> axis & 1)));
+            let end = DVec3::from([0, 1, 2].map_each(|axis| f64::from(k >> axis & 1)));
             self.to_world.transform_point3(last * end)
         };
         let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -128,7 +129,7 @@ impl Grid {
         }
         Some(self.each_node(|node| {
             let normal = -self.gradient(node).normalize_or_zero();
-            let place = self.to_world.transform_point3(DVec3::from(node.map(f64::from)));
+            let place = self.to_world.transform_point3(DVec3::from(node.map_each(f64::from)));
             factor(scene, place, normal)
         }))
     }
@@ -153,7 +154,7 @@ fn factor(scene: &Scene, place: DVec3, normal: DVec3) -> DVec3 {
 
 /// From grid coordinates to the world for nodes from `first` on, `spacing` apart, turned about the middle of their box.
 pub fn placed(sides: [u32; 3], first: DVec3, spacing: DVec3, rotation: DMat3) -> DAffine3 {
-    let middle = first + spacing * DVec3::from(sides.map(|n| f64::from(n - 1))) / 2.0;
+    let middle = first + spacing * DVec3::from(sides.map_each(|n| f64::from(n - 1))) / 2.0;
     let matrix3 = rotation * DMat3::from_diagonal(spacing);
     DAffine3 { matrix3, translation: middle + rotation * (first - middle) }
 }

@@ -1,5 +1,6 @@
 //! Scenes for the user's own model: a commented template for each task, its places and lengths filled in from the model's bounds.
 
+use crate::arrays::MapEach;
 use crate::geometry::mesh::joined;
 use crate::input::{Error, Loading, Result};
 use crate::scene::{Scene, file};
@@ -152,7 +153,7 @@ impl Model {
         let numbers: Vec<f64> = words.map(|word| word.parse().ok()).collect::<Option<_>>()?;
         let vector = || <[f64; 3]>::try_from(&numbers[..]).ok().map(|v| self.up.axes() * DVec3::from_array(v));
         let written =
-            |v: DVec3, size: f64| format!("[{}]", v.to_array().map(|x| rounded(x, size).to_string()).join(", "));
+            |v: DVec3, size: f64| format!("[{}]", v.to_array().map_each(|x| rounded(x, size).to_string()).join(", "));
         Some(match what {
             "mesh" => self.table.clone(),
             "model" => self.name.clone(),

@@ -1,5 +1,6 @@
 //! The self-test: examples, small, by the kernels against the reference, as `render --check` compares them.
 
+use crate::arrays::MapEach;
 use crate::engine::plan::Wanted;
 use crate::engine::{Engine, RunOptions};
 use crate::gpu::GpuOptions;
@@ -107,7 +108,7 @@ impl Tester {
         let judged = judge(&scene, &camera, &rendered, &rendered, 1)?;
         let seen = judged.comparison;
         let [uncertain, different, wrong_safe] =
-            [seen.unsafe_pixels, seen.wrong_triangle, seen.wrong_safe].map(Option::unwrap_or_default);
+            [seen.unsafe_pixels, seen.wrong_triangle, seen.wrong_safe].map_each(Option::unwrap_or_default);
         let wrong = judged.not_near.max(wrong_safe);
         let finite = |value: f64| Some(value).filter(|v| v.is_finite());
         Ok(Tested {

@@ -1,5 +1,6 @@
 //! What a page shows of a frame: colour, or a channel as colours.
 
+use crate::arrays::MapEach;
 use crate::camera::{Camera, Rays};
 use crate::engine::plan::Wanted;
 use crate::geometry::cast::ExactCaster;
@@ -82,7 +83,7 @@ impl Shown {
             Shown::Material => named(ids(Channel::MaterialId), |k| scene.mesh.materials.get(k).map(|m| m.name.clone())),
             Shown::Normal => {
                 let plane = |channel| frame.f32(channel).unwrap_or_default();
-                let [x, y, z] = [Channel::NormalX, Channel::NormalY, Channel::NormalZ].map(plane);
+                let [x, y, z] = [Channel::NormalX, Channel::NormalY, Channel::NormalZ].map_each(plane);
                 let byte = |v: f32| (127.5 + 127.5 * v).round() as u8;
                 plain(flat(x.iter().zip(y).zip(z).map(|((x, y), z)| match (x, y, z) {
                     (0.0, 0.0, 0.0) => NOTHING,
@@ -92,7 +93,7 @@ impl Shown {
             Shown::Certified => {
                 let colours = [[196, 60, 48], [220, 180, 60], [52, 140, 80]];
                 let names = ["not proven", "proven by the recheck", "proven in f32"];
-                let names = names.map(String::from).into_iter().zip(colours).collect();
+                let names = names.map_each(String::from).into_iter().zip(colours).collect();
                 let rgb = flat(ids(Channel::Certified).iter().map(|k| colours[(*k as usize).min(2)]));
                 Colours { rgb, legend: Some(Legend::Names { names }) }
             }
@@ -189,5 +190,5 @@ fn viridis(share: f64) -> [u8; 3] {
     let at = share.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
     let k = (at as usize).min(SCALE.len() - 2);
     let part = at - k as f64;
-    [0, 1, 2].map(|c| (f64::from(SCALE[k][c]) * (1.0 - part) + f64::from(SCALE[k + 1][c]) * part).round() as u8)
+    [0, 1, 2].map_each(|c| (f64::from(SCALE[k][c]) * (1.0 - part) + f64::from(SCALE[k + 1][c]) * part).round() as u8)
 }

@@ -1,5 +1,6 @@
 //! The camera's volume and the scene as lines, as JSON for the page.
 
+use crate::arrays::MapEach;
 use crate::camera::volume;
 use crate::camera::{Camera, Curve};
 use crate::geometry::mesh::Mesh;
@@ -61,7 +62,7 @@ pub fn of_scene(mesh: &Mesh) -> Json {
         // smooth all over: the outlines of some triangles
         _ => {
             let step = mesh.triangles.len().div_ceil(LINES_MAX / 2).max(1);
-            let outline = |t: &[u32; 3]| Line::of([t[0], t[1], t[2]].map(|v| mesh.positions[v as usize]));
+            let outline = |t: &[u32; 3]| Line::of([t[0], t[1], t[2]].map_each(|v| mesh.positions[v as usize]));
             mesh.triangles.iter().step_by(step).map(outline).collect()
         }
     };

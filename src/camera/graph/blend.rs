@@ -3,6 +3,7 @@
 use super::path::{CURVE_PARTS, Detour, SightLines};
 use super::view::View;
 use super::{Bend, Graph, Leg, Net};
+use crate::arrays::MapEach;
 use glam::{DVec2, DVec3};
 
 /// A ball to track.
@@ -72,7 +73,8 @@ pub fn graphs(view: &View, seen: &[Seen], size: (u32, u32), far: f64, segments: 
             Leg::Straight([points(0), points(3)])
         }
     };
-    [true, false].map(|shifted| Graph { net: net.clone(), legs: depths.windows(2).map(|p| leg(p, shifted)).collect() })
+    [true, false]
+        .map_each(|shifted| Graph { net: net.clone(), legs: depths.windows(2).map(|p| leg(p, shifted)).collect() })
 }
 
 impl Seen {
@@ -126,7 +128,7 @@ fn net(view: &View, seen: &[Seen], size: (u32, u32)) -> (Net, Vec<Vec<f64>>) {
         let (first, last) = (-1.0, size as f64 + 1.0);
         let of = |s: &Seen| {
             let (core, reach) = (s.core_px, s.reach_px(view));
-            let between = BAND_LINES.map(|part| core + part * (reach - core));
+            let between = BAND_LINES.map_each(|part| core + part * (reach - core));
             // one target's share is linear between these alone
             let more = if seen.len() > 1 { vec![between[0], between[1], (1.0 + GUARD) * core] } else { Vec::new() };
             let at = s.place_px[axis];
@@ -161,7 +163,7 @@ fn net(view: &View, seen: &[Seen], size: (u32, u32)) -> (Net, Vec<Vec<f64>>) {
 impl Graph {
     /// The points that the ray at an image place runs through, curves as some straight parts.
     pub fn line(&self, place_px: DVec2, bend: Bend) -> Option<Vec<DVec3>> {
-        let corners = |t: &[u32; 3]| t.map(|k| self.net.places_px[k as usize]);
+        let corners = |t: &[u32; 3]| t.map_each(|k| self.net.places_px[k as usize]);
         let weights = |t: &[u32; 3]| {
             let [a, b, c] = corners(t);
             let area = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);

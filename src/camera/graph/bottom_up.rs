@@ -6,6 +6,7 @@ use super::legs::{self, Depths};
 use super::view::{Pinhole, View, beyond};
 use super::volume::Volume;
 use super::{Graph, Net};
+use crate::arrays::MapEach;
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::input::reader::{Field, Table};
@@ -129,14 +130,14 @@ impl BottomUp {
     fn layout(&self, setting: &Setting, (width, height): (u32, u32)) -> Result<Layout> {
         let sum: f64 = self.weights.iter().sum();
         let (w, h) = (width as f64, height as f64);
-        let [left, right] = [self.weights[0], self.weights[2]].map(|share| (w * share / sum).round());
+        let [left, right] = [self.weights[0], self.weights[2]].map_each(|share| (w * share / sum).round());
         let between_px = [left, w - right];
         if left < 1.0 || right < 1.0 || between_px[1] - between_px[0] < 1.0 {
             return Err(Error::input(format!(
                 "camera.weights: in an image {width} pixels wide some part has less than one; make its share larger"
             )));
         }
-        let centres = [left / 2.0, w - right / 2.0].map(|x| DVec2::new(x, h / 2.0));
+        let centres = [left / 2.0, w - right / 2.0].map_each(|x| DVec2::new(x, h / 2.0));
         let view = |k: usize| {
             View::new(&self.views[k], height, centres[k]).map_err(|e| Error::input(in_view(k, &e.to_string())))
         };

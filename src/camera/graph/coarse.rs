@@ -5,6 +5,7 @@ use super::Net;
 use super::blend::{Seen, shares};
 use super::outline::{self, Outline};
 use super::view::View;
+use crate::arrays::MapEach;
 use glam::DVec2;
 
 /// The fewest segments of a layer: a core, four around it, and four up to the image's borders.
@@ -52,7 +53,7 @@ pub fn net(view: &View, seen: &[Seen], size: (u32, u32), segments: usize) -> (Ne
         // around the core: along each side, triangles to one outer corner, and one to the next corner
         let sides: [&dyn Fn(u32) -> u32; 4] = [&|s| at(s, 0), &|s| at(n, s), &|s| at(n - s, n), &|s| at(0, n - s)];
         for (c, side) in sides.into_iter().enumerate() {
-            let [from, to] = [c as u32, (c as u32 + 1) % 4].map(|corner| outer + corner);
+            let [from, to] = [c as u32, (c as u32 + 1) % 4].map_each(|corner| outer + corner);
             triangles.extend((0..n).map(|s| [from, side(s + 1), side(s)]));
             triangles.push([from, to, side(n)]);
         }

@@ -4,6 +4,7 @@ use super::super::curve::{Curve, CurveMap, Curves};
 use super::super::recipe::{Built, Setting};
 use super::super::{LAYERS_MAX, Pieces, Rays, mesh};
 use super::{Graph, Leg, Net};
+use crate::arrays::MapEach;
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Limits, Result};
@@ -89,7 +90,7 @@ impl Leg {
 }
 
 fn curve(points: &[Vec<DVec3>; 4], vertex: usize) -> Curve {
-    Curve::new(&[0, 1, 2, 3].map(|k| points[k][vertex]))
+    Curve::new(&[0, 1, 2, 3].map_each(|k| points[k][vertex]))
 }
 
 impl Net {
@@ -142,7 +143,7 @@ impl CurveMap for CurvedLeg {
         let pixel = |at: f64, size: u32| (at as u32).min(size - 1);
         let (i, j) = (pixel(place.x, self.size.0), pixel(place.y, self.size.1));
         let piece = self.legs[0].owner_of_place(i, j, place)?;
-        let [first, last] = [0, 1].map(|k| self.legs[k].bundle_at_place(piece, place).ray(0.0, 0.0));
+        let [first, last] = [0, 1].map_each(|k| self.legs[k].bundle_at_place(piece, place).ray(0.0, 0.0));
         let points = [first.origin, first.origin + first.direction, last.origin, last.origin + last.direction];
         Some((piece, Curve::new(&points)))
     }

@@ -1,6 +1,7 @@
 //! Rays that cross: where a segment is inside out, objects appear mirrored, or twice.
 
 use super::{Bend, Graph, Leg, Net};
+use crate::arrays::MapEach;
 use crate::parallel;
 use glam::DVec3;
 
@@ -30,10 +31,10 @@ impl Graph {
 /// The piece maps image and t to space with the handedness of a pinhole, `D . (dX/dx x dX/dy) >= 0` with y down,
 /// except where its rays cross. D is linear over the triangle and the product is constant there for one t.
 fn crosses(net: &Net, [from, to]: [&[DVec3]; 2], triangle: &[u32; 3], counts: impl Fn(DVec3) -> bool) -> bool {
-    let corner = triangle.map(|k| k as usize);
-    let at = |t: f64| corner.map(|k| from[k].lerp(to[k], t));
-    let d = corner.map(|k| to[k] - from[k]);
-    let q = corner.map(|k| net.places_px[k]);
+    let corner = triangle.map_each(|k| k as usize);
+    let at = |t: f64| corner.map_each(|k| from[k].lerp(to[k], t));
+    let d = corner.map_each(|k| to[k] - from[k]);
+    let q = corner.map_each(|k| net.places_px[k]);
     let winding = (q[1] - q[0]).perp_dot(q[2] - q[0]).signum();
     (0..=ALONG).any(|k| {
         let x = at(k as f64 / ALONG as f64);

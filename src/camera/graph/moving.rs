@@ -12,6 +12,7 @@ use super::blend::{GUARD, MARGIN_PX, Seen, Target, before, graphs};
 use super::path::{self, Candidates, Detour, EDGE_DEPTH, Occluders, Paths, SightLines};
 use super::view::View;
 use super::{Graph, lattice};
+use crate::arrays::MapEach;
 use crate::camera::LAYERS_MAX;
 use crate::parallel;
 use glam::{DVec2, DVec3};
@@ -38,7 +39,7 @@ impl Seen {
     /// A target as it is seen without detours, in a picture that goes from 0 to `end` (px); `None` if it is not wholly before the eye.
     /// `beside_px`: how far around it its detour is of use.
     pub fn new(view: &View, end: DVec2, index: usize, target: Target, beside_px: f64) -> Option<Seen> {
-        let [right, down] = view.steps().map(DVec3::normalize);
+        let [right, down] = view.steps().map_each(DVec3::normalize);
         let front = view.depth(target.at) - target.radius;
         let place_px = view.place(target.at).filter(|_| front > 0.0)?;
         let ring = |radius: f64| {

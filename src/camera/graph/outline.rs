@@ -1,5 +1,6 @@
 //! Polygons in the image: wider outlines, and triangles over them with holes left open.
 
+use crate::arrays::MapEach;
 use glam::DVec2;
 use std::collections::BTreeSet;
 
@@ -154,8 +155,8 @@ fn clip_ears(places: &[DVec2], ring: Vec<usize>) -> Vec<[u32; 3]> {
     let mut triangles = Vec::new();
     while left > 2 {
         let Some(k) = untested.pop_first() else { break };
-        let corners = [before[k], k, next[k]].map(|c| ring[c]);
-        let t = corners.map(|c| places[c]);
+        let corners = [before[k], k, next[k]].map_each(|c| ring[c]);
+        let t = corners.map_each(|c| places[c]);
         let side = |a: DVec2, b: DVec2, q: DVec2| (b - a).perp_dot(q - a);
         let within = |q: DVec2| side(t[0], t[1], q) >= 0.0 && side(t[1], t[2], q) >= 0.0 && side(t[2], t[0], q) >= 0.0;
         if side(t[0], t[1], t[2]) <= 0.0 {
@@ -166,7 +167,7 @@ fn clip_ears(places: &[DVec2], ring: Vec<usize>) -> Vec<[u32; 3]> {
             blocked[inside].push(k);
             continue;
         }
-        triangles.push(corners.map(|c| c as u32));
+        triangles.push(corners.map_each(|c| c as u32));
         (is_left[k], left) = (false, left - 1);
         (next[before[k]], before[next[k]]) = (next[k], before[k]);
         untested.extend([before[k], next[k]]);

@@ -1,6 +1,7 @@
 //! Image regions that overlap: the common subdivision of their triangles, and what each region adds on it.
 
 use super::outline::{self, Outline};
+use crate::arrays::MapEach;
 use glam::DVec2;
 use std::collections::HashMap;
 
@@ -56,12 +57,12 @@ impl Profile {
         let (n, first) = (inner.len() as u32, rectangle.len() as u32);
         let around = outline::triangulate(rectangle, std::slice::from_ref(outer));
         let within = outline::triangulate(inner, &[]);
-        let within = within.into_iter().map(|t| t.map(|k| first + n + k));
+        let within = within.into_iter().map(|t| t.map_each(|k| first + n + k));
         let places_px: Vec<DVec2> = rectangle.iter().chain(outer).chain(inner).copied().collect();
         let triangles = around.into_iter().chain(within).chain(band(n, first + n, first));
         let positive = |t: [u32; 3]| {
-            let t = t.map(|k| k as usize);
-            if outline::area2(&t.map(|k| places_px[k])) < 0.0 { [t[0], t[2], t[1]] } else { t }
+            let t = t.map_each(|k| k as usize);
+            if outline::area2(&t.map_each(|k| places_px[k])) < 0.0 { [t[0], t[2], t[1]] } else { t }
         };
         let triangles = triangles.map(positive).collect();
         Profile { first_corner: (first + n) as usize, triangles, places_px }
@@ -70,9 +71,9 @@ impl Profile {
     /// The mix at a place of a triangle.
     fn mix(&self, triangle: usize, q: DVec2) -> Mix {
         let t = self.triangles[triangle];
-        let [a, b, c] = t.map(|k| self.places_px[k]);
+        let [a, b, c] = t.map_each(|k| self.places_px[k]);
         let area = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);
-        let weights = [area(q, b, c), area(a, q, c), area(a, b, q)].map(|w| w / area(a, b, c));
+        let weights = [area(q, b, c), area(a, q, c), area(a, b, q)].map_each(|w| w / area(a, b, c));
         let mix = (0..3).filter(|k| t[*k] >= self.first_corner).map(|k| (self.places_px[t[k]], weights[k])).collect();
         if share(&mix) > 0.0 { mix } else { Mix::new() }
     }
@@ -111,7 +112,7 @@ pub fn overlay(rectangle: &Outline, profiles: &[Profile]) -> Overlay {
 fn cut(cell: &Cell, profile: &Profile) -> Vec<Cell> {
     let (lo, hi) = outline::bounds(&cell.corners);
     let part = |k: usize| {
-        let t = profile.triangles[k].map(|v| profile.places_px[v]);
+        let t = profile.triangles[k].map_each(|v| profile.places_px[v]);
         let (from, to) = outline::bounds(&t);
         if from.cmpge(hi).any() || to.cmple(lo).any() {
             return None;
@@ -186,7 +187,7 @@ struct Vertices {
 
 impl Vertices {
     fn key(q: DVec2) -> [i64; 2] {
-        (q / (4.0 * SAME_PX)).floor().to_array().map(|x| x as i64)
+        (q / (4.0 * SAME_PX)).floor().to_array().map_each(|x| x as i64)
     }
 
     fn find(&self, q: DVec2) -> Option<usize> {
@@ -211,7 +212,7 @@ impl Vertices {
             return;
         }
         if n == 3 {
-            triangles.push([0, 1, 2].map(|k| ring[k] as u32));
+            triangles.push([0, 1, 2].map_each(|k| ring[k] as u32));
             return;
         }
         let middle = self.places_px.len();
@@ -222,7 +223,7 @@ impl Vertices {
         };
         let mixes = (0..self.mixes[ring[0]].len()).map(mean).collect();
         self.mixes.push(mixes);
-        triangles.extend((0..n).map(|k| [ring[k], ring[(k + 1) % n], middle].map(|v| v as u32)));
+        triangles.extend((0..n).map(|k| [ring[k], ring[(k + 1) % n], middle].map_each(|v| v as u32)));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::Bend;
 use super::view::View;
+use crate::arrays::MapEach;
 use crate::camera::Bundle;
 use crate::camera::perturb::scene_size;
 use crate::geometry::cast::Caster;
@@ -82,13 +83,13 @@ impl Detour {
     /// The Bezier points of the share between two depths that no end of a slope lies between.
     pub fn shares(&self, from: f64, to: f64) -> [f64; 4] {
         let on = |first: f64, last: f64| {
-            let [a, b] = [from, to].map(|z| (z - first) / (last - first));
+            let [a, b] = [from, to].map_each(|z| (z - first) / (last - first));
             [smooth(a, a, a), smooth(a, a, b), smooth(a, b, b), smooth(b, b, b)]
         };
         match to {
             z if z <= self.out => on(0.0, self.out),
             z if z <= self.back => [1.0; 4],
-            z if z <= self.end => on(self.back, self.end).map(|s| 1.0 - s),
+            z if z <= self.end => on(self.back, self.end).map_each(|s| 1.0 - s),
             _ => [0.0; 4],
         }
     }
@@ -174,7 +175,7 @@ pub struct Candidates {
 
 /// Pairs of [`OUT`] and [`BACK`].
 fn tries() -> Vec<[f64; 2]> {
-    OUT.iter().flat_map(|o| BACK.map(|b| [*o, b])).collect()
+    OUT.iter().flat_map(|o| BACK.map_each(|b| [*o, b])).collect()
 }
 
 impl Candidates {
@@ -283,7 +284,7 @@ impl SightLines {
             for (slope, t) in candidates.slopes[d].iter().zip(tries()) {
                 let w = w * weight(*slope, flattest);
                 direction += w * paths.directions[d];
-                parts = [0, 1].map(|k| parts[k] + w * t[k]);
+                parts = [0, 1].map_each(|k| parts[k] + w * t[k]);
                 sum += w;
                 if w > 0.0 && best.is_none_or(|b| *slope < b.0) {
                     best = Some((*slope, paths.directions[d], t));
@@ -292,7 +293,7 @@ impl SightLines {
         }
         let (flattest, of_flattest, t) = best?;
         let mean = || {
-            let (direction, parts) = (direction.try_normalize()?, parts.map(|p| p / sum));
+            let (direction, parts) = (direction.try_normalize()?, parts.map_each(|p| p / sum));
             let ahead = self.ahead(paths, candidates.span, direction, parts);
             let detour = self.detour(direction, widened(candidates.span, &ahead), parts)?;
             let own = shortest(paths, &candidates.places_px, detour)?;

@@ -3,6 +3,7 @@
 use super::legs;
 use super::outline::{self, Outline};
 use super::view::{Pinhole, View};
+use crate::arrays::MapEach;
 use crate::camera::pose::Pose;
 use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
@@ -45,7 +46,7 @@ pub fn roots(pinhole: &Pinhole, layout: Layout, (width, height): (u32, u32)) -> 
     }
     let start = DVec2::new(((width - columns * side) / 2) as f64, ((height - rows * side) / 2) as f64);
     let front = View::new(pinhole, side, centre)?;
-    let [right, down] = front.steps().map(DVec3::normalize);
+    let [right, down] = front.steps().map_each(DVec3::normalize);
     let (f, r, u) = (front.forward(), right, -down);
     let around = [(-r, u), (f, u), (r, u), (-f, u), (u, -f), (-u, f)];
     let cell = |k: usize| match (layout, k) {

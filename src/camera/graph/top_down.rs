@@ -10,6 +10,7 @@ use super::overlay::{self, Mix, Profile};
 use super::path::Occluders;
 use super::roots::{self, Layout, Root};
 use super::view::{Pinhole, View, beyond};
+use crate::arrays::MapEach;
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::values::length;
@@ -312,7 +313,7 @@ impl NetOfRoots {
             index
         };
         let index: Vec<u32> = common.places_px.iter().zip(&common.mixes).map(&mut vertex).collect();
-        self.net.triangles.extend(common.triangles.iter().map(|t| t.map(|k| index[k as usize])));
+        self.net.triangles.extend(common.triangles.iter().map(|t| t.map_each(|k| index[k as usize])));
     }
 
     /// Adds vertices, corners of a region or of the root.
@@ -325,7 +326,7 @@ impl NetOfRoots {
     }
 
     fn triangles(&mut self, first: u32, triangles: Vec<[u32; 3]>) {
-        self.net.triangles.extend(triangles.into_iter().map(|t| t.map(|k| first + k)));
+        self.net.triangles.extend(triangles.into_iter().map(|t| t.map_each(|k| first + k)));
     }
 }
 

@@ -18,6 +18,7 @@ use super::path::{Occluders, Paths};
 use super::top_down::{far_note, fold_note};
 use super::view::{Pinhole, View, beyond};
 use super::{Graph, coarse, legs};
+use crate::arrays::MapEach;
 use crate::camera::Rays;
 use crate::camera::pose::KEYS as POSE;
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -150,7 +151,7 @@ fn between(index: usize) -> String {
 impl Track {
     /// Unit directions in which rays may be shifted, those that are preferred first.
     fn directions(&self, view: &View) -> Vec<DVec3> {
-        let [right, down] = view.steps().map(DVec3::normalize);
+        let [right, down] = view.steps().map_each(DVec3::normalize);
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let all =
             [(0., 1.), (-1., 0.), (1., 0.), (-half, half), (half, half), (0., -1.), (-half, -half), (half, -half)];

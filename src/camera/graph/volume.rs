@@ -2,6 +2,7 @@
 //! not intersect").
 
 use super::view::View;
+use crate::arrays::MapEach;
 use glam::{DMat3, DVec2, DVec3};
 
 /// A bounded convex volume: points with `normal . x <= limit` for all its planes, normals of unit length.
@@ -11,7 +12,7 @@ pub struct Volume(Vec<(DVec3, f64)>);
 impl Volume {
     /// The part of a view between two depths over the image rectangle from `lo` to `hi` (px).
     pub fn of_view(view: &View, lo: DVec2, hi: DVec2, [near, far]: [f64; 2]) -> Volume {
-        let corners = [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)].map(|q| view.ray(q).direction);
+        let corners = [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)].map_each(|q| view.ray(q).direction);
         let (eye, f) = (view.eye(), view.forward());
         let centre = corners.iter().sum::<DVec3>();
         let mut planes = vec![(f, f.dot(eye) + far), (-f, -f.dot(eye) - near)];

@@ -5,6 +5,7 @@ mod bilinear;
 use super::central::{POSE, Pose};
 use super::pinhole;
 use super::strips::central;
+use crate::arrays::MapEach;
 use crate::camera::Rays;
 use crate::camera::bundle::Bundle;
 use crate::camera::pieces::{Piece, Pieces, side};
@@ -120,8 +121,8 @@ impl CameraTexture {
         let steps = DVec2::new(f64::from(columns - 1), f64::from(rows - 1));
         let cell = |i: u32, j: u32| {
             let from = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)];
-            let place = from.map(|(i, j)| DVec2::new(i.into(), j.into()) / steps);
-            let offset = from.map(|(i, j)| at[(j * columns + i) as usize]);
+            let place = from.map_each(|(i, j)| DVec2::new(i.into(), j.into()) / steps);
+            let offset = from.map_each(|(i, j)| at[(j * columns + i) as usize]);
             Cell { from: place, to: std::array::from_fn(|k| place[k] + self.scale * offset[k]) }
         };
         (0..rows - 1).flat_map(|j| (0..columns - 1).map(move |i| (i, j))).map(|(i, j)| cell(i, j)).collect()
@@ -155,15 +156,16 @@ impl Base {
 
 /// Two pieces a cell, cut from its upper right to its lower left corner, each where it is displaced to.
 fn affine(cells: &[Cell], base: &Base, eye: DVec3, (w, h): (u32, u32)) -> Result<Built> {
-    let triangles = cells.iter().flat_map(|cell| [[0, 1, 2], [3, 2, 1]].map(|t| t.map(|k| (cell.from[k], cell.to[k]))));
+    let triangles =
+        cells.iter().flat_map(|cell| [[0, 1, 2], [3, 2, 1]].map_each(|t| t.map_each(|k| (cell.from[k], cell.to[k]))));
     let (mut pieces, mut folded): (Vec<Piece>, usize) = (Vec::new(), 0);
     for triangle in triangles {
-        let corners = triangle.map(|(_, to)| to * base.size);
+        let corners = triangle.map_each(|(_, to)| to * base.size);
         let area = side(corners[0], corners[1], corners[2]);
         // undisplaced, both go round the way in which the sign is positive
         folded += usize::from(area <= 0.0);
         if area != 0.0 {
-            pieces.push(central(eye, corners, triangle.map(|(from, _)| base.direction(from))));
+            pieces.push(central(eye, corners, triangle.map_each(|(from, _)| base.direction(from))));
         }
     }
     if pieces.is_empty() {

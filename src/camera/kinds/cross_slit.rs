@@ -4,6 +4,7 @@
 //! that meets the slits `p1 + s d1` and `p2 + s d2`: the planes of X with each slit cut each other in it.
 
 use super::central::{POSE, Pose};
+use crate::arrays::MapEach;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};
 use crate::camera::values::{direction, length};
@@ -107,7 +108,7 @@ impl CrossSlit {
         };
         let forward = plane.up.cross(plane.right).normalize();
         let (right, up) = (plane.right.normalize(), plane.right.cross(forward).normalize());
-        let slits = [0, 1].map(|k| match self.slits[k] {
+        let slits = [0, 1].map_each(|k| match self.slits[k] {
             SlitSpec::Line(point, direction) => (point, direction),
             SlitSpec::Facing { distance, angle } => {
                 let (sin, cos) = angle.to_radians().sin_cos();
@@ -134,7 +135,7 @@ impl Recipe for CrossSlit {
             return Err(Error::input("camera.slits.0: rays start on it, so it must lie before the image plane"));
         }
         // a slit in the image plane takes in the rays of one line of the image alone
-        let [at_0, at_x, at_y] = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| lines.at(x, y));
+        let [at_0, at_x, at_y] = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map_each(|(x, y)| lines.at(x, y));
         let (Some(o), Some(x), Some(y)) = (at_0, at_x, at_y) else {
             return Err(Error::input("camera.slits.1: it lies in the image plane; move it out"));
         };

@@ -4,6 +4,7 @@
 //! picture stays continuous.
 
 use super::central::{POSE, Pose};
+use crate::arrays::MapEach;
 use crate::camera::mesh::triangle;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::values::{angle_within, half_tangent, length};
@@ -73,7 +74,8 @@ impl Recipe for Hinge {
             Ray { origin: self.pose.eye + half_path * along, direction: to_image / distance }
         };
         let size = DVec2::new(w.into(), h.into());
-        let piece = |q: [(f64, f64); 3]| triangle(q.map(|(a, b)| DVec2::new(a, b) * size), q.map(|(a, b)| ray(a, b)));
+        let piece =
+            |q: [(f64, f64); 3]| triangle(q.map_each(|(a, b)| DVec2::new(a, b) * size), q.map_each(|(a, b)| ray(a, b)));
         let halves = [(0.0, self.column), (self.column, 1.0)];
         let pieces = halves
             .iter()

@@ -8,6 +8,7 @@
 //! with less convergence across than up.
 
 use super::viewer::{Viewer, allow, aspect, upright};
+use crate::arrays::MapEach;
 use crate::camera::projector::Volume;
 use crate::camera::projector::surface::Surface;
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -84,7 +85,7 @@ impl Recipe for Irregular {
             }
             Convergence::Corners(c) => {
                 let corners = [(0, -0.5, 0.5), (1, 0.5, 0.5), (2, -0.5, -0.5), (3, 0.5, -0.5)];
-                Surface::Bilinear(corners.map(|(k, x, y)| {
+                Surface::Bilinear(corners.map_each(|(k, x, y)| {
                     self.viewer.point(self.viewer.scale(depth, c[k]) * (at_target * DVec2::new(x, y)), depth)
                 }))
             }

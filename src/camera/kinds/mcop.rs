@@ -3,6 +3,7 @@
 //! Rademacher and Bishop 1998, sections 3 and 4.
 
 use super::central::{POSE, Pose};
+use crate::arrays::MapEach;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};
 use crate::camera::values::{direction, half_tangent, length};
@@ -115,7 +116,7 @@ impl Path {
                 let s = place - leg;
                 let near = |k: i64| neighbour(keys, leg as i64 + k, *closed);
                 let [before, from, to, after] = [near(-1), near(0), near(1), near(2)];
-                [0, 1, 2].map(|c| {
+                [0, 1, 2].map_each(|c| {
                     if *smooth { spline(before[c], from[c], to[c], after[c], s) } else { from[c].lerp(to[c], s) }
                 })
             }
@@ -126,7 +127,7 @@ impl Path {
 /// The key of this number; beyond the ends of an open path it goes on straight.
 fn neighbour(keys: &[Key], k: i64, closed: bool) -> Key {
     let n = keys.len() as i64;
-    let beyond = |end: &Key, inner: &Key| [0, 1, 2].map(|c| 2.0 * end[c] - inner[c]);
+    let beyond = |end: &Key, inner: &Key| [0, 1, 2].map_each(|c| 2.0 * end[c] - inner[c]);
     match k {
         _ if closed => keys[k.rem_euclid(n) as usize],
         _ if k < 0 => beyond(&keys[0], &keys[1]),

@@ -5,6 +5,7 @@
 //! `blend` is the share of the pinhole in the far surface, in all of the image or at its corners.
 
 use super::viewer::{Viewer, allow, aspect, upright};
+use crate::arrays::MapEach;
 use crate::camera::projector::Volume;
 use crate::camera::projector::patch::Patch;
 use crate::camera::projector::surface::Surface;
@@ -81,7 +82,8 @@ impl OrthoToPerspective {
                 + scale(y0, x0) * place(x1, y1);
             self.viewer.point(sum / 4.0, self.viewer.far)
         };
-        let points: Vec<_> = [0, 1, 2].iter().flat_map(|&row| [0, 1, 2].map(|column| point(column, row))).collect();
+        let points: Vec<_> =
+            [0, 1, 2].iter().flat_map(|&row| [0, 1, 2].map_each(|column| point(column, row))).collect();
         Surface::Patch(Patch::uniform([2, 2], 3, &points))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::central::{Central, Lens, POSE, Pose};
 use super::strips::{self, Grid};
+use crate::arrays::MapEach;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::reader::{Field, Table};
@@ -37,7 +38,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     if lat[0] < -90.0 || lat[1] > 90.0 {
         return Err(table.error("lat: latitudes lie from -90 to 90 degrees"));
     }
-    let angles = Angles { lon: lon.map(f64::to_radians), lat: lat.map(f64::to_radians) };
+    let angles = Angles { lon: lon.map_each(f64::to_radians), lat: lat.map_each(f64::to_radians) };
     let (pose, strips, tessellation) = (Pose::read(table)?, strips::read(table)?, Tessellation::read(table)?);
     Ok(Arc::new(Sphere { pose, angles, strips, tessellation }))
 }

@@ -1,6 +1,7 @@
 //! Central cameras in perspective pieces (Lorenz and Doellner 2009): a grid of cells over the image, each a perspective.
 
 use super::central::{Central, Lens};
+use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 use crate::camera::mesh::interpolated;
 use crate::camera::pieces::{Piece, Pieces};
@@ -63,8 +64,9 @@ impl Grid {
         let pieces = self
             .corners()
             .flat_map(|q| {
-                let d = q.map(direction);
-                [[0, 1, 2], [3, 1, 2]].map(|t| central(eye, t.map(|k| DVec2::from(q[k]) * self.size), t.map(|k| d[k])))
+                let d = q.map_each(direction);
+                [[0, 1, 2], [3, 1, 2]]
+                    .map_each(|t| central(eye, t.map_each(|k| DVec2::from(q[k]) * self.size), t.map_each(|k| d[k])))
             })
             .collect();
         Built::new((w, h), Rays::Pieces(Pieces::new(pieces, w, h)))
@@ -74,7 +76,7 @@ impl Grid {
     fn corners(&self) -> impl Iterator<Item = [(f64, f64); 4]> + '_ {
         let (n, m) = (f64::from(self.columns), f64::from(self.rows));
         let cells = (0..self.rows).flat_map(|j| (0..self.columns).map(move |i| (f64::from(i), f64::from(j))));
-        cells.map(move |(i, j)| [(0., 0.), (1., 0.), (0., 1.), (1., 1.)].map(|(x, y)| ((i + x) / n, (j + y) / m)))
+        cells.map(move |(i, j)| [(0., 0.), (1., 0.), (0., 1.), (1., 1.)].map_each(|(x, y)| ((i + x) / n, (j + y) / m)))
     }
 }
 

@@ -3,6 +3,7 @@
 //! Hou, Wei, Shum and Guo 2006, sections 2 and 3.4: each triangle of the mesh is a camera with a ray at each corner, and has a
 //! right-angled triangle of one size in the image (their joint texture atlas), so that the packing wastes nothing.
 
+use crate::arrays::MapEach;
 use crate::camera::mesh::triangle;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::values::{direction, length};
@@ -79,12 +80,12 @@ fn welded(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<[u32;
     let (mut number_of, mut vertices) = (HashMap::new(), Vec::new());
     let mut number = |p: DVec3| {
         // -0 is 0
-        *number_of.entry((p + 0.0).to_array().map(f64::to_bits)).or_insert_with(|| {
+        *number_of.entry((p + 0.0).to_array().map_each(f64::to_bits)).or_insert_with(|| {
             vertices.push(p);
             vertices.len() as u32 - 1
         })
     };
-    let corners: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|i| number(positions[i as usize]))).collect();
+    let corners: Vec<[u32; 3]> = triangles.iter().map(|t| t.map_each(|i| number(positions[i as usize]))).collect();
     let kept = corners.into_iter().filter(|[a, b, c]| a != b && b != c && c != a).collect();
     (vertices, kept)
 }
@@ -104,7 +105,7 @@ fn border_edges(triangles: &[[u32; 3]]) -> usize {
 fn inward_normals(vertices: &[DVec3], triangles: &[[u32; 3]]) -> std::result::Result<Vec<DVec3>, DVec3> {
     let mut sums = vec![DVec3::ZERO; vertices.len()];
     for t in triangles {
-        let [a, b, c] = t.map(|i| vertices[i as usize]);
+        let [a, b, c] = t.map_each(|i| vertices[i as usize]);
         t.iter().for_each(|&i| sums[i as usize] -= (b - a).cross(c - a));
     }
     let used = |k: usize| triangles.iter().any(|t| t.contains(&(k as u32)));
@@ -147,9 +148,9 @@ impl Recipe for Surround {
             let corner = DVec2::new((k / 2 % columns) as f64, (k / 2 / columns) as f64);
             // counter-clockwise as seen in the picture, whose y goes down
             let shape = if upper { [(0., 0.), (0., 1.), (1., 0.)] } else { [(1., 1.), (1., 0.), (0., 1.)] };
-            let place = shape.map(|(x, y)| (corner + DVec2::new(x, y)) * cell);
+            let place = shape.map_each(|(x, y)| (corner + DVec2::new(x, y)) * cell);
             let ray = |i: u32| Ray { origin: self.vertices[i as usize], direction: self.inward[i as usize] };
-            triangle(place, self.rotated(t, upper).map(ray))
+            triangle(place, self.rotated(t, upper).map_each(ray))
         };
         let pieces = parallel::map(0..self.triangles.len(), |k| piece((k, &self.triangles[k])));
         let built = Built::new((w, h), Rays::Pieces(Pieces::new(pieces, w, h)));

@@ -6,6 +6,7 @@
 //! thin they are and however many meet in a corner.
 
 use super::side;
+use crate::arrays::MapEach;
 use crate::parallel;
 use glam::DVec2;
 
@@ -77,7 +78,7 @@ fn split(corners: &[Triangle], set: &[u32]) -> Option<[Vec<u32>; 2]> {
             let is_on = sides(*line, &corners[k as usize]);
             (0..2).filter(|s| is_on[*s]).for_each(|s| parts[s].push(k));
         }
-        let [left, right] = parts.each_ref().map(Vec::len);
+        let [left, right] = parts.each_ref().map_each(Vec::len);
         // at most a quarter more in all, and nine tenths on one side, so that the recursion ends
         let is_good = 4 * (left + right) <= 5 * set.len() && 10 * left.max(right) <= 9 * set.len();
         is_good.then_some(parts)
@@ -97,7 +98,7 @@ fn medians(triangles: &[&Triangle]) -> [Line; 2] {
 
 /// Whether the triangle reaches the left and the right side of a line; both if it lies on the line.
 fn sides([a, b]: Line, t: &Triangle) -> [bool; 2] {
-    let at = t.map(|q| side(a, b, q));
+    let at = t.map_each(|q| side(a, b, q));
     let (left, right) = (at.iter().all(|s| *s >= 0.0), at.iter().all(|s| *s <= 0.0));
     if left == right { [true; 2] } else { [left, right] }
 }

@@ -5,6 +5,7 @@
 
 use super::bounce::{Split, at_facet};
 use super::{Atlas, Branch, Facet, Facets, Law, Optics};
+use crate::arrays::MapEach;
 use crate::camera::mesh::triangle;
 use crate::camera::{Camera, Field, Pieces, Ray, Rays};
 use crate::image::size::check_size;
@@ -38,7 +39,7 @@ impl Layout {
         let corner = UVec2::new(cell % self.columns, cell / self.columns).as_dvec2() * side;
         let shape =
             if facet.is_multiple_of(2) { [(0., 0.), (0., 1.), (1., 0.)] } else { [(1., 1.), (1., 0.), (0., 1.)] };
-        shape.map(|(x, y)| corner + side * DVec2::new(x, y))
+        shape.map_each(|(x, y)| corner + side * DVec2::new(x, y))
     }
 }
 
@@ -93,7 +94,7 @@ fn corner_rays(by: (&Optics, Split), eye: DVec3, facet: &Facet) -> [Ray; 3] {
     // at a corner the interpolated ray is the corner's own
     let law = Law::Flat { eye };
     let weights = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-    [0, 1, 2].map(|k| {
+    [0, 1, 2].map_each(|k| {
         let (place, (direction, _)) = at_facet(by, law, facet, outside, weights[k]);
         Ray { origin: by.0.environment.unwrap_or(place), direction }
     })

@@ -1,6 +1,7 @@
 //! Reflection and refraction of a ray at a surface: the definitions, in f64.
 
 use super::{Bounce, Branch, FLAT_LEAST, Facet, Law, Optics};
+use crate::arrays::MapEach;
 use glam::{DVec2, DVec3};
 
 /// Which branch of a split ray is followed, and the tilt of its normals.
@@ -26,11 +27,11 @@ pub fn at_facet(
     let bounced = match law {
         Law::Normals => after(by, direction, mixed(facet.normals), outside),
         Law::Flat { eye } => {
-            let bent = [0, 1, 2].map(|k| bent(by, facet.corners[k] - eye, facet.normals[k], outside));
-            let corners = [0, 1, 2].map(|k| bent[k].d);
-            let heights = corners.map(|d| d.dot(outside.normalize()));
+            let bent = [0, 1, 2].map_each(|k| bent(by, facet.corners[k] - eye, facet.normals[k], outside));
+            let corners = [0, 1, 2].map_each(|k| bent[k].d);
+            let heights = corners.map_each(|d| d.dot(outside.normalize()));
             let leaves = |side: f64| heights.iter().all(|h| side * h >= FLAT_LEAST);
-            let scaled = [0, 1, 2].map(|k| corners[k] / heights[k].abs());
+            let scaled = [0, 1, 2].map_each(|k| corners[k] / heights[k].abs());
             let direction = if leaves(1.0) || leaves(-1.0) { mixed(scaled) } else { mixed(corners) };
             (direction, weights[0] * bent[0].share + weights[1] * bent[1].share + weights[2] * bent[2].share)
         }

@@ -3,6 +3,7 @@
 use super::bounce::{Split, after, at_facet};
 use super::meeting::first_meeting;
 use super::{Branch, Optics, Surface};
+use crate::arrays::MapEach;
 use crate::camera::perturb::scene_size;
 use crate::camera::{Camera, Ray};
 use crate::geometry::cast::Caster;
@@ -20,8 +21,8 @@ pub const SHARE: f64 = 0.95;
 /// pixels that see both surfaces. The unit is the true change from a pixel to its neighbours. `None` if no pixel and its neighbours see
 /// both.
 pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, centre: DVec3) -> Option<f64> {
-    let meshes = [truth, facets].map(|o| o.facets().map(|f| f.mesh(o.base)).unwrap_or_default());
-    let [truth, facets] = [(truth, &meshes[0]), (facets, &meshes[1])].map(|(optics, mesh)| Alone {
+    let meshes = [truth, facets].map_each(|o| o.facets().map(|f| f.mesh(o.base)).unwrap_or_default());
+    let [truth, facets] = [(truth, &meshes[0]), (facets, &meshes[1])].map_each(|(optics, mesh)| Alone {
         optics,
         caster: Caster::new(mesh),
         scene_size: scene_size(mesh.bounds()),

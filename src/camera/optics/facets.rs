@@ -1,5 +1,6 @@
 //! A surface of flat triangles with normals at their corners.
 
+use crate::arrays::MapEach;
 use crate::geometry::mesh::{Material, Mesh, NO_NORMAL};
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -43,7 +44,7 @@ impl Facets {
     /// [`Error::Input`] if no triangle is left, or where a corner's normals cancel.
     pub fn of_mesh(mesh: &Mesh) -> Result<Facets> {
         let cross = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
+            let [a, b, c] = t.map_each(|k| mesh.positions[k as usize]);
             (b - a).cross(c - a)
         };
         let has_area = |id: &usize| cross(&mesh.triangles[*id]) != DVec3::ZERO;
@@ -59,7 +60,8 @@ impl Facets {
         };
         let own = |id: &usize| mesh.corner_normals.get(*id).copied().unwrap_or([NO_NORMAL; 3]);
         let usable = |n: u32| n != NO_NORMAL && facets.normals[n as usize] != DVec3::ZERO;
-        facets.corner_normals = kept.iter().map(|id| own(id).map(|n| if usable(n) { n } else { NO_NORMAL })).collect();
+        facets.corner_normals =
+            kept.iter().map(|id| own(id).map_each(|n| if usable(n) { n } else { NO_NORMAL })).collect();
         if facets.corner_normals.iter().flatten().any(|n| *n == NO_NORMAL) {
             facets.add_mean_normals()?;
         }
@@ -70,9 +72,9 @@ impl Facets {
     fn add_mean_normals(&mut self) -> Result<()> {
         let mut of_place = std::collections::HashMap::new();
         // -0 is 0
-        let place = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
+        let place = |p: DVec3| (p + 0.0).to_array().map_each(f64::to_bits);
         for t in &self.triangles {
-            let corners = t.map(|k| self.positions[k as usize]);
+            let corners = t.map_each(|k| self.positions[k as usize]);
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
             for k in 0..3 {
                 let (p, a, b) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
@@ -102,8 +104,8 @@ impl Facets {
 
     pub fn facet(&self, k: usize) -> Facet {
         Facet {
-            corners: self.triangles[k].map(|v| self.positions[v as usize]),
-            normals: self.corner_normals[k].map(|n| self.normals[n as usize]),
+            corners: self.triangles[k].map_each(|v| self.positions[v as usize]),
+            normals: self.corner_normals[k].map_each(|n| self.normals[n as usize]),
         }
     }
 

@@ -1,6 +1,7 @@
 //! First intersections of rays with smooth surfaces: a quadric by its two roots, a torus by those of a quartic in Bernstein
 //! form, a wave by bisection of intervals that may contain a root.
 
+use crate::arrays::MapEach;
 use crate::camera::bundle::Ray;
 use crate::camera::optics::{Quadric, Smooth, Torus, Wave};
 use crate::geometry::bernstein::Bernstein;
@@ -53,13 +54,13 @@ fn on_torus(torus: &Torus, ray: &Ray, starts: bool, range: [f64; 2]) -> Option<f
     let nearest = if starts { 0.0 } else { -v.dot(u) };
     let q = v + nearest * u;
     let chord = (q.dot(u).powi(2) + BALL - q.length_squared()).sqrt();
-    let [from, to] = range.map(|t| t * speed - nearest);
+    let [from, to] = range.map_each(|t| t * speed - nearest);
     let span = [from.max(-q.dot(u) - chord), to.min(chord - q.dot(u))];
     // a chord that is no number is none
     if span[0].is_nan() || chord.is_nan() || span[0] >= span[1] {
         return None;
     }
-    let [radius, tube] = [torus.radius, torus.tube].map(|r| r / torus.size());
+    let [radius, tube] = [torus.radius, torus.tube].map_each(|r| r / torus.size());
     let (z, w) = (q.dot(torus.axis), u.dot(torus.axis));
     // |q + s u|^2, the left side's root and the square of the distance from the axis, by powers of s
     let square = [q.length_squared(), 2.0 * q.dot(u), 1.0];
@@ -97,7 +98,7 @@ fn on_wave(wave: &Wave, ray: &Ray, starts: bool, range: [f64; 2]) -> Option<f64>
     }
     let (q, length) = (o + part[0] * d, part[1] - part[0]);
     // the second derivative of the product of sines, which is small all the way next to where one of them is 0
-    let [x, z] = [d.x, d.z].map(|d| TAU / wave.wavelength * d.abs());
+    let [x, z] = [d.x, d.z].map_each(|d| TAU / wave.wavelength * d.abs());
     let sine = |q: f64| (TAU / wave.wavelength * q).sin().abs();
     let sines = (sine(q.x) + x * length).min(sine(q.z) + z * length);
     let bend = wave.amplitude * (x * x + z * z).min((x * x + z * z) * sines + 2.0 * x * z);

@@ -1,5 +1,6 @@
 //! Quadrics: surfaces of second degree that rays meet in closed form.
 
+use crate::arrays::MapEach;
 use crate::geometry::bvh::Aabb;
 use glam::{DMat3, DVec3};
 
@@ -73,10 +74,10 @@ impl Quadric {
         // where nothing else ends it, it is a ball or a wall about its centre
         let radius = |along: DVec3| (-self.c / along.dot(self.a * along)).sqrt();
         let rim = if self.rim.is_finite() { self.rim } else { radius(self.axis.any_orthonormal_vector()) };
-        let heights = self.heights.map(|h| if h.is_finite() { h } else { h.signum() * radius(self.axis) });
+        let heights = self.heights.map_each(|h| if h.is_finite() { h } else { h.signum() * radius(self.axis) });
         let disc = rim * (DVec3::ONE - self.axis * self.axis).max(DVec3::ZERO).map(f64::sqrt);
-        let corners = |h: f64| [h * self.axis - disc, h * self.axis + disc].map(|q| self.centre + q);
-        Aabb::around(&heights.map(corners).concat())
+        let corners = |h: f64| [h * self.axis - disc, h * self.axis + disc].map_each(|q| self.centre + q);
+        Aabb::around(&heights.map_each(corners).concat())
     }
 }
 

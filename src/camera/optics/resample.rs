@@ -3,6 +3,7 @@
 //! Hou, Wei, Shum and Guo 2006, section 2.3, simplify the mirror to the camera triangles that a frame can afford.
 
 use super::facets::Facets;
+use crate::arrays::MapEach;
 use crate::input::Result;
 use std::collections::HashMap;
 
@@ -36,14 +37,14 @@ impl Facets {
         for (t, n) in self.triangles.iter().zip(&self.corner_normals) {
             let edge = |[a, b]: [usize; 2], of: &[u32; 3]| (of[a].min(of[b]), of[a].max(of[b]));
             let edges = [[0, 1], [1, 2], [2, 0]];
-            let p = edges.map(|e| {
+            let p = edges.map_each(|e| {
                 let (a, b) = edge(e, t);
                 *places.entry((a, b)).or_insert_with(|| {
                     facets.positions.push((self.positions[a as usize] + self.positions[b as usize]) / 2.0);
                     facets.positions.len() as u32 - 1
                 })
             });
-            let q = edges.map(|e| {
+            let q = edges.map_each(|e| {
                 let (a, b) = edge(e, n);
                 *directions.entry((a, b)).or_insert_with(|| {
                     let sum = self.normals[a as usize] + self.normals[b as usize];

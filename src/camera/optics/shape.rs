@@ -4,6 +4,7 @@ use super::facets::Facets;
 use super::quadric::{Quadric, sag};
 use super::wave::WAVES_MAX;
 use super::{Smooth, Torus, Wave};
+use crate::arrays::MapEach;
 use crate::camera::values::{direction, length};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
@@ -230,7 +231,7 @@ fn cells(count: usize, triangles: impl Fn(usize, usize) -> usize, ratio: f64) ->
     };
     let shape = |n: usize, s: usize| (n as f64 / s as f64 / ratio).ln().abs();
     let key = |&(n, s): &(usize, usize)| (triangles(n, s).abs_diff(count), shape(n, s));
-    let all = (3..=most.max(4)).flat_map(|n| second(n).map(|s| (n, s)));
+    let all = (3..=most.max(4)).flat_map(|n| second(n).map_each(|s| (n, s)));
     // long thin grids only where nothing else comes near
     let fair = |q: &(usize, usize)| shape(q.0, q.1) < 1.1;
     let best = |list: Vec<(usize, usize)>| {
@@ -302,7 +303,7 @@ fn grid(rows: Vec<Vec<(DVec3, DVec3)>>, closed: bool) -> Facets {
 impl Facets {
     /// Adds a triangle that has an area, its outside where its corners' normals point.
     fn push(&mut self, mut t: [u32; 3]) {
-        let [a, b, c] = t.map(|k| self.positions[k as usize]);
+        let [a, b, c] = t.map_each(|k| self.positions[k as usize]);
         let cross = (b - a).cross(c - a);
         let out: DVec3 = t.iter().map(|k| self.normals[*k as usize]).sum();
         if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || cross == DVec3::ZERO {
@@ -323,8 +324,8 @@ fn joined(list: &[Facets]) -> Facets {
         let (p, n) = (all.positions.len() as u32, all.normals.len() as u32);
         all.positions.extend(&f.positions);
         all.normals.extend(&f.normals);
-        all.triangles.extend(f.triangles.iter().map(|t| t.map(|k| k + p)));
-        all.corner_normals.extend(f.corner_normals.iter().map(|t| t.map(|k| k + n)));
+        all.triangles.extend(f.triangles.iter().map(|t| t.map_each(|k| k + p)));
+        all.corner_normals.extend(f.corner_normals.iter().map(|t| t.map_each(|k| k + n)));
     }
     all
 }

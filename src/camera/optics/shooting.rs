@@ -5,6 +5,7 @@
 //! here it starts at the bounce on the fine mirror, which is nearer to the smooth surface.
 
 use super::facets::{CoarseFacets, Facet, Facets};
+use crate::arrays::MapEach;
 use crate::camera::Bundle;
 use crate::camera::perturb::scene_size;
 use crate::geometry::cast::{Caster, Hit, as_near};
@@ -34,7 +35,7 @@ impl Facets {
         let target = Target { coarse, caster: Caster::new(&mesh), scene_size: scene_size(mesh.bounds()) };
         // corners of one place and one normal are one shot
         let each = || self.triangles.iter().zip(&self.corner_normals);
-        let mut shots: Vec<(u32, u32)> = each().flat_map(|(t, n)| [0, 1, 2].map(|k| (t[k], n[k]))).collect();
+        let mut shots: Vec<(u32, u32)> = each().flat_map(|(t, n)| [0, 1, 2].map_each(|k| (t[k], n[k]))).collect();
         parallel::sort(&mut shots);
         shots.dedup();
         let shoot = |(p, n): &(u32, u32)| target.shot(self.positions[*p as usize], self.normals[*n as usize]);
@@ -45,11 +46,11 @@ impl Facets {
         };
         let corner_normals: Vec<[u32; 3]> = each()
             // every shot is in the list
-            .map(|(t, n)| [0, 1, 2].map(|k| shots.partition_point(|s| *s < (t[k], n[k])) as u32))
+            .map(|(t, n)| [0, 1, 2].map_each(|k| shots.partition_point(|s| *s < (t[k], n[k])) as u32))
             .collect();
         let of: Vec<u32> = parallel::map(0..self.triangles.len(), |k| target.coarse_of(&self.facet(k)));
         let weights_on = |(facet, corners): (&u32, &[u32; 3])| {
-            corners.map(|k| hits[k as usize].map_or([0.0; 2], |hit| target.weights_on(*facet, &hit)))
+            corners.map_each(|k| hits[k as usize].map_or([0.0; 2], |hit| target.weights_on(*facet, &hit)))
         };
         let weights = of.iter().zip(&corner_normals).map(weights_on).collect();
         Facets {
@@ -104,10 +105,13 @@ impl Target<'_> {
         }
         let Facet { corners: own, .. } = self.coarse.facet(hit.triangle as usize);
         let [u, v] = hit.bary;
-        let [a, b, c] =
-            self.coarse.facet(facet as usize).corners.map(|p| p - ((1.0 - u - v) * own[0] + u * own[1] + v * own[2]));
+        let [a, b, c] = self
+            .coarse
+            .facet(facet as usize)
+            .corners
+            .map_each(|p| p - ((1.0 - u - v) * own[0] + u * own[1] + v * own[2]));
         let normal = (b - a).cross(c - a);
-        [c.cross(a), a.cross(b)].map(|area| area.dot(normal) / normal.length_squared())
+        [c.cross(a), a.cross(b)].map_each(|area| area.dot(normal) / normal.length_squared())
     }
 
     /// The coarse mirror's unit normal; that of the facet itself where the corners' cancel out.

@@ -1,6 +1,7 @@
 //! Simplification of a mesh mirror to fewer facets.
 
 use super::facets::{Facet, Facets};
+use crate::arrays::MapEach;
 use crate::input::Result;
 use glam::DVec3;
 use meshopt::{SimplifyOptions, simplify_decoder};
@@ -18,7 +19,7 @@ impl Facets {
             let Facet { corners, normals } = self.facet(k);
             for (p, n) in corners.into_iter().zip(normals) {
                 // -0 is 0
-                let number = *number_of.entry((p + 0.0).to_array().map(f64::to_bits)).or_insert_with(|| {
+                let number = *number_of.entry((p + 0.0).to_array().map_each(f64::to_bits)).or_insert_with(|| {
                     positions.push(p);
                     sums.push(DVec3::ZERO);
                     positions.len() as u32 - 1
@@ -33,7 +34,7 @@ impl Facets {
         let kept = simplify_decoder(&indices, &places, 3 * count, ANY_ERROR, options, None);
         let triangles: Vec<[u32; 3]> = kept.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
         let area = |t: &&[u32; 3]| {
-            let [a, b, c] = t.map(|k| positions[k as usize]);
+            let [a, b, c] = t.map_each(|k| positions[k as usize]);
             (b - a).cross(c - a) != DVec3::ZERO
         };
         let triangles: Vec<[u32; 3]> = triangles.iter().filter(area).copied().collect();

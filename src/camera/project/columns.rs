@@ -8,6 +8,7 @@
 //!
 //! On a slit or an eye M(t) has rank 1 or 0: a line of places, or all, see the point.
 
+use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 use crate::geometry::bernstein::{Bernstein, VALUE_ROUNDING};
 use glam::{DMat3, DVec2, DVec3};
@@ -38,9 +39,9 @@ impl Columns {
     /// `None` where the bundle has no rays.
     pub fn of(b: &Bundle, x: DVec3, half_px: f64) -> Option<Columns> {
         let scale = [1.0, half_px, half_px];
-        let q = [0, 1, 2].map(|k| scale[k] * (b.p[k] - x * b.h[k]));
-        let d = [0, 1, 2].map(|k| scale[k] * b.d[k]);
-        let terms = [0, 1, 2].map(|k| scale[k] * (b.p[k].length() + x.length() * b.h[k].abs()));
+        let q = [0, 1, 2].map_each(|k| scale[k] * (b.p[k] - x * b.h[k]));
+        let d = [0, 1, 2].map_each(|k| scale[k] * b.d[k]);
+        let terms = [0, 1, 2].map_each(|k| scale[k] * (b.p[k].length() + x.length() * b.h[k].abs()));
         let size = |v: &[DVec3; 3]| v.iter().map(|v| v.length()).sum::<f64>();
         if size(&d) == 0.0 {
             return None;
@@ -50,7 +51,7 @@ impl Columns {
     }
 
     fn at(&self, t: f64) -> [DVec3; 3] {
-        [0, 1, 2].map(|k| self.q[k] + t * self.d[k])
+        [0, 1, 2].map_each(|k| self.q[k] + t * self.d[k])
     }
 
     /// What counts as nothing at `t`.
@@ -69,7 +70,7 @@ impl Columns {
     /// The real roots of det M, `None` where it is 0 for every t.
     pub fn roots(&self) -> Option<Vec<f64>> {
         let det = |a: DVec3, b: DVec3, c: DVec3| DMat3::from_cols(a, b, c).determinant();
-        let ([q0, q1, q2], [d0, d1, d2]) = (self.q, self.d.map(|d| self.unit * d));
+        let ([q0, q1, q2], [d0, d1, d2]) = (self.q, self.d.map_each(|d| self.unit * d));
         let c = [
             det(q0, q1, q2),
             det(d0, q1, q2) + det(q0, d1, q2) + det(q0, q1, d2),
@@ -134,6 +135,6 @@ fn roots_about_0(c: [f64; 4], zero: f64) -> Vec<f64> {
         c[0] + c[1] * (u[0] + u[1] + u[2]) / 3.0 + c[2] * pairs / 3.0 + c[3] * u[0] * u[1] * u[2]
     };
     let (a, b) = (-1.0, 1.0);
-    let p = Bernstein::new(&[[a, a, a], [a, a, b], [a, b, b], [b, b, b]].map(blossom));
+    let p = Bernstein::new(&[[a, a, a], [a, a, b], [a, b, b], [b, b, b]].map_each(blossom));
     p.roots(4.0 * zero + VALUE_ROUNDING * p.size()).iter().map(|r| 2.0 * r.t - 1.0).collect()
 }

@@ -9,6 +9,7 @@ use super::newton::{self, Volume};
 use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
 use super::tree::{KEY_BITS, Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
+use crate::arrays::MapEach;
 use crate::camera::TILE;
 use crate::camera::curve::{Curve, Curves};
 use crate::parallel;
@@ -266,11 +267,11 @@ impl Net {
             points.iter_mut().zip(a.points().iter().zip(b.points())).for_each(|(m, (a, b))| *m = a.midpoint(*b));
             Curve::new(&points[..=a.degree()])
         };
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.curves[k]);
+        let [a, b, c, d] = [0, 1, 2, 3].map_each(|k| self.curves[k]);
         let (ab, ac, bd, cd) = (middle(&a, &b), middle(&a, &c), middle(&b, &d), middle(&c, &d));
         let m = middle(&ab, &cd);
         let reach = self.error_bound();
-        [[a, ab, ac, m], [ab, b, m, bd], [ac, m, c, cd], [m, bd, cd, d]].map(|curves| Net {
+        [[a, ab, ac, m], [ab, b, m, bd], [ac, m, c, cd], [m, bd, cd, d]].map_each(|curves| Net {
             curves: curves.to_vec(),
             middle: None,
             reach,
@@ -316,7 +317,7 @@ fn distance(a: &Curve, b: &Curve) -> f64 {
 
 /// The `k`-th of the [`SPANS`].
 pub fn span(k: u32) -> [f64; 2] {
-    [k, k + 1].map(|k| f64::from(k) / f64::from(SPANS))
+    [k, k + 1].map_each(|k| f64::from(k) / f64::from(SPANS))
 }
 
 /// Tiles a row, and rows. The leaves of tile k, row by row, are those from `SPANS k` on.
@@ -328,7 +329,7 @@ pub fn tiles(curves: &Curves) -> UVec2 {
 fn pixels(curves: &Curves, tile: u32) -> impl Iterator<Item = DVec2> + use<> {
     let columns = tiles(curves).x;
     let [x, y] = [(tile % columns, curves.width), (tile / columns, curves.height)]
-        .map(|(k, end)| k * TILE..(k * TILE + TILE).min(end));
+        .map_each(|(k, end)| k * TILE..(k * TILE + TILE).min(end));
     y.flat_map(move |j| x.clone().map(move |i| DVec2::new(i.into(), j.into())))
 }
 

@@ -9,6 +9,7 @@ use super::newton::{self, Volume};
 use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
 use super::tree::{Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
+use crate::arrays::MapEach;
 use crate::camera::bundle::Ray;
 use crate::camera::field::Field;
 use crate::parallel;
@@ -109,7 +110,7 @@ impl<'a> Search<'a> {
         let columns = self.cells[0].div_ceil(self.side);
         let (side, cells, start) = (self.side, self.cells, self.start);
         let [x, y] = [(leaf % columns, cells[0]), (leaf / columns, cells[1])]
-            .map(|(k, end)| k * side..(k * side + side).min(end));
+            .map_each(|(k, end)| k * side..(k * side + side).min(end));
         y.flat_map(move |j| x.clone().map(move |i| start + DVec2::new(i.into(), j.into())))
     }
 
@@ -189,7 +190,7 @@ fn nets(field: &Field, at: DVec2, side: f64) -> Vec<Net> {
     let found = places.map(|q| field.ray_at(q));
     if let [Some(a), Some(b), Some(c), Some(d), Some(m)] = found {
         let error = |of: fn(&Ray) -> DVec3| {
-            let all = [a, b, c, d].map(|r| of(&r));
+            let all = [a, b, c, d].map_each(|r| of(&r));
             let bulge = 2.0 * (of(&m) - all.iter().sum::<DVec3>() / 4.0).length();
             let spread = (0..4).flat_map(|k| (0..k).map(move |l| (k, l)));
             let spread = spread.map(|(k, l)| (all[k] - all[l]).length()).fold(0.0, f64::max);
@@ -221,8 +222,8 @@ impl Net {
     /// E may be 0 between the rays.
     fn may_meet(&self, x: DVec3) -> bool {
         let Net { rays: r, p_error, d_error } = self;
-        let q = r.map(|r| x - r.origin);
-        let d = r.map(|r| r.direction);
+        let q = r.map_each(|r| x - r.origin);
+        let d = r.map_each(|r| r.direction);
         let size = |v: &[DVec3; 4]| v.iter().fold(0.0_f64, |m, v| m.max(v.length()));
         let terms = x.length() + r.iter().fold(0.0_f64, |m, r| m.max(r.origin.length()));
         let error = p_error * (size(&d) + d_error) + size(&q) * d_error + NOTHING * terms * size(&d);

@@ -1,6 +1,7 @@
 //! From a guess to the exact place and t at which a camera's rays or curves pass through a point.
 
 use super::Degenerate;
+use crate::arrays::MapEach;
 use glam::{DMat3, DVec2, DVec3};
 
 /// The points that an image sees along its rays or curves.
@@ -121,13 +122,14 @@ fn step(slopes: [DVec3; 2], along: DVec3, rest: DVec3) -> Option<DVec3> {
 fn degenerate(volume: &impl Volume, place: DVec2, t: f64, slopes: [DVec3; 2]) -> Option<Degenerate> {
     let (here, along) = volume.at(place, t)?;
     let beside = |v: DVec3| v - along * (v.dot(along) / along.length_squared().max(f64::MIN_POSITIVE));
-    let [gx, gy] = slopes.map(beside);
+    let [gx, gy] = slopes.map_each(beside);
     // the direction in which the place may move at the least cost: the lesser eigenvector of the slopes' square
     let (xx, xy, yy) = (gx.dot(gx), gx.dot(gy), gy.dot(gy));
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
     let (across, least) = (DVec2::from_angle(angle), DVec2::from_angle(angle).perp());
     let still = |direction: DVec2| {
-        let moves = [0.5, -0.5].map(|s| volume.at(place + s * direction, t).map(|(x, _)| beside(x - here).length()));
+        let moves =
+            [0.5, -0.5].map_each(|s| volume.at(place + s * direction, t).map(|(x, _)| beside(x - here).length()));
         let moved = moves.iter().flatten().fold(0.0_f64, |m, v| m.max(*v));
         moved <= STILL * volume.size(place, t) && moves.iter().any(Option::is_some)
     };

@@ -8,6 +8,7 @@ use super::columns::Columns;
 use super::newton::{self, Volume};
 use super::tree::{Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, ONE_PLACE_PX, Shown, T_TOLERANCE};
+use crate::arrays::MapEach;
 use crate::camera::Camera;
 use crate::camera::pieces::{Piece, Pieces};
 use crate::parallel;
@@ -168,7 +169,7 @@ fn beam_at(piece: &Piece, corner: DVec2) -> Beam {
 fn may_see(piece: &Piece, x: DVec3) -> bool {
     let Some(corners) = piece.corners_px else { return true };
     let b = &piece.bundle;
-    let rays = corners.map(|corner| {
+    let rays = corners.map_each(|corner| {
         let q = corner - piece.centre_px;
         let at = |v: &[DVec3; 3]| v[0] + q.x * v[1] + q.y * v[2];
         (x * (b.h[0] + q.x * b.h[1] + q.y * b.h[2]) - at(&b.p), at(&b.d))
@@ -181,7 +182,7 @@ fn may_see(piece: &Piece, x: DVec3) -> bool {
     // has two terms of them
     let large = |v: DVec3| v.abs().max_element();
     let (m, d) = rays.iter().fold((0.0_f64, 0.0_f64), |(m, d), r| (m.max(large(r.0)), d.max(large(r.1))));
-    let slopes = [1, 2].map(|k| (large(x * b.h[k] - b.p[k]), large(b.d[k])));
+    let slopes = [1, 2].map_each(|k| (large(x * b.h[k] - b.p[k]), large(b.d[k])));
     let (slope_m, slope_d) = (slopes[0].0 + slopes[1].0, slopes[0].1 + slopes[1].1);
     let beyond = BEYOND_PX * (m * slope_d + slope_m * d + BEYOND_PX * slope_m * slope_d);
     let h = corners

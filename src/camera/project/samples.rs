@@ -1,5 +1,6 @@
 //! Where a square of the image is sampled for bounds of what it shows.
 
+use crate::arrays::MapEach;
 use glam::DVec2;
 
 /// Samples lie this share of the square's side inside of its border: rays may jump at the border of a pixel.
@@ -17,7 +18,7 @@ const STEP_PX: f64 = 1.0 / 1024.0;
 
 /// The corners of a square: left and right above, left and right below.
 pub fn corners(at: DVec2, side: f64) -> [DVec2; 4] {
-    [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|c| at + side * c)
+    [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map_each(|c| at + side * c)
 }
 
 /// Just inside the corners, and the middle.
@@ -30,7 +31,7 @@ pub fn samples(at: DVec2, side: f64) -> [DVec2; 5] {
 /// less, as the other may be behind a jump; nothing where there is no ray on either side.
 pub fn least_slope(place: DVec2, off: impl Fn(DVec2) -> Option<f64>) -> f64 {
     let along = |axis: DVec2| {
-        let sides = [axis, -axis].map(|step| off(place + STEP_PX * step));
+        let sides = [axis, -axis].map_each(|step| off(place + STEP_PX * step));
         sides.into_iter().flatten().reduce(f64::min).unwrap_or(0.0) / STEP_PX
     };
     along(DVec2::X) + along(DVec2::Y)

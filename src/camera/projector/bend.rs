@@ -2,6 +2,7 @@
 
 use super::Volume;
 use super::surface::{Pulled, Surface};
+use crate::arrays::MapEach;
 use crate::camera::curve::Bend;
 use glam::DVec2;
 
@@ -13,7 +14,7 @@ impl Volume {
         if affine.linear.x_axis.y != 0.0 || affine.linear.y_axis.x != 0.0 {
             return None;
         }
-        let ends = [lo, hi].map(|ab| scale * ab + affine.offset);
+        let ends = [lo, hi].map_each(|ab| scale * ab + affine.offset);
         let uv = [ends[0].min(ends[1]), ends[0].max(ends[1])];
         let all = self.surfaces.iter().map(|s| s.bend(uv)).try_fold(Bend::default(), |m, b| Some(m.max(b?)))?;
         Some(all.scaled(scale.x, scale.y))

@@ -1,5 +1,6 @@
 //! The `pieces` surface: triangles over (u, v), linear on each, and nothing outside them.
 
+use crate::arrays::MapEach;
 use crate::camera::mesh::spec::read_triangles;
 use crate::camera::pieces::side;
 use crate::input::Result;
@@ -43,7 +44,7 @@ impl Facets {
                 let message = format!("triangle {k}: vertex {index} does not exist; there are {count}, counted from 0");
                 return Err(wrong(message));
             }
-            let [a, b, c] = t.map(|i| vertices[i as usize].0);
+            let [a, b, c] = t.map_each(|i| vertices[i as usize].0);
             if side(a, b, c) == 0.0 {
                 return Err(wrong(format!("triangle {k} has no area over (u, v); remove it")));
             }
@@ -61,7 +62,7 @@ impl Facets {
         };
         let k = *self.grid.near(uv).iter().find(contains)?;
         let [a, b, c] = self.corners(k);
-        let [p, q, r] = self.triangles[k as usize].map(|i| self.points[i as usize]);
+        let [p, q, r] = self.triangles[k as usize].map_each(|i| self.points[i as usize]);
         let area = (b - a).perp_dot(c - a);
         let (s, t) = ((uv - a).perp_dot(c - a) / area, (b - a).perp_dot(uv - a) / area);
         Some((k, p + s * (q - p) + t * (r - p)))
@@ -69,7 +70,7 @@ impl Facets {
 
     /// The places of triangle `k`.
     pub fn corners(&self, k: u32) -> [DVec2; 3] {
-        self.triangles[k as usize].map(|i| self.images[i as usize])
+        self.triangles[k as usize].map_each(|i| self.images[i as usize])
     }
 
     /// The same triangles over (u, v), whatever their points.
@@ -86,7 +87,7 @@ impl Grid {
         let count = ((triangles.len() as f64).sqrt().ceil() as usize).max(1);
         let mut grid = Grid { low, high, count, cells: vec![Vec::new(); count * count] };
         for (k, t) in triangles.iter().enumerate() {
-            let [a, b, c] = t.map(|i| images[i as usize]);
+            let [a, b, c] = t.map_each(|i| images[i as usize]);
             let (first, last) = (grid.cell(a.min(b).min(c)), grid.cell(a.max(b).max(c)));
             for (x, y) in (first.1..=last.1).flat_map(|y| (first.0..=last.0).map(move |x| (x, y))) {
                 grid.cells[y * count + x].push(k as u32);

@@ -3,6 +3,7 @@
 //! A Bezier patch is the B-spline patch whose knots are 0 and 1 only; a NURBS patch is a B-spline patch in homogeneous
 //! coordinates (w x, w y, w z, w). (Brosz et al. 2007, section 5, on Glassner's and the magnification lens's surfaces.)
 
+use crate::arrays::MapEach;
 use crate::camera::curve::Bend;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
@@ -169,7 +170,7 @@ impl Basis {
     /// The spans that places between two ends lie in, each with the parameters that it has of them. `None` where a first or second derivative may
     /// jump between the ends.
     fn parts(&self, ends: [f64; 2]) -> Option<Vec<(usize, [f64; 2])>> {
-        let [mut from, to] = ends.map(|x| self.knot_at(x));
+        let [mut from, to] = ends.map_each(|x| self.knot_at(x));
         let mut parts = Vec::new();
         while from < to {
             let span = self.span(from);

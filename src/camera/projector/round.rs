@@ -1,5 +1,6 @@
 //! Round control surfaces: cylinder, sphere, disc. The formulas are those of the `projector` camera's description.
 
+use crate::arrays::MapEach;
 use crate::camera::curve::Bend;
 use crate::camera::values::direction;
 use crate::input::Result;
@@ -79,7 +80,7 @@ impl Sphere {
     pub(super) fn read(table: &Table) -> Result<Sphere> {
         table.allow(&["kind", "center", "radius", "lon", "lat"])?;
         let center = table.need("center", "[0, 0, 0]")?.vec3()?;
-        let degrees = |field: &Field| Ok(field.numbers::<2>("two angles in degrees")?.map(f64::to_radians));
+        let degrees = |field: &Field| Ok(field.numbers::<2>("two angles in degrees")?.map_each(f64::to_radians));
         Ok(Sphere {
             center,
             radius: read_radius(table)?,

@@ -1,5 +1,6 @@
 //! Masks: images whose white texels are a region.
 
+use crate::arrays::MapEach;
 use crate::geometry::texture::decoded;
 use crate::input::{Error, Loading, Result};
 use glam::{DVec2, UVec2};
@@ -29,7 +30,7 @@ impl Mask {
         let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
         let texels = decoded(&bytes).map_err(|e| e.at(path.display()))?.into_rgba16();
         let is_inside = |[r, g, b, opacity]: [u32; 4]| r + g + b >= 3 * HALF && opacity >= HALF;
-        let inside: Vec<bool> = texels.pixels().map(|texel| is_inside(texel.0.map(u32::from))).collect();
+        let inside: Vec<bool> = texels.pixels().map(|texel| is_inside(texel.0.map_each(u32::from))).collect();
         let size = UVec2::new(texels.width(), texels.height());
         let bounds = bounds(size, &inside).ok_or_else(|| {
             Error::input(format!("{}: no texel is white, so the camera would show nowhere", path.display()))
@@ -84,7 +85,7 @@ fn bounds(size: UVec2, inside: &[bool]) -> Option<[DVec2; 2]> {
     let at = |k: usize| UVec2::new((k % size.x as usize) as u32, (k / size.x as usize) as u32);
     let texels = inside.iter().enumerate().filter(|(_, is_inside)| **is_inside).map(|(k, _)| at(k));
     let [low, high] = texels.map(|q| [q, q + 1]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
-    Some([low, high].map(|q| q.as_dvec2() / size.as_dvec2()))
+    Some([low, high].map_each(|q| q.as_dvec2() / size.as_dvec2()))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! How much the rays of a map bend over a rectangle of the image.
 
+use crate::arrays::MapEach;
 use crate::camera::bundle::Ray;
 use glam::{DVec2, DVec3};
 
@@ -73,7 +74,7 @@ fn largest_differences(rays: &Lattice, (p, d): (f64, f64), forward: DVec3, sine_
         }
     }
     // differences over 1/STEPS of the extents
-    most.map(|m| SAFETY * (STEPS * STEPS) as f64 * m.size)
+    most.map_each(|m| SAFETY * (STEPS * STEPS) as f64 * m.size)
 }
 
 /// The largest size of vectors as seen along the rays of a rectangle: their component across `forward`, plus `sine_max` times their length.

@@ -15,6 +15,7 @@
 //! the smallest than adjoining cells differ; and that the scene's ball bounds t on the piece as it does on the rays at its corners and
 //! middle.
 
+use crate::arrays::MapEach;
 use crate::camera::bundle::Ray;
 use crate::camera::field::RayMap;
 use crate::camera::recipe::Setting;
@@ -83,7 +84,7 @@ struct At {
 
 impl Slope {
     fn columns(&self, p: f64, d: f64) -> [DVec2; 2] {
-        [0, 1].map(|k| p * self.p[k] + d * self.d[k])
+        [0, 1].map_each(|k| p * self.p[k] + d * self.d[k])
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::bend::usable;
 use super::bound::{Judge, Verdict};
+use crate::arrays::MapEach;
 use crate::camera::bundle::Ray;
 use glam::{DVec2, DVec3};
 
@@ -48,18 +49,18 @@ impl Cells {
     /// Triangles with a ray at each corner: places, rays, verdict.
     pub fn with_rays(&self) -> impl Iterator<Item = ([DVec2; 3], [Ray; 3], Verdict)> + '_ {
         self.triangles.iter().zip(&self.verdicts).filter_map(|(t, verdict)| {
-            let [a, b, c] = t.map(|i| self.rays[i as usize]);
-            Some((t.map(|i| self.places[i as usize]), [a?, b?, c?], *verdict))
+            let [a, b, c] = t.map_each(|i| self.rays[i as usize]);
+            Some((t.map_each(|i| self.places[i as usize]), [a?, b?, c?], *verdict))
         })
     }
 
     /// The verdict on a triangle; at the rim where a corner has no ray.
     pub fn judge(&self, judge: &Judge, t: &[u32; 3]) -> Verdict {
-        let [a, b, c] = t.map(|i| self.rays[i as usize]);
+        let [a, b, c] = t.map_each(|i| self.rays[i as usize]);
         let (Some(a), Some(b), Some(c)) = (a, b, c) else {
             return Verdict::RIM;
         };
-        judge.judge(&t.map(|i| self.places[i as usize]), &[a, b, c], self.parts)
+        judge.judge(&t.map_each(|i| self.places[i as usize]), &[a, b, c], self.parts)
     }
 
     /// A verdict that holds for each triangle of a rectangle of equal cells: from column and row `at`, `span` cells each way or up to the
@@ -132,7 +133,7 @@ pub fn even(length: f64, n: f64) -> Vec<f64> {
 
 /// How the rays bend. What the lattice misses costs pieces or tightness, nothing else: each piece is judged by itself.
 pub fn bends(judge: &Judge) -> Bends {
-    match differences(judge).map(|d| d.map(|v| v > STRAIGHT)) {
+    match differences(judge).map(|d| d.map_each(|v| v > STRAIGHT)) {
         Some([_, false, false]) => Bends::Across,
         Some([false, false, true]) => Bends::Down,
         _ => Bends::Both,
@@ -166,8 +167,8 @@ fn differences(judge: &Judge) -> Option<[f64; 3]> {
         let aa = largest(&mut inner().map(|(i, j)| f(i - 1, j) - 2.0 * f(i, j) + f(i + 1, j)));
         let bb = largest(&mut inner().map(|(j, i)| f(i, j - 1) - 2.0 * f(i, j) + f(i, j + 1)));
         let ab = largest(&mut cells().map(|(i, j)| f(i, j) - f(i - 1, j) - f(i, j - 1) + f(i - 1, j - 1)));
-        [aa, ab, bb].map(|v| v / size)
+        [aa, ab, bb].map_each(|v| v / size)
     };
     let (p, d) = (most(|r| r.origin), most(|r| r.direction));
-    Some([0, 1, 2].map(|k| p[k].max(d[k])))
+    Some([0, 1, 2].map_each(|k| p[k].max(d[k])))
 }

@@ -7,6 +7,7 @@
 
 use super::bound::{Judge, Verdict};
 use super::grid::{Bends, Cells, balanced, bends, even, strips};
+use crate::arrays::MapEach;
 use crate::input::limits::PIECES;
 use crate::parallel;
 use std::collections::HashMap;
@@ -134,7 +135,7 @@ impl Mesh {
     }
 
     fn is_large(&self, t: u32) -> bool {
-        let [a, b, c] = self.cells.triangles[t as usize].map(|i| self.cells.places[i as usize]);
+        let [a, b, c] = self.cells.triangles[t as usize].map_each(|i| self.cells.places[i as usize]);
         (a.max(b).max(c) - a.min(b).min(c)).max_element() > PIECE_MIN_PX
     }
 

@@ -1,5 +1,6 @@
 //! A tree of beams in f32, rounded outwards, and points in the same units.
 
+use crate::arrays::MapEach;
 use crate::camera::project::tree::{INNER, Node, Tree};
 use crate::gpu::layout::{self, NONE};
 use glam::DVec3;
@@ -51,7 +52,7 @@ impl Beams {
         let packed = |&k: &u32| {
             let node = &tree.nodes[k as usize];
             let ([p_lo, p_hi], [d_lo, d_hi]) = (node.beam.p, node.beam.d);
-            let v = |v: DVec3, round: fn(f64) -> f32| v.to_array().map(|v| round(v.clamp(-ENDLESS, ENDLESS)));
+            let v = |v: DVec3, round: fn(f64) -> f32| v.to_array().map_each(|v| round(v.clamp(-ENDLESS, ENDLESS)));
             layout::Beam {
                 p_lo: v(p_lo / unit, down),
                 next: kept.partition_point(|&other| other < node.next) as u32,
@@ -63,7 +64,7 @@ impl Beams {
                 pad1: 0,
             }
         };
-        let [t0, t1] = tree.t_range.map(|t| (t * (d_unit / unit)).clamp(-T_MOST, T_MOST));
+        let [t0, t1] = tree.t_range.map_each(|t| (t * (d_unit / unit)).clamp(-T_MOST, T_MOST));
         Beams { nodes: kept.iter().map(packed).collect(), t_range: [down(t0), up(t1)], anchor: tree.anchor, unit }
     }
 
@@ -74,7 +75,7 @@ impl Beams {
         if !x.is_finite() || size > FARTHEST {
             return [0.0, 0.0, 0.0, -1.0];
         }
-        let [x, y, z] = x.to_array().map(|v| v as f32);
+        let [x, y, z] = x.to_array().map_each(|v| v as f32);
         [x, y, z, up(POINT_ERROR * size)]
     }
 }

@@ -2,6 +2,7 @@
 
 use super::fit::Fit;
 use super::tiles::{TileRay, TileRays};
+use crate::arrays::MapEach;
 use crate::camera::TILE;
 
 /// Pixels of one cell, bit 8 y + x, and their rays.
@@ -22,7 +23,7 @@ impl Part {
 
     /// Those before column or row `at`, and those from it on.
     fn split(&self, along: fn(u32) -> u32, at: u32) -> [Part; 2] {
-        let mut parts = [0, 1].map(|_| Part { mask: 0, rays: Vec::new() });
+        let mut parts = [0, 1].map_each(|_| Part { mask: 0, rays: Vec::new() });
         for (bit, ray) in self.pixels() {
             let part = &mut parts[usize::from(along(bit) >= at)];
             part.mask |= 1 << bit;

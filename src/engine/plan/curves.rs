@@ -3,6 +3,7 @@
 use super::fit::affine;
 use super::slabs::bend;
 use super::tiles::{TileRay, TileRays, place_in_tile};
+use crate::arrays::MapEach;
 use crate::camera::TILE;
 use crate::camera::{Camera, Curve, Field};
 use crate::gpu::layout::split2;
@@ -19,7 +20,7 @@ pub struct RayTable {
 
 impl RayTable {
     fn push(&mut self, v: DVec3) {
-        for [hi, lo] in v.to_array().map(split2) {
+        for [hi, lo] in v.to_array().map_each(split2) {
             self.hi.push(hi);
             self.lo.push(lo);
         }
@@ -147,7 +148,7 @@ impl Net {
     /// convex over the tile. Nor is it more than twice that of the whole curve: control points of a part are means of
     /// those of the whole, whose distance from its chord is at most its bend, and so are the part's ends. Straight rays have none.
     pub fn over(&self, span: [f64; 2], anchor: DVec3) -> TileRays {
-        let weights = span.map(|t| bernstein(self.points.len() - 1, t));
+        let weights = span.map_each(|t| bernstein(self.points.len() - 1, t));
         let off = |k: usize| self.points[k].1;
         let all = 0..self.points.len();
         let r_p: f64 = all.clone().map(|k| weights[0][k] * off(k)).sum();
@@ -161,7 +162,7 @@ impl Net {
             let (start, end) = (curve.points()[0], curve.points()[curve.degree()]);
             TileRay { place, p: start - anchor, d: end - start }
         };
-        let rays = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from).map(corner).to_vec();
+        let rays = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map_each(DVec2::from).map_each(corner).to_vec();
         let bent = if self.points.len() > 2 { (bent + 2.0 * largest).min(2.0 * self.bend) } else { 0.0 };
         TileRays { rays, r_p: r_p + bent, r_d }
     }

@@ -1,6 +1,7 @@
 //! Bounding volume hierarchies over triangles and spheres: of two boxes a node for shadow rays and a rival, of eight for trace. Built by a library; the
 //! first kind can be refitted.
 
+use crate::arrays::MapEach;
 use crate::engine::clusters::Chunk;
 use crate::geometry::mesh::extremes;
 use crate::gpu::layout::{BvhNode, LeafTriangle, SPHERE};
@@ -84,12 +85,13 @@ impl Hierarchy {
         }
         let node = |n: &obvhs::bvh2::node::Bvh2Node| {
             let around = n.aabb();
-            let [lo, hi] = [around.min, around.max].map(|corner| corner.to_array().map(|v| v / self.scale * scale));
+            let [lo, hi] =
+                [around.min, around.max].map_each(|corner| corner.to_array().map_each(|v| v / self.scale * scale));
             BvhNode { lo, first: n.first_index, hi, count: n.prim_count }
         };
         let leaf = |id: &u32| {
             let leaf = leaf_triangle(scene, self.anchor, *id);
-            let [v0, v1, v2] = [leaf.v0, leaf.v1, leaf.v2].map(|corner| corner.map(|v| v * scale));
+            let [v0, v1, v2] = [leaf.v0, leaf.v1, leaf.v2].map_each(|corner| corner.map_each(|v| v * scale));
             LeafTriangle { v0, v1, v2, ..leaf }
         };
         (parallel::map(&self.tree.nodes, node), parallel::map(&self.tree.primitive_indices, leaf))
@@ -108,14 +110,15 @@ impl PackedBvh {
         for way in 0..all.count() - 1 {
             let small = |v: DVec3| (v - anchor).as_vec3() * scale;
             let ends = |id: u32| {
-                [way, way + 1].map(|step| match (all.corners(id, step), all.mesh.radius(id)) {
-                    (corners, None) => corners.map(small),
+                [way, way + 1].map_each(|step| match (all.corners(id, step), all.mesh.radius(id)) {
+                    (corners, None) => corners.map_each(small),
                     ([centre, ..], Some(radius)) => [small(centre), Vec3::X * radius as f32 * scale, Vec3::ZERO],
                 })
             };
             let boxed = |id: u32| {
-                let points = [way, way + 1].map(|step| extremes(all.corners(id, step), all.mesh.radius(id)).map(small));
-                Aabb::from_points(points.map(|end| end.map(Into::into)).as_flattened())
+                let points = [way, way + 1]
+                    .map_each(|step| extremes(all.corners(id, step), all.mesh.radius(id)).map_each(small));
+                Aabb::from_points(points.map_each(|end| end.map_each(Into::into)).as_flattened())
             };
             let boxes: Vec<Aabb> = parallel::map(0..count as u32, boxed);
             let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
@@ -187,7 +190,7 @@ impl TracedBvh {
         }
         let scale = scale_of(chunk);
         let boxed = |slot: u32| {
-            let [v0, v1, v2] = primitive(chunk, slot, 0, scale).extremes().map(|v| v.as_vec3().into());
+            let [v0, v1, v2] = primitive(chunk, slot, 0, scale).extremes().map_each(|v| v.as_vec3().into());
             Triangle { v0, v1, v2 }
         };
         let triangles: Vec<Triangle> = parallel::map(0..chunk.triangles.len() as u32, boxed);
@@ -212,9 +215,9 @@ impl TracedBvh {
         let mut nodes = vec![[(scale as f32).to_bits(), 0, 0, 0]; 1 + NODE_ROWS * header_nodes];
         let mut triangles = Vec::new();
         for way in 0..ways {
-            let ends = |slot: u32| [way, way + 1].map(|step| primitive(chunk, slot, step, scale));
+            let ends = |slot: u32| [way, way + 1].map_each(|step| primitive(chunk, slot, step, scale));
             let boxed = |slot: u32| {
-                let all = ends(slot).map(|end| end.extremes().map(|v| v.as_vec3().into()));
+                let all = ends(slot).map_each(|end| end.extremes().map_each(|v| v.as_vec3().into()));
                 Aabb::from_points(all.as_flattened())
             };
             let boxes: Vec<Aabb> = parallel::map(0..chunk.triangles.len() as u32, boxed);
@@ -230,7 +233,7 @@ impl TracedBvh {
                 node.primitive_base_idx += first_triangle as u32;
             }
             nodes.extend(tree.nodes.iter().flat_map(node_rows));
-            let rows = |slot: &u32| ends(*slot).map(|end| end.rows(*slot));
+            let rows = |slot: &u32| ends(*slot).map_each(|end| end.rows(*slot));
             let all = parallel::map(&tree.primitive_indices, rows);
             triangles.extend_from_slice(all.as_flattened().as_flattened());
         }
@@ -268,7 +271,7 @@ fn primitive(chunk: &Chunk, slot: u32, step: u32, scale: f64) -> Primitive {
     let radius = radius_of(packed);
     let corners = if radius.is_some() { [a; 3] } else { [a, b, c] };
     let place = |v: u32| chunk.vertices[(v * chunk.steps + step) as usize].position() * scale;
-    Primitive { corners: corners.map(place), radius: radius.map(|radius| radius * scale), word }
+    Primitive { corners: corners.map_each(place), radius: radius.map(|radius| radius * scale), word }
 }
 
 /// The radius of a packed sphere; `None` of a triangle.
@@ -283,7 +286,7 @@ impl Primitive {
 
     fn rows(&self, slot: u32) -> [[u32; 4]; TRIANGLE_ROWS] {
         let row = |v: DVec3, last: u32| {
-            let [x, y, z] = v.as_vec3().to_array().map(f32::to_bits);
+            let [x, y, z] = v.as_vec3().to_array().map_each(f32::to_bits);
             [x, y, z, last]
         };
         let [a, b, c] = self.corners;
@@ -323,7 +326,8 @@ pub struct PackedBvh {
 /// A triangle, or a sphere by its centre and its radius, as kernels read it.
 pub fn leaf_triangle(scene: &Scene, anchor: DVec3, id: u32) -> LeafTriangle {
     let mesh = &scene.mesh;
-    let [v0, v1, v2] = mesh.triangles[id as usize].map(|v| (mesh.positions[v as usize] - anchor).as_vec3().to_array());
+    let [v0, v1, v2] =
+        mesh.triangles[id as usize].map_each(|v| (mesh.positions[v as usize] - anchor).as_vec3().to_array());
     let one_sided = u32::from(!mesh.materials[mesh.material_of[id as usize] as usize].two_sided);
     match mesh.radius(id) {
         Some(radius) => LeafTriangle { v0, id, v1: [radius as f32, 0.0, 0.0], one_sided, v2: [0.0; 3], is_sphere: 1 },
@@ -342,9 +346,9 @@ fn scale(scene: &Scene, anchor: DVec3) -> f32 {
 fn triangles(scene: &Scene, anchor: DVec3, count: usize, scale: f32) -> Vec<Triangle> {
     let mesh = &scene.mesh;
     let boxed = |(id, t): (usize, &[u32; 3])| {
-        let corners = t.map(|v| mesh.positions[v as usize]);
+        let corners = t.map_each(|v| mesh.positions[v as usize]);
         let small = |v: DVec3| ((v - anchor).as_vec3() * scale).into();
-        let [v0, v1, v2] = extremes(corners, mesh.radius(id as u32)).map(small);
+        let [v0, v1, v2] = extremes(corners, mesh.radius(id as u32)).map_each(small);
         Triangle { v0, v1, v2 }
     };
     parallel::map(0..count, |id| boxed((id, &mesh.triangles[id])))

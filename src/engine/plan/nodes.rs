@@ -3,6 +3,7 @@
 
 use super::fit::Fit;
 use super::tiles::{TileFits, TileRay, TileRays};
+use crate::arrays::MapEach;
 use crate::gpu::layout::{self, BRANCH, RAYS_AFFINE, RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE};
 use crate::parallel;
 use glam::{DVec2, DVec3};
@@ -163,7 +164,7 @@ fn parent(children: &[NodeFit], (width, height): (u32, u32), x: u32, y: u32, mea
             (below.r_p, below.r_d) = (below.r_p.max(child.r_p), below.r_d.max(child.r_d));
             let half = 1.0 / BRANCH as f64;
             let centre = (2.0 * DVec2::new(i as f64, j as f64) + 1.0) * half - 1.0;
-            for corner in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from) {
+            for corner in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map_each(DVec2::from) {
                 let at = |c: &[DVec3; 3]| c[0] + corner.x * c[1] + corner.y * c[2];
                 below.rays.push(TileRay { place: centre + half * corner, p: at(&child.p), d: at(&child.d) });
             }

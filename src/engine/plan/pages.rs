@@ -3,6 +3,7 @@
 //! An image takes a block of a page: its first level, and the others in a row below it, or in a column right of it where it is
 //! higher than wide.
 
+use crate::arrays::MapEach;
 use crate::geometry::mesh::Material;
 use crate::geometry::texture::{Texels, Texture};
 use crate::gpu::layout;
@@ -84,7 +85,7 @@ impl Pages {
 
     /// Shelf by shelf, the highest blocks first.
     fn place(&mut self, limits: PageLimits) -> Result<()> {
-        let area: f64 = self.images.iter().map(|i| block(&i.texels).map(f64::from)).map(|[w, h]| w * h).sum();
+        let area: f64 = self.images.iter().map(|i| block(&i.texels).map_each(f64::from)).map(|[w, h]| w * h).sum();
         let widest = self.images.iter().map(|i| block(&i.texels)[0]).max().unwrap_or(1);
         // as wide as high, about
         self.width = (area.sqrt().ceil() as u32).clamp(widest, limits.side.max(widest));
@@ -143,7 +144,7 @@ impl Pages {
         let placed = self.image_of.get(index).copied().flatten().map(|k| &self.images[k]);
         let (Some(placed), Some(texture)) = (placed, &material.texture) else { return plain };
         let Texels { width, height, .. } = *placed.texels;
-        let [right, down] = texture.wrap.map(|w| w as u32);
+        let [right, down] = texture.wrap.map_each(|w| w as u32);
         layout::Material {
             texture: right | down << 2,
             origin: placed.origin,
@@ -164,7 +165,7 @@ pub fn levels(texels: &Texels) -> u32 {
 
 /// The size of a level.
 pub fn level_size(texels: &Texels, level: u32) -> [u32; 2] {
-    [texels.width, texels.height].map(|n| (n >> level).max(1))
+    [texels.width, texels.height].map_each(|n| (n >> level).max(1))
 }
 
 /// Where a level stands within its image's block: `level_origin` of the WGSL.

@@ -3,6 +3,7 @@
 
 pub mod cells;
 
+use crate::arrays::MapEach;
 use crate::camera::Camera;
 use crate::camera::mesh::overlap::first_overlap;
 use crate::camera::pieces::{Piece, Pieces};
@@ -61,7 +62,7 @@ impl SolveTable {
         let is_alone = all.len() == 1 || corners.is_some_and(|corners| first_overlap(&corners).is_none());
         let flags = SOLVABLE | if is_alone { ALONE } else { 0 };
         let packed = |p: &Piece| packed(p, size, &origin, flags).unwrap_or(bytemuck::Zeroable::zeroed());
-        let t_range = camera.t_range.map(|t| t.clamp(-ENDLESS, ENDLESS) as f32);
+        let t_range = camera.t_range.map_each(|t| t.clamp(-ENDLESS, ENDLESS) as f32);
         SolveTable { pieces: parallel::map(all, packed), leaves: leaves(tree), t_range, origin }
     }
 
@@ -97,7 +98,7 @@ impl Origin {
     /// The two halves of a place of the world, and the place that they are.
     fn split(&self, place: DVec3) -> ([[f32; 3]; 2], DVec3) {
         let [hi, lo] = pair((place - self.anchor) / self.unit);
-        let own = DVec3::from_array(hi.map(f64::from)) + DVec3::from_array(lo.map(f64::from));
+        let own = DVec3::from_array(hi.map_each(f64::from)) + DVec3::from_array(lo.map_each(f64::from));
         ([hi, lo], self.anchor + self.unit * own)
     }
 
@@ -140,9 +141,9 @@ fn packed(piece: &Piece, size: DVec2, origin: &Origin, flags: u32) -> Option<Sol
     let scale = [1.0 / h0, half_px / h0, half_px / h0];
     let ([anchor_hi, anchor_lo], at) = origin.split(b.p[0] / h0);
     let unit = origin.unit;
-    let h = [0, 1, 2].map(|k| scale[k] * b.h[k]);
-    let p = [0, 1, 2].map(|k| scale[k] * (b.p[k] - at * b.h[k]) / unit);
-    let d = [0, 1, 2].map(|k| scale[k] * b.d[k] / unit);
+    let h = [0, 1, 2].map_each(|k| scale[k] * b.h[k]);
+    let p = [0, 1, 2].map_each(|k| scale[k] * (b.p[k] - at * b.h[k]) / unit);
+    let d = [0, 1, 2].map_each(|k| scale[k] * b.d[k] / unit);
     // f64 has rounded the world's coordinates far below what f32 rounds here
     let world = at.abs().max_element() / unit;
     let sizes = p.iter().chain(&d).map(|v| v.abs().max_element());
@@ -161,7 +162,7 @@ fn packed(piece: &Piece, size: DVec2, origin: &Origin, flags: u32) -> Option<Sol
         return None;
     }
     let v = |v: DVec3| v.as_vec3().to_array();
-    let two = |k: usize| [corners[k].x, corners[k].y, corners[k + 1].x, corners[k + 1].y].map(|x| x as f32);
+    let two = |k: usize| [corners[k].x, corners[k].y, corners[k + 1].x, corners[k + 1].y].map_each(|x| x as f32);
     Some(SolvePiece {
         p0: v(p[0]),
         flags,
@@ -181,7 +182,7 @@ fn packed(piece: &Piece, size: DVec2, origin: &Origin, flags: u32) -> Option<Sol
         base_y: base.y as i32,
         corners_01: two(0),
         corners_23: two(2),
-        edges: inwards.map(|e| e.as_vec3().extend(0.0).to_array()),
+        edges: inwards.map_each(|e| e.as_vec3().extend(0.0).to_array()),
     })
 }
 

@@ -5,6 +5,7 @@ use super::curves::{CurveTable, Net, nets};
 use super::fit::Fit;
 use super::nodes::above_cells;
 use super::slabs::Slabs;
+use crate::arrays::MapEach;
 use crate::camera::TILE;
 use crate::camera::{Bundle, Camera, Curve, Field, Pieces, Rays};
 use crate::gpu::layout::{self, split2};
@@ -33,7 +34,7 @@ impl Tiles {
     /// The piece that owns all pixels of a tile in a band of this size, by its place in `pieces`; [`layout::NONE`] if there is none.
     pub fn sole_piece(&self, x: u32, y: u32, [width, height]: [u32; 2]) -> u32 {
         let tile = (y * self.tiles_x + x) as usize;
-        let [columns, rows] = [width - TILE * x, height - TILE * y].map(|left| left.min(TILE));
+        let [columns, rows] = [width - TILE * x, height - TILE * y].map_each(|left| left.min(TILE));
         let row = (1u64 << columns) - 1;
         let all = (0..rows).fold(0, |mask, j| mask | row << (TILE * j));
         match self.cells[self.start[tile] as usize..self.start[tile + 1] as usize] {
@@ -337,7 +338,7 @@ impl Tiler<'_> {
                     };
                     if owned.len() == 1 && b.h[1] == 0.0 && b.h[2] == 0.0 {
                         let r = TILE as f64 / 2.0;
-                        list.extend([(-r, -r), (r, -r), (-r, r), (r, r)].map(|(x, y)| at(x, y)));
+                        list.extend([(-r, -r), (r, -r), (-r, r), (r, r)].map_each(|(x, y)| at(x, y)));
                     } else {
                         let place = |x: u32, offset: f64| f64::from(x) - TILE_REACH + offset;
                         list.extend(all.map(|(x, y, offset)| at(place(x, offset.x), place(y, offset.y))));
@@ -381,8 +382,8 @@ pub fn packed_piece(bundle: &Bundle, anchor: DVec3, [origin_x, origin_y]: [f32; 
     let mut packed = layout::Piece { origin_x, origin_y, number, ..bytemuck::Zeroable::zeroed() };
     let b = rebased(bundle, anchor);
     let v = |v: DVec3| {
-        let s = v.to_array().map(split2);
-        (s.map(|s| s[0]), s.map(|s| s[1]))
+        let s = v.to_array().map_each(split2);
+        (s.map_each(|s| s[0]), s.map_each(|s| s[1]))
     };
     (packed.p_hi, packed.p_lo) = v(b.p[0]);
     (packed.px_hi, packed.px_lo) = v(b.p[1]);
@@ -403,7 +404,7 @@ fn centre(pieces: &Pieces, at: Place) -> DVec2 {
 
 /// The bundle with its origins relative to the anchor.
 fn rebased(b: &Bundle, anchor: DVec3) -> Bundle {
-    Bundle { p: [0, 1, 2].map(|k| b.p[k] - b.h[k] * anchor), ..*b }
+    Bundle { p: [0, 1, 2].map_each(|k| b.p[k] - b.h[k] * anchor), ..*b }
 }
 
 /// The share of a piece, at first `none`.

@@ -1,6 +1,7 @@
 //! deposit: caustic triangles onto the maps of their receivers, once for all frames of a scene.
 
 use super::dispatch_items;
+use crate::arrays::MapEach;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
 use crate::gpu::kernels::parts::*;
@@ -63,8 +64,8 @@ impl CausticTriangles {
             scale: (unit / r.texel_area() / std::f64::consts::PI) as f32,
         };
         let packed = |triangle: &CausticTriangle| {
-            let [a, b, c] = triangle.corners.map(|p| p.as_vec2().to_array());
-            let flux = triangle.flux.map(|f| (f / unit).round() as u32);
+            let [a, b, c] = triangle.corners.map_each(|p| p.as_vec2().to_array());
+            let flux = triangle.flux.map_each(|f| (f / unit).round() as u32);
             layout::CausticTriangle { a, b, c, receiver: triangle.receiver, pad0: 0, flux, pad1: 0 }
         };
         Ok(CausticTriangles {
@@ -126,7 +127,7 @@ impl CausticTriangles {
         sums: &[u32],
     ) -> CausticMaps {
         let texel = |words: &[u32]| {
-            [0, 1, 2].map(|k| (u64::from(words[2 * k]) | u64::from(words[2 * k + 1]) << 32) as f64 * self.unit)
+            [0, 1, 2].map_each(|k| (u64::from(words[2 * k]) | u64::from(words[2 * k + 1]) << 32) as f64 * self.unit)
         };
         let (texels, rest) = sums.split_at(TEXEL_WORDS as usize * self.texels as usize);
         let flux: Vec<[f64; 3]> = texels.chunks_exact(TEXEL_WORDS as usize).map(texel).collect();

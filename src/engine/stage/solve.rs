@@ -5,6 +5,7 @@
 
 use super::dispatch_items;
 use super::sift::{Sift, Sifted, Started};
+use crate::arrays::MapEach;
 use crate::camera::Rays;
 use crate::camera::project::Projector;
 use crate::engine::plan::solve::SolveTable;
@@ -157,7 +158,7 @@ impl<'g> Solve<'g> {
             started.layers.push((slots, self.sift.copied(&mut encoder, points.len(), slots, &sifted)));
             let chunk = self.encode(&mut encoder, layer, points, slots, &sifted)?;
             let copied = chunk.map(|chunk| {
-                ["solved", "images", "counts"].map(|name| {
+                ["solved", "images", "counts"].map_each(|name| {
                     // every one of them has been made
                     let bytes = chunk.get(name).map_or(0, wgpu::Buffer::size);
                     let to = readback(gpu, bytes);

@@ -5,6 +5,7 @@
 use super::Ray;
 use super::corners::{TERM_ROUNDING, cross_size};
 use super::depth::Depth;
+use crate::arrays::MapEach;
 use crate::geometry::bvh::Aabb;
 use crate::geometry::exact::{Exact, Exact3, cross, dot, squared};
 use crate::geometry::mesh::Mesh;
@@ -29,7 +30,7 @@ impl Ball {
     /// The box around it, and around what rounding makes of its ends.
     pub fn bounds(&self) -> Aabb {
         let ends = |v: f64| [(v - self.radius).next_down(), (v + self.radius).next_up()];
-        let [x, y, z] = self.centre.to_array().map(ends);
+        let [x, y, z] = self.centre.to_array().map_each(ends);
         Aabb { lo: DVec3::new(x[0], y[0], z[0]), hi: DVec3::new(x[1], y[1], z[1]) }
     }
 
@@ -54,7 +55,7 @@ impl Ball {
             beyond = self.exactly_beyond(&ray);
         }
         // the two t have the product beyond / a; the sum of numbers of one sign cancels nothing
-        let [one, other] = [far / d.length_squared(), beyond / far].map(|t| scale * t);
+        let [one, other] = [far / d.length_squared(), beyond / far].map_each(|t| scale * t);
         (one.is_finite() && other.is_finite()).then_some([one.min(other), one.max(other)])
     }
 
@@ -75,7 +76,7 @@ impl Ball {
 
     /// t where it is entered, with -1, or left, with 1.
     pub fn exact_depth(&self, ray: &Ray, side: i8) -> Depth {
-        let a = squared(&ray.direction.to_array().map(|x| Exact::product(x, 1.0)));
+        let a = squared(&ray.direction.to_array().map_each(|x| Exact::product(x, 1.0)));
         Depth { above: self.exact_along(ray), root: Some((side, self.exactly_below(ray))), below: a }
     }
 
@@ -99,7 +100,7 @@ impl Ball {
 
     /// `m`.
     fn exact_offset(&self, ray: &Ray) -> Exact3 {
-        [0, 1, 2].map(|k| Exact::product(self.centre[k], 1.0).minus(&Exact::product(ray.origin[k], 1.0)))
+        [0, 1, 2].map_each(|k| Exact::product(self.centre[k], 1.0).minus(&Exact::product(ray.origin[k], 1.0)))
     }
 
     /// `d . m`.
@@ -113,7 +114,7 @@ impl Ball {
         let [x, y, z] = cross(ray.origin, d);
         let [a, b, c] = cross(self.centre, d);
         let square = squared(&[a.minus(&x), b.minus(&y), c.minus(&z)]);
-        let a = squared(&d.to_array().map(|x| Exact::product(x, 1.0)));
+        let a = squared(&d.to_array().map_each(|x| Exact::product(x, 1.0)));
         a.by(&Exact::product(self.radius, self.radius)).minus(&square)
     }
 

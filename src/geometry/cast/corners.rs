@@ -1,6 +1,7 @@
 //! A triangle's edges and plane against rays, in f64 where its rounding leaves no doubt and in exact arithmetic elsewhere.
 
 use super::Ray;
+use crate::arrays::MapEach;
 use crate::geometry::exact::{self, Exact};
 use glam::DVec3;
 
@@ -26,7 +27,7 @@ impl Corners {
         let mut slot = [0, 1, 2];
         slot.sort_by(|a, b| given[*a].to_array().partial_cmp(&given[*b].to_array()).expect("positions are finite"));
         let even = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].contains(&slot);
-        Corners { v: slot.map(|k| given[k]), slot, parity: if even { 1.0 } else { -1.0 } }
+        Corners { v: slot.map_each(|k| given[k]), slot, parity: if even { 1.0 } else { -1.0 } }
     }
 
     /// The sign of all edge values of a ray that meets the triangle; `of_zero` gives the sign of one that is exactly 0, from the ray and the
@@ -55,7 +56,7 @@ impl Corners {
         let normal = e1.cross(e2);
         let size = cross_size(e1.abs(), e2.abs());
         let (above, below) = (normal.dot(a - ray.origin), normal.dot(ray.direction));
-        let bounds = [size.dot((a - ray.origin).abs()), size.dot(ray.direction.abs())].map(|s| TERM_ROUNDING * s);
+        let bounds = [size.dot((a - ray.origin).abs()), size.dot(ray.direction.abs())].map_each(|s| TERM_ROUNDING * s);
         if bounds[0] < 0.25 * rounding * above.abs() && bounds[1] < 0.25 * rounding * below.abs() {
             return Some(above / below);
         }
@@ -75,7 +76,7 @@ impl Corners {
 
     /// Weights of the second and third corner as given. A perturbed ray may be inside where this one is outside, by rounding.
     pub fn weights(&self, ray: &Ray, sign: f64) -> [f64; 2] {
-        let e = OPPOSITE.map(|(i, j, sense)| {
+        let e = OPPOSITE.map_each(|(i, j, sense)| {
             let (value, bound) = edge(ray, self.v[i], self.v[j]);
             let value = if value.abs() > bound { value } else { exact_edge(ray, self.v[i], self.v[j]).value() };
             (sign * sense * value).max(0.0)

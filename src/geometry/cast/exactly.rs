@@ -10,6 +10,7 @@ use super::ball::Ball;
 use super::corners::Corners;
 use super::depth::Depth;
 use super::{Hit, Ray, hierarchy, shows};
+use crate::arrays::MapEach;
 use crate::geometry::bvh::{Bvh, LEAF, NONE};
 use crate::geometry::exact::Exact;
 use crate::geometry::interleave::{KEY_BITS, interleaved};
@@ -131,11 +132,11 @@ impl ExactCaster {
             let hit = Hit { t, triangle: id, bary: [0.0; 2] };
             shows(&self.mesh, &hit, side.into()).then_some(Met { hit, surface: Surface::Ball(ball, side) })
         };
-        [(enters, -1), (leaves, 1)].map(met)
+        [(enters, -1), (leaves, 1)].map_each(met)
     }
 
     fn meet_triangle(&self, ray: &Ray, id: u32) -> Option<Met> {
-        let corners = Corners::new(self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]));
+        let corners = Corners::new(self.mesh.triangles[id as usize].map_each(|k| self.mesh.positions[k as usize]));
         let sign = corners.sign(ray, beside)?;
         let hit = Hit { t: corners.depth(ray, T_ROUNDING)?, triangle: id, bary: corners.weights(ray, sign) };
         shows(&self.mesh, &hit, sign * corners.parity).then_some(Met { hit, surface: Surface::Triangle(corners) })
@@ -181,7 +182,7 @@ impl Leaf {
         }
         let mut least = [f64::INFINITY; LEAF];
         let mut most = [f64::NEG_INFINITY; LEAF];
-        for [a, b] in [[0, 1], [1, 2], [2, 0]].map(|edge| edge.map(|k| &relative[k])) {
+        for [a, b] in [[0, 1], [1, 2], [2, 0]].map_each(|edge| edge.map_each(|k| &relative[k])) {
             for k in 0..LEAF {
                 let side = d[0] * (a[1][k] * b[2][k] - a[2][k] * b[1][k])
                     + d[1] * (a[2][k] * b[0][k] - a[0][k] * b[2][k])

@@ -1,5 +1,6 @@
 //! Boxes: the built-in one, and open ones as parts of a city.
 
+use crate::arrays::MapEach;
 use glam::{DVec3, Vec2};
 
 use crate::geometry::mesh::{Material, Mesh};
@@ -16,10 +17,10 @@ pub(super) const OPEN_BOX_TRIANGLES: u64 = 10;
 pub fn cube() -> Mesh {
     let mut mesh = Mesh { materials: vec![Material::default()], ..Mesh::default() };
     push_faces(&mut mesh, DVec3::splat(-0.5), [DVec3::Z, DVec3::X, DVec3::Y], &FACES, 0);
-    mesh.uvs = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(Vec2::from).to_vec();
+    mesh.uvs = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map_each(Vec2::from).to_vec();
     // of two faces the first edge runs upwards
     let first = |face: usize| u32::from(face == 2 || face == 3);
-    let corners = |face: usize| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| (k + first(face)) % 4));
+    let corners = |face: usize| [[0, 1, 2], [0, 2, 3]].map_each(|t| t.map_each(|k| (k + first(face)) % 4));
     mesh.corner_uvs = (0..FACES.len()).flat_map(corners).collect();
     mesh
 }
@@ -35,7 +36,7 @@ fn push_faces(mesh: &mut Mesh, origin: DVec3, [u, v, w]: [DVec3; 3], faces: &[[u
     let along = |corner: usize, bit: usize| ((corner >> bit) & 1) as f64;
     mesh.positions.extend((0..8).map(|k| origin + along(k, 0) * u + along(k, 1) * v + along(k, 2) * w));
     for face in faces {
-        let [a, b, c, d] = face.map(|corner| base + corner as u32);
+        let [a, b, c, d] = face.map_each(|corner| base + corner as u32);
         mesh.triangles.extend([[a, b, c], [a, c, d]]);
     }
     mesh.material_of.resize(mesh.triangles.len(), material);

@@ -1,5 +1,6 @@
 //! An upright cylinder.
 
+use crate::arrays::MapEach;
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::geometry::mesh::{Material, Mesh, NO_NORMAL};
@@ -30,7 +31,7 @@ pub fn cylinder(sides: u32) -> Mesh {
     corner_normals.resize(triangles.len(), [NO_NORMAL; 3]);
     let caps = 2 * (sides + 1);
     let of_caps = &triangles[2 * sides as usize..];
-    corner_uvs.extend(of_caps.iter().map(|t: &[u32; 3]| t.map(|corner| caps + corner)));
+    corner_uvs.extend(of_caps.iter().map(|t: &[u32; 3]| t.map_each(|corner| caps + corner)));
     let around = |v: f32| (0..=sides).map(move |k| Vec2::new(k as f32 / sides as f32, v));
     let square = (0..2 * sides).map(|k| {
         let d = direction(k % sides) / 2.0 + 0.5;

@@ -1,5 +1,6 @@
 //! A cow and a walker, put together from ellipsoids.
 
+use crate::arrays::MapEach;
 use glam::DVec3;
 
 use super::icosphere::icosphere;
@@ -104,7 +105,7 @@ fn figure(parts: &[Part], materials: &[(&str, [f32; 3])], level: u32) -> Mesh {
     let material = |&(name, diffuse): &(&str, [f32; 3])| Material { name: name.into(), diffuse, ..Material::default() };
     let mut mesh = Mesh { materials: materials.iter().map(material).collect(), ..Mesh::default() };
     for part in parts {
-        let [from, to] = [part.from, part.to].map(DVec3::from_array);
+        let [from, to] = [part.from, part.to].map_each(DVec3::from_array);
         push_ellipsoid(&mut mesh, &ball, [from, to], part.radius, part.material);
         if part.twice {
             let mirror = DVec3::new(1.0, 1.0, -1.0);
@@ -124,7 +125,7 @@ fn push_ellipsoid(mesh: &mut Mesh, ball: &Mesh, ends: [DVec3; 2], radius: f64, m
     // normals of a stretched surface shrink where it grows
     let normal = |&p: &DVec3| stretched(p, 1.0 / length, 1.0 / radius).normalize().as_vec3().normalize();
     mesh.normals.extend(ball.positions.iter().map(normal));
-    let triangles = ball.triangles.iter().map(|t| t.map(|i| base + i));
+    let triangles = ball.triangles.iter().map(|t| t.map_each(|i| base + i));
     mesh.corner_normals.extend(triangles.clone());
     mesh.triangles.extend(triangles);
     mesh.material_of.resize(mesh.triangles.len(), material);

@@ -1,5 +1,6 @@
 //! A sphere of nearly equal triangles.
 
+use crate::arrays::MapEach;
 use std::collections::HashMap;
 
 use glam::DVec3;
@@ -56,7 +57,7 @@ fn corners() -> Vec<DVec3> {
     let quads = [(-1.0, ratio), (1.0, ratio), (-1.0, -ratio), (1.0, -ratio)];
     let shifts: [fn(f64, f64) -> DVec3; 3] =
         [|a, b| DVec3::new(a, b, 0.0), |a, b| DVec3::new(0.0, a, b), |a, b| DVec3::new(b, 0.0, a)];
-    shifts.iter().flat_map(|shift| quads.map(|(a, b)| shift(a, b).normalize())).collect()
+    shifts.iter().flat_map(|shift| quads.map_each(|(a, b)| shift(a, b).normalize())).collect()
 }
 
 /// Splits each triangle at its edges' midpoints: the middle one last.

@@ -4,6 +4,7 @@
 //! and spout are given as their half on one side; the other is its mirror image. The usual file lists 306 control
 //! points for these patches one by one; here quarters and sides share their numbers, and 290 points differ.
 
+use crate::arrays::MapEach;
 use glam::{DVec2, DVec3};
 
 use crate::geometry::mesh::{Material, Mesh};
@@ -86,18 +87,18 @@ fn patches() -> Vec<Patch> {
     let mut patches = Vec::new();
     for profile in PROFILES {
         for ends in quarters.clone() {
-            patches.push(profile.map(|(radius, height, tangent)| {
+            patches.push(profile.map_each(|(radius, height, tangent)| {
                 let inner = tangent * radius;
                 [(radius, 0.0), (radius, inner), (inner, radius), (0.0, radius)]
-                    .map(|(from, to)| from * ends[0] + to * ends[1] + DVec3::new(0.0, 0.0, height))
+                    .map_each(|(from, to)| from * ends[0] + to * ends[1] + DVec3::new(0.0, 0.0, height))
             }));
         }
     }
     for half in HALVES {
-        let given: Patch = half.map(|row| row.map(DVec3::from));
+        let given: Patch = half.map_each(|row| row.map_each(DVec3::from));
         // Mirrored, the columns run the other way round: turned back on the given side, so that both face outwards.
-        patches.push(given.map(|[a, b, c, d]| [d, c, b, a]));
-        patches.push(given.map(|row| row.map(|p| DVec3::new(p.x, -p.y, p.z))));
+        patches.push(given.map_each(|[a, b, c, d]| [d, c, b, a]));
+        patches.push(given.map_each(|row| row.map_each(|p| DVec3::new(p.x, -p.y, p.z))));
     }
     patches
 }
@@ -110,7 +111,7 @@ fn push_patch(mesh: &mut Mesh, patch: &Patch, level: u32) {
     for j in 0..=level {
         for i in 0..=level {
             let (u, v) = (f64::from(i) / f64::from(level), f64::from(j) / f64::from(level));
-            mesh.positions.push(y_up(curve(&patch.map(|row| curve(&row, u)), v)));
+            mesh.positions.push(y_up(curve(&patch.map_each(|row| curve(&row, u)), v)));
             mesh.normals.push(y_up(normal(patch, u, v)).as_vec3());
             mesh.uvs.push(DVec2::new(u, v).as_vec2());
         }
@@ -143,8 +144,8 @@ fn slope(points: &[DVec3; 4], t: f64) -> DVec3 {
 /// (v - tip) d2S/dudv, which takes its place.
 fn normal(patch: &Patch, u: f64, v: f64) -> DVec3 {
     let is_tip = |row: &[DVec3; 4]| row.iter().all(|p| *p == row[0]);
-    let slopes_u = patch.map(|row| slope(&row, u));
-    let along_v = slope(&patch.map(|row| curve(&row, u)), v);
+    let slopes_u = patch.map_each(|row| slope(&row, u));
+    let along_v = slope(&patch.map_each(|row| curve(&row, u)), v);
     let along_u = match v {
         0.0 if is_tip(&patch[0]) => slope(&slopes_u, v),
         1.0 if is_tip(&patch[3]) => -slope(&slopes_u, v),

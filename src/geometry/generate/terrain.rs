@@ -1,5 +1,6 @@
 //! Hills: fractal noise over a square.
 
+use crate::arrays::MapEach;
 use glam::{DVec3, Vec3};
 
 use super::plane::{grid_triangles, grid_uvs};
@@ -43,7 +44,7 @@ pub fn terrain(seed: u64, size: u32) -> Mesh {
         corner_normals: triangles.clone(),
         uvs: grid_uvs(size),
         corner_uvs: triangles.clone(),
-        material_of: parallel::map(&triangles, |t| material(t.map(|i| positions[i as usize]))),
+        material_of: parallel::map(&triangles, |t| material(t.map_each(|i| positions[i as usize]))),
         materials: MATERIALS
             .iter()
             .map(|&(name, diffuse)| Material { name: name.into(), diffuse, ..Material::default() })

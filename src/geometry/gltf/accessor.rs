@@ -1,5 +1,6 @@
 //! Typed reading of buffers: every range is checked before it is read.
 
+use crate::arrays::MapEach;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use gltf::Accessor;
 use gltf::accessor::sparse::{IndexType, Sparse};
@@ -86,7 +87,7 @@ impl Source {
         }
         let values = self.read(accessor).map_err(|message| at(accessor, message))?;
         let components = accessor.dimensions().multiplicity();
-        Ok(values.chunks_exact(components).map(|v| [v[0], v[1], v[2]].map(|c| c as f32)).collect())
+        Ok(values.chunks_exact(components).map(|v| [v[0], v[1], v[2]].map_each(|c| c as f32)).collect())
     }
 
     /// The accessor's indices, each below `limit`.

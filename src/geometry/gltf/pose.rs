@@ -2,6 +2,7 @@
 
 use super::parent_from_node;
 use super::source::Source;
+use crate::arrays::MapEach;
 use crate::geometry::spec::AnimationSpec;
 use crate::input::{Error, Result};
 use glam::{DMat4, DQuat, DVec3, DVec4};
@@ -37,9 +38,9 @@ impl Local {
         let weights = weights.iter().map(|w| f64::from(*w)).collect();
         let (translation, rotation, scale) = match node.transform() {
             Transform::Decomposed { translation, rotation, scale } => (
-                DVec3::from(translation.map(f64::from)),
-                DQuat::from_array(rotation.map(f64::from)).normalize(),
-                DVec3::from(scale.map(f64::from)),
+                DVec3::from(translation.map_each(f64::from)),
+                DQuat::from_array(rotation.map_each(f64::from)).normalize(),
+                DVec3::from(scale.map_each(f64::from)),
             ),
             Transform::Matrix { .. } => (DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE),
         };

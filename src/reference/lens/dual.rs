@@ -1,5 +1,6 @@
 //! Brown's model with its derivatives, by dual numbers: value, d/dx and d/dy.
 
+use crate::arrays::MapEach;
 use crate::camera::calibration::Coefficients;
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -13,14 +14,14 @@ pub fn constant(value: f64) -> Dual {
 impl Add for Dual {
     type Output = Dual;
     fn add(self, b: Dual) -> Dual {
-        Dual([0, 1, 2].map(|k| self.0[k] + b.0[k]))
+        Dual([0, 1, 2].map_each(|k| self.0[k] + b.0[k]))
     }
 }
 
 impl Sub for Dual {
     type Output = Dual;
     fn sub(self, b: Dual) -> Dual {
-        Dual([0, 1, 2].map(|k| self.0[k] - b.0[k]))
+        Dual([0, 1, 2].map_each(|k| self.0[k] - b.0[k]))
     }
 }
 
@@ -46,7 +47,7 @@ impl Div for Dual {
 impl Mul<Dual> for f64 {
     type Output = Dual;
     fn mul(self, b: Dual) -> Dual {
-        Dual(b.0.map(|v| self * v))
+        Dual(b.0.map_each(|v| self * v))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::dual::seen;
 use super::radial;
+use crate::arrays::MapEach;
 use crate::camera::calibration::Coefficients;
 use glam::DVec2;
 
@@ -18,9 +19,9 @@ struct At {
 impl At {
     /// `None` on a pole or beyond.
     fn new(k: &Coefficients, line: DVec2, p: DVec2) -> Option<At> {
-        let [u, v] = seen(k, [p.x, p.y])?.map(|d| d.0);
+        let [u, v] = seen(k, [p.x, p.y])?.map_each(|d| d.0);
         // (u, v) = along * line + across * line', line' the line rotated by 90 degrees
-        let part = |x: f64, y: f64| [0, 1, 2].map(|n| (x * u[n] + y * v[n]) / line.length_squared());
+        let part = |x: f64, y: f64| [0, 1, 2].map_each(|n| (x * u[n] + y * v[n]) / line.length_squared());
         let ([along, ax, ay], [across, cx, cy]) = (part(line.x, line.y), part(-line.y, line.x));
         let at = At { p, along, across, along_slope: DVec2::new(ax, ay), across_slope: DVec2::new(cx, cy) };
         (along + across + ax + ay + cx + cy).is_finite().then_some(at)

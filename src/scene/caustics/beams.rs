@@ -2,6 +2,7 @@
 
 use super::receiver_triangles::ReceiverTriangles;
 use super::{Caustics, FluxBudget, Method, mean};
+use crate::arrays::MapEach;
 use crate::geometry::mesh::Mesh;
 use crate::image::frame::{Channel, Frame, NO_ID};
 use crate::input::{Error, Result};
@@ -55,14 +56,14 @@ impl Caustics {
         let photon = |k: usize| {
             // halving is exact
             let bounces = (g[k] / r[k]).log2().round();
-            let left = self.optics.tint.map(|tint| f64::from(tint).powi(bounces as i32) * f64::from(g[k]));
+            let left = self.optics.tint.map_each(|tint| f64::from(tint).powi(bounces as i32) * f64::from(g[k]));
             let fate = match (mirrors[k], ids[k], receiver_triangles.of(ids[k])) {
                 (NO_ID, ..) => return Photon { fate: Fate::Direct, left: [1.0; 3] },
                 (_, NO_ID, _) => Fate::Missed,
                 (_, id, _) if id >= triangles => Fate::Absorbed,
                 (_, _, None) => Fate::Missed,
                 (_, _, Some(receiver_triangle)) => {
-                    let place = receiver_triangle.place([u[k], v[k]].map(f64::from));
+                    let place = receiver_triangle.place([u[k], v[k]].map_each(f64::from));
                     Fate::OnReceiver { receiver: receiver_triangle.receiver, bounces: bounces as u32, place }
                 }
             };
@@ -84,7 +85,7 @@ impl Caustics {
         let mut caustic_triangles = Vec::new();
         let grid = Grid { photons, columns: self.light.width as usize };
         for (corners, flux) in self.beams().zip(flux) {
-            let three = corners.map(|k| photons[k]);
+            let three = corners.map_each(|k| photons[k]);
             for photon in three {
                 let third = flux / 3.0;
                 let left = third * mean(photon.left);
@@ -103,7 +104,7 @@ impl Caustics {
                         let ratio = self.solid_angle_ratio(&triangle);
                         match ratio {
                             Some(ratio) => caustic_triangles
-                                .push(CausticTriangle { flux: triangle.flux.map(|f| f * ratio), ..triangle }),
+                                .push(CausticTriangle { flux: triangle.flux.map_each(|f| f * ratio), ..triangle }),
                             None => budget.missed += mean(triangle.flux),
                         }
                     }
@@ -132,7 +133,7 @@ struct Grid<'a> {
 impl Grid<'_> {
     /// The parts of a beam's light that stay together on a receiver.
     fn caustic_triangles(&self, corners: [usize; 3], flux: f64) -> Vec<CausticTriangle> {
-        let paths = corners.map(|k| on_receiver(&self.photons[k]));
+        let paths = corners.map_each(|k| on_receiver(&self.photons[k]));
         let mut caustic_triangles = Vec::new();
         for (k, found) in paths.iter().enumerate() {
             let Some((path, _)) = found else { continue };

@@ -2,6 +2,7 @@
 
 use super::Caustics;
 use super::beams::CausticTriangle;
+use crate::arrays::MapEach;
 use crate::camera::Ray;
 use crate::parallel;
 use glam::DVec3;
@@ -9,7 +10,7 @@ use glam::DVec3;
 impl Caustics {
     /// Photons of each beam: two a cell of the grid, cell by cell.
     pub fn beams(&self) -> impl Iterator<Item = [usize; 3]> + use<> {
-        let [columns, rows] = self.cells.map(|n| n as usize);
+        let [columns, rows] = self.cells.map_each(|n| n as usize);
         (0..rows).flat_map(move |j| (0..columns).map(move |i| j * (columns + 1) + i)).flat_map(move |k| {
             let below = k + columns + 1;
             [[k, k + 1, below], [below + 1, below, k + 1]]
@@ -26,12 +27,12 @@ impl Caustics {
 
     /// Solid angle, or area across the rays, of a beam.
     fn size(&self, corners: [usize; 3], is_sun: bool) -> f64 {
-        let rays = corners.map(|k| self.ray(k));
+        let rays = corners.map_each(|k| self.ray(k));
         let [a, b, c] = rays;
         if is_sun {
             return (b.origin - a.origin).cross(c.origin - a.origin).dot(a.direction.normalize()).abs() / 2.0;
         }
-        solid_angle(rays.map(|r| r.direction))
+        solid_angle(rays.map_each(|r| r.direction))
     }
 
     fn ray(&self, photon: usize) -> Ray {
@@ -50,7 +51,7 @@ impl Caustics {
     /// `None` where the triangle is not seen from the light.
     pub(super) fn solid_angle_ratio(&self, triangle: &CausticTriangle) -> Option<f64> {
         let receiver = &self.receivers[triangle.receiver as usize];
-        let points = triangle.corners.map(|p| receiver.point(p));
+        let points = triangle.corners.map_each(|p| receiver.point(p));
         let cross = (points[1] - points[0]).cross(points[2] - points[0]);
         let ray = self.ray(0);
         // flux an area there, of one an angle (or an area) of the light's image; and how large the triangle is seen
@@ -60,7 +61,7 @@ impl Caustics {
         } else {
             let out = (points[0] + points[1] + points[2]) / 3.0 - ray.origin;
             let cosine = cross.normalize_or_zero().dot(out.normalize_or_zero()).abs();
-            (cosine / out.length_squared(), solid_angle(points.map(|p| p - ray.origin)))
+            (cosine / out.length_squared(), solid_angle(points.map_each(|p| p - ray.origin)))
         };
         let ratio = sent / seen * cross.length() / 2.0;
         (seen > 0.0 && ratio.is_finite()).then_some(ratio)
@@ -69,7 +70,7 @@ impl Caustics {
 
 /// Solid angle of the triangle that three directions of any length span, sr (Van Oosterom and Strackee 1983).
 pub fn solid_angle(directions: [DVec3; 3]) -> f64 {
-    let [a, b, c] = directions.map(|d| d.normalize_or_zero());
+    let [a, b, c] = directions.map_each(|d| d.normalize_or_zero());
     let volume = a.dot(b.cross(c)).abs();
     2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a)).abs()
 }

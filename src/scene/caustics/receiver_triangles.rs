@@ -1,6 +1,7 @@
 //! Which triangles of a scene lie on a receiver, and where there.
 
 use super::Receiver;
+use crate::arrays::MapEach;
 use crate::geometry::mesh::Mesh;
 use crate::image::frame::NO_ID;
 use crate::input::{Error, Result};
@@ -39,10 +40,10 @@ pub(crate) fn is_in_plane(receiver: &Receiver, p: DVec3) -> bool {
 impl ReceiverTriangles {
     pub fn new(receivers: &[Receiver], mesh: &Mesh) -> ReceiverTriangles {
         let receiver_triangle = |(id, triangle): (usize, &[u32; 3])| {
-            let corners = triangle.map(|k| mesh.positions[k as usize]);
+            let corners = triangle.map_each(|k| mesh.positions[k as usize]);
             let receiver = receivers.iter().position(|r| corners.iter().all(|p| is_in_plane(r, *p)))?;
             let diffuse = mesh.materials[mesh.material_of[id] as usize].diffuse;
-            let corners = corners.map(|p| receivers[receiver].texels_of(p));
+            let corners = corners.map_each(|p| receivers[receiver].texels_of(p));
             Some(ReceiverTriangle { receiver: receiver as u32, corners, diffuse })
         };
         let each: Vec<Option<ReceiverTriangle>> =

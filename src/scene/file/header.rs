@@ -1,5 +1,6 @@
 //! A camera's keys in the header of a picture, which make the same rays without the scene file.
 
+use crate::arrays::MapEach;
 use crate::camera::kinds::read_camera_of_scene;
 use crate::camera::pose::Pose;
 use crate::camera::spec::{CameraKind, CameraSpec};
@@ -26,7 +27,7 @@ impl PartialEq for CameraKeys {
     /// Compares values, not where in the file they are.
     fn eq(&self, other: &CameraKeys) -> bool {
         let written = |keys: &CameraKeys| {
-            [&keys.camera, &keys.meshes, &keys.spheres].map(|node| node.as_ref().map(|n| json(&n.value)))
+            [&keys.camera, &keys.meshes, &keys.spheres].map_each(|node| node.as_ref().map(|n| json(&n.value)))
         };
         (&self.dir, written(self)) == (&other.dir, written(other))
     }
@@ -36,7 +37,7 @@ impl CameraKeys {
     /// Takes the tables out of a scene file's tree.
     pub(super) fn taken(root: Node, names_files: [bool; 2], dir: &Path) -> CameraKeys {
         let Value::Table(mut entries) = root.value else { return CameraKeys::default() };
-        let [camera, meshes, spheres] = ["camera", "mesh", "spheres"].map(|key| take(&mut entries, key));
+        let [camera, meshes, spheres] = ["camera", "mesh", "spheres"].map_each(|key| take(&mut entries, key));
         CameraKeys { camera, meshes, spheres, names_files, dir: dir.into() }
     }
 

@@ -1,6 +1,7 @@
 //! The times of a frame at which a scene file is read: those between which everything moves straight.
 
 use super::{FileStep, SceneFile, read_all_spheres, read_meshes};
+use crate::arrays::MapEach;
 use crate::camera::kinds::read_camera_and_readout;
 use crate::camera::spec::CameraSpec;
 use crate::geometry::spec::{MeshSource, MeshSpec};
@@ -23,7 +24,7 @@ const CAMERA_STEPS: u32 = 8;
 /// The scene at the times that a frame takes; none if nothing has keyframes, or all is exposed at once. `keyed` has all keyframes as they
 /// are, `file` is the scene at `frame`.
 pub(super) fn steps(keyed: &Node, source: &Source, file: &SceneFile, frame: f64) -> Result<Vec<FileStep>> {
-    let moving = ["mesh", "spheres", "camera"].map(|key| entry(keyed, key));
+    let moving = ["mesh", "spheres", "camera"].map_each(|key| entry(keyed, key));
     let keys: Vec<f64> = moving.into_iter().flatten().flat_map(keyframes::frames).collect();
     if keys.is_empty() || file.exposure.is_instant() {
         return Ok(Vec::new());

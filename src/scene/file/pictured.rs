@@ -2,6 +2,7 @@
 
 use super::header::take;
 use super::{SceneFile, read_tree};
+use crate::arrays::MapEach;
 use crate::input::parse::{Format, parse};
 use crate::input::reader::Source;
 use crate::input::tree::{Entry, Node, Value};
@@ -36,7 +37,7 @@ pub fn load_header(text: &str, path: &Path, overrides: &[String], loading: &Load
         Node { value: Value::Table(entries.into_iter().map(entry).collect()), place }
     };
     let image = table(vec![("width", width), ("height", height)]);
-    let others = ["mesh", "spheres"].map(|key| take(key).map(|node| (key, node)));
+    let others = ["mesh", "spheres"].map_each(|key| take(key).map(|node| (key, node)));
     let given = [("image", image), ("camera", camera)].into_iter().chain(others.into_iter().flatten());
     let mut root = table(given.collect());
     overrides::apply(&mut root, overrides)?;

@@ -3,6 +3,7 @@
 use super::header::read_headed;
 use super::spec::{GridSource, GridSpec, Placement, VALUE_MAX};
 use super::{Grid, SIDE_MAX, placed};
+use crate::arrays::MapEach;
 use crate::geometry::place::rotation_xyz;
 use crate::image::{NumberType, read_npy_volume};
 use crate::input::{Error, Limits, Loading, Result};
@@ -61,12 +62,12 @@ pub fn load_grid(spec: &GridSpec, given: Option<([u64; 3], Vec<f32>)>, loading: 
             "the number [{k}][{j}][{i}] is {value}; use numbers from -{VALUE_MAX} to {VALUE_MAX}"
         )));
     }
-    let sides = [nx, ny, nz].map(|n| n as u32);
+    let sides = [nx, ny, nz].map_each(|n| n as u32);
     let placement = spec.placement.or(own).ok_or_else(|| {
         wrong("the file does not say where its numbers lie along the world's axes; add min and max to [volume]".into())
     })?;
     let (first, spacing) = match placement {
-        Placement::Box { min, max } => (min, (max - min) / DVec3::from(sides.map(|n| f64::from(n - 1)))),
+        Placement::Box { min, max } => (min, (max - min) / DVec3::from(sides.map_each(|n| f64::from(n - 1)))),
         Placement::Nodes { origin, spacing } => (origin, spacing),
     };
     let to_world = placed(sides, first, spacing, rotation_xyz(spec.rotate));

@@ -2,6 +2,7 @@
 
 use super::load::{DESCRIBED, RawGrid};
 use super::{ControlPoint, Mode, POINTS_MAX, SIDE_MAX};
+use crate::arrays::MapEach;
 use crate::image::NumberType;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
@@ -62,7 +63,7 @@ impl Placement {
         match self {
             Placement::Box { min, max } => [min, max],
             Placement::Nodes { origin, spacing } => {
-                [origin, origin + spacing * DVec3::from([x, y, z].map(|n| (n - 1) as f64))]
+                [origin, origin + spacing * DVec3::from([x, y, z].map_each(|n| (n - 1) as f64))]
             }
         }
     }
@@ -132,7 +133,7 @@ fn read_source(table: &Table) -> Result<GridSource> {
 
 /// `None` if the table says nothing and the file may.
 fn read_placement(table: &Table, has_header: bool) -> Result<Option<Placement>> {
-    let [min, max, origin, spacing] = ["min", "max", "origin", "spacing"].map(|key| table.get(key));
+    let [min, max, origin, spacing] = ["min", "max", "origin", "spacing"].map_each(|key| table.get(key));
     match (min, max, origin, spacing) {
         (Some(min), Some(max), None, None) => {
             let (lo, hi) = (min.vec3()?, max.vec3()?);

@@ -1,5 +1,6 @@
 //! A compiled camera as files: the pieces of a mesh camera, or every pixel's ray.
 
+use crate::arrays::MapEach;
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::camera::spec::CameraSpec;
 use crate::camera::{Bundle, Camera, Pieces, Rays, mesh};
@@ -90,7 +91,7 @@ fn plain(mesh: &MeshCameraSpec) -> MeshCameraSpec {
 /// The mesh camera with the rays of these pieces at their corners; corners with the same bits are one vertex.
 fn as_mesh(pieces: &Pieces, camera: &Camera) -> MeshCameraSpec {
     let size = DVec2::new(camera.width.into(), camera.height.into());
-    let image = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|ab| ab * size);
+    let image = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map_each(|ab| ab * size);
     let mut spec = MeshCameraSpec::default();
     let mut known = HashMap::new();
     for piece in &pieces.pieces {
@@ -99,7 +100,7 @@ fn as_mesh(pieces: &Pieces, camera: &Camera) -> MeshCameraSpec {
             None => vec![[image[0], image[1], image[2]], [image[2], image[1], image[3]]],
         };
         for corners in triangles {
-            let index = corners.map(|at_px| {
+            let index = corners.map_each(|at_px| {
                 let vertex = vertex_at(&piece.bundle, at_px - piece.centre_px, at_px / size);
                 *known.entry(bits(&vertex)).or_insert_with(|| {
                     spec.vertices.push(vertex);

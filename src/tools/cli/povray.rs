@@ -16,6 +16,7 @@
 mod faces;
 mod rays;
 
+use crate::arrays::MapEach;
 use crate::camera::{Camera, Ray};
 use crate::image::write_lines;
 use crate::input::{Error, Result};
@@ -99,14 +100,14 @@ fn write_camera(out: &mut dyn Write, rays: &rays::Rays) -> io::Result<()> {
     writeln!(out)?;
     for Ray { origin, direction } in &rays.each {
         let (x, y) = direction.any_orthonormal_pair();
-        let [x, y, z, p] = [x, y, *direction, rays.scale * origin].map(Numbers);
+        let [x, y, z, p] = [x, y, *direction, rays.scale * origin].map_each(Numbers);
         writeln!(out, "mesh {{ F matrix <{x},{y},{z},{p}> }}")?;
     }
     writeln!(out, "}} }}")
 }
 
 fn write_face(out: &mut dyn Write, face: &Face, scale: f64) -> io::Result<()> {
-    let [a, b, c] = face.corners.map(|corner| Numbers(scale * corner));
+    let [a, b, c] = face.corners.map_each(|corner| Numbers(scale * corner));
     // POV-Ray's outside is our back
     let (outside, inside) = (Colour(face.back), Colour(face.front));
     write!(out, "triangle {{ <{a}>, <{b}>, <{c}> texture {{ pigment {{ {outside} }} }}")?;

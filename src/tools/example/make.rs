@@ -1,6 +1,7 @@
 //! The files that examples' cameras read.
 
 use super::Part;
+use crate::arrays::MapEach;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
@@ -43,7 +44,7 @@ fn grid(columns: usize, rows: usize, ray: impl Fn(f64, f64) -> (DVec3, DVec3)) -
 /// Six digits behind the point, so that a person can read the file; the same on every machine, whatever the last
 /// bits of its sines are.
 fn short(v: DVec3) -> [f64; 3] {
-    (v * 1e6).round().to_array().map(|x| x / 1e6)
+    (v * 1e6).round().to_array().map_each(|x| x / 1e6)
 }
 
 /// `mesh.json`: an eye above a city, with the picture's middle enlarged.
@@ -260,7 +261,7 @@ fn flock(count: usize) -> String {
     const SPREAD: [f64; 3] = [0.618_033_988_749_895, 0.754_877_666_246_693, 0.819_172_513_396_164];
     let mut text = String::from("mtllib flock.mtl\n");
     for k in 0..count {
-        let [turn, out, up] = SPREAD.map(|s| (k as f64 * s).fract());
+        let [turn, out, up] = SPREAD.map_each(|s| (k as f64 * s).fract());
         let mix = |[a, b]: [f64; 2], s: f64| a + (b - a) * s;
         let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
         let (side, ahead) = (DVec3::new(sin, 0.0, cos), DVec3::new(cos, 0.0, -sin));

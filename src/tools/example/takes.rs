@@ -1,6 +1,7 @@
 //! Pictures as cameras on masts take them of a street corner with its paint: every pixel's ray against a few boxes and the ground.
 
 use super::Part;
+use crate::arrays::MapEach;
 use glam::{DVec2, DVec3};
 
 /// Pixels.
@@ -43,7 +44,7 @@ const MAST: (DVec3, DVec3, f64) = (DVec3::new(0.5, 11.0, 0.5), DVec3::new(0.0, 0
 pub fn takes() -> Vec<(&'static str, Part)> {
     let cameras = [(WEST, false), (EAST, false), (MAST, true)];
     let of_frame = |(frame, names): (u32, [&'static str; 3])| {
-        [0, 1, 2].map(|k| (names[k], take(cameras[k].0, cameras[k].1, frame)))
+        [0, 1, 2].map_each(|k| (names[k], take(cameras[k].0, cameras[k].1, frame)))
     };
     (0..).zip(NAMES).flat_map(of_frame).collect()
 }
@@ -70,7 +71,7 @@ fn take((eye, target, angle): (DVec3, DVec3, f64), is_fisheye: bool, frame: u32)
     let pixel = |k: u32| {
         let corner = DVec2::new((k % width).into(), (k / width).into());
         let sum: DVec3 = places.iter().map(|p| seen(eye, direction(corner + DVec2::from(*p)), frame)).sum();
-        (0.25 * sum).to_array().map(|v| (255.0 * v).round() as u8)
+        (0.25 * sum).to_array().map_each(|v| (255.0 * v).round() as u8)
     };
     Part::Picture { size: SIZE, srgb8: (0..width * height).flat_map(pixel).collect() }
 }

@@ -1,6 +1,7 @@
 //! The exact inverse of a grid of bilinear cells.
 
 use super::{Base, Cell};
+use crate::arrays::MapEach;
 use crate::camera::boxes::{Boxes, EMPTY, join};
 use crate::camera::{Ray, RayMap};
 use glam::{DMat2, DVec2};
@@ -69,7 +70,7 @@ fn inverse(c: &[DVec2; 4], q: DVec2) -> Option<DVec2> {
         if step.is_finite() { uv + step } else { uv }
     };
     let inside = |uv: &DVec2| (*uv - 0.5).abs().max_element() <= 0.5 + BORDER_ROUNDING;
-    let found = roots.map(place);
+    let found = roots.map_each(place);
     let mut inside = found.iter().filter(|uv| inside(uv));
     let first = inside.next()?;
     let best = if stretch(*first).determinant() > 0.0 { first } else { inside.next().unwrap_or(first) };

@@ -1,6 +1,7 @@
 //! The patches of a picture as rows that kernels read.
 
 use super::patch::{Patch, Patches, Square};
+use crate::arrays::MapEach;
 use crate::engine::plan::beams::{down, up};
 use crate::gpu::layout::NONE;
 use crate::scene::projector_light::ProjectorLight;
@@ -65,7 +66,7 @@ impl Packing {
         let size = [light.camera.width as f32, light.camera.height as f32];
         [
             [word(throw.mode as u32), word(material), word(first), word(count)],
-            [throw.strength, throw.feather, throw.angle_power, throw.distance_power].map(|v| v as f32),
+            [throw.strength, throw.feather, throw.angle_power, throw.distance_power].map_each(|v| v as f32),
             [size[0], size[1], t(self.skipped - self.start), t(self.t_last - self.skipped)],
             [self.scale as f32, throw.distance.unwrap_or(0.0) as f32, word(throw.occlusion.into()), 0.0],
         ]
@@ -79,7 +80,7 @@ impl Packing {
         let node = |n: &PackedNode| {
             let ([p, d], patch) = (n.boxes, n.patch.map_or(NONE, |k| patches_first + PATCH_ROWS * k));
             let row = |v: DVec3, round: fn(f64) -> f32, last: u32| {
-                let [x, y, z] = v.to_array().map(round);
+                let [x, y, z] = v.to_array().map_each(round);
                 [x, y, z, f32::from_bits(last)]
             };
             [row(p[0], down, n.next), row(p[1], up, patch), row(d[0], down, 0), row(d[1], up, 0)]
@@ -127,8 +128,8 @@ impl Packing {
     }
 
     fn patch(&self, patch: &Patch) -> [[f32; 4]; PATCH_ROWS as usize] {
-        let [p, d] = [&patch.p, &patch.d].map(|of| of.map(|v| v.as_vec3()));
-        let places = [patch.middle.x, patch.middle.y, patch.half.x, patch.half.y].map(|v| v as f32);
+        let [p, d] = [&patch.p, &patch.d].map_each(|of| of.map_each(|v| v.as_vec3()));
+        let places = [patch.middle.x, patch.middle.y, patch.half.x, patch.half.y].map_each(|v| v as f32);
         let row = |k: usize| if k < 4 { p[k].extend(places[k]) } else { d[k - 4].extend(0.0) };
         std::array::from_fn(|k| row(k).to_array())
     }
@@ -152,5 +153,5 @@ fn widened([p, d]: [[DVec3; 2]; 2]) -> [[DVec3; 2]; 2] {
 }
 
 fn joined(a: [[DVec3; 2]; 2], b: [[DVec3; 2]; 2]) -> [[DVec3; 2]; 2] {
-    [0, 1].map(|k| [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])])
+    [0, 1].map_each(|k| [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])])
 }

@@ -1,5 +1,6 @@
 //! An image in patches, found by halving it.
 
+use crate::arrays::MapEach;
 use crate::camera::bundle::Ray;
 use crate::camera::{Camera, Rays};
 use crate::input::{Error, Result};
@@ -83,9 +84,9 @@ impl Patch {
     /// The boxes of its origins and directions, and of those that it goes on to.
     pub fn boxes(&self) -> [[DVec3; 2]; 2] {
         let far = DVec2::ONE + OVERLAP_PX / self.half;
-        [&self.p, &self.d].map(|of| {
+        [&self.p, &self.d].map_each(|of| {
             let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
-            let at = corners.map(|(x, y)| self.at(of, x * far.x, y * far.y));
+            let at = corners.map_each(|(x, y)| self.at(of, x * far.x, y * far.y));
             [at.into_iter().fold(DVec3::INFINITY, DVec3::min), at.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max)]
         })
     }
@@ -141,7 +142,7 @@ impl Search<'_> {
         let [a, b, c, d] = [corner(-1., -1.)?, corner(1., -1.)?, corner(-1., 1.)?, corner(1., 1.)?];
         let bilinear = |of: fn(&Ray) -> DVec3| {
             let [a, b, c, d] = [of(&a), of(&b), of(&c), of(&d)];
-            [a + b + c + d, b - a + d - c, c - a + d - b, a - b - c + d].map(|v| 0.25 * v)
+            [a + b + c + d, b - a + d - c, c - a + d - b, a - b - c + d].map_each(|v| 0.25 * v)
         };
         Some(Patch { middle, half, p: bilinear(|r| r.origin), d: bilinear(|r| r.direction) })
     }
@@ -161,7 +162,8 @@ impl Search<'_> {
 
     fn has_same_corners(&self, part: usize, patch: &Patch) -> bool {
         let near = (1.0 - INSET) * patch.half;
-        let corners = [(-1., -1.), (1., -1.), (-1., 1.), (1., 1.)].map(|(x, y)| patch.middle + DVec2::new(x, y) * near);
+        let corners =
+            [(-1., -1.), (1., -1.), (-1., 1.), (1., 1.)].map_each(|(x, y)| patch.middle + DVec2::new(x, y) * near);
         corners.into_iter().all(|place| self.part(place) == Some(part))
     }
 

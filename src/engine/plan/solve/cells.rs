@@ -2,6 +2,7 @@
 //! the image and cubic in t, with bounds of what that leaves out ([`Bend`]). Cells without such bounds are left to the host.
 
 use super::{LEAST, MOST, Origin, leaves};
+use crate::arrays::MapEach;
 use crate::camera::curve::{Bend, Curve, Curves};
 use crate::camera::project::curved::{SPANS, span, tiles};
 use crate::camera::project::tree::Tree;
@@ -126,7 +127,7 @@ impl Tile {
         let all: Vec<[DVec3; 4]> = self.samples.iter().map(|c| powers(c, middle, t1)).collect();
         let e = 1.0 + MARGIN;
         let of = |shares: [f64; 9], over: f64| -> [DVec3; 4] {
-            [0, 1, 2, 3].map(|k| all.iter().zip(shares).map(|(p, share)| share * p[k]).sum::<DVec3>() / over)
+            [0, 1, 2, 3].map_each(|k| all.iter().zip(shares).map(|(p, share)| share * p[k]).sum::<DVec3>() / over)
         };
         // 1, u, v, u v, u^2 and v^2 by the samples, which lie at -e, 0 and e
         let mut terms = [
@@ -174,7 +175,7 @@ impl Tile {
             base_x: self.base.x as i32,
             anchor_lo,
             base_y: self.base.y as i32,
-            errors: errors.map(|x| (1.001 * x) as f32),
+            errors: errors.map_each(|x| (1.001 * x) as f32),
             end: self.end.as_vec2().to_array(),
             size: (1.001 * size) as f32,
             flags,
@@ -189,7 +190,7 @@ impl Tile {
 /// Of a curve by s, which is 0 at `middle` and 1 at `end`: `p[0] + s (p[1] + s (p[2] + s p[3]))`.
 fn powers(curve: &Curve, middle: f64, end: f64) -> [DVec3; 4] {
     let half = curve.elevated(3).span([middle, end]);
-    let [a, b, c, d] = [0, 1, 2, 3].map(|k| half.points()[k]);
+    let [a, b, c, d] = [0, 1, 2, 3].map_each(|k| half.points()[k]);
     [a, 3.0 * (b - a), 3.0 * (c - 2.0 * b + a), d - 3.0 * (c - b) - a]
 }
 

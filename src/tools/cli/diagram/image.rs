@@ -1,6 +1,7 @@
 //! The image with its pieces, one picture a layer.
 
 use super::svg::{Frame, Svg};
+use crate::arrays::MapEach;
 use crate::camera::volume::{runs, spread};
 use crate::camera::{Camera, Pieces, Rays};
 use glam::DVec2;
@@ -41,7 +42,7 @@ fn draw_pieces(svg: &mut Svg, picture: Frame, camera: &Camera, layer: usize, pie
     svg.layer(layer, &picture, |svg| {
         for (k, piece) in pieces.pieces.iter().enumerate().step_by(step) {
             let corners = match &piece.corners_px {
-                Some(corners) => corners.map(on_page).to_vec(),
+                Some(corners) => corners.map_each(on_page).to_vec(),
                 None => picture.corners().to_vec(),
             };
             svg.polygon("piece", &corners);

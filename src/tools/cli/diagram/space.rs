@@ -3,6 +3,7 @@
 use super::layer;
 use super::svg::{Frame, Svg};
 use super::view::View;
+use crate::arrays::MapEach;
 use crate::camera::volume::{self, Box3, LayerVolume, box_edges, corners};
 use crate::camera::{Camera, Curve};
 use crate::geometry::mesh::Mesh;
@@ -65,7 +66,7 @@ fn draw_scene(svg: &mut Svg, mesh: &Mesh, bounds: Option<Box3>, view: &View) -> 
     let triangles = mesh.triangles.len();
     match wires::of(mesh, Some(&|d| view.on_page(d))) {
         Wires::Lines(lines, count) => {
-            svg.lines("mesh", lines.iter().map(|line| line.map(|p| view.place(p))));
+            svg.lines("mesh", lines.iter().map(|line| line.map_each(|p| view.place(p))));
             let most = if lines.len() < count { format!("the {} longest of ", lines.len()) } else { String::new() };
             format!("scene: {triangles} triangles; {most}{count} creases and outlines")
         }

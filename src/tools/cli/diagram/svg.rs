@@ -1,5 +1,6 @@
 //! A drawing as SVG text: a few shapes, each with a class that the style sheet colours.
 
+use crate::arrays::MapEach;
 use glam::DVec2;
 
 /// Colours of layers, first to last; a ninth layer has the first one's again. Dark enough for white paper, and apart in
@@ -81,7 +82,7 @@ impl Svg {
         self.clips += 1;
         let (clip, colour) = (self.clips, layer % LAYERS.len());
         let (lo, size) = (frame.lo, frame.size);
-        let [x, y, w, h] = [lo.x, lo.y, size.x, size.y].map(short);
+        let [x, y, w, h] = [lo.x, lo.y, size.x, size.y].map_each(short);
         self.text +=
             &format!("<clipPath id=\"c{clip}\"><rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"/></clipPath>\n");
         self.text += &format!("<g class=\"layer{colour}\" clip-path=\"url(#c{clip})\">\n");
@@ -113,13 +114,13 @@ impl Svg {
     }
 
     pub fn dot(&mut self, class: &str, at: DVec2, radius: f64) {
-        let [x, y] = at.to_array().map(short);
+        let [x, y] = at.to_array().map_each(short);
         self.text += &format!("<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"/>\n");
     }
 
     /// `text` is the program's own: letters, digits and points, nothing that XML reads.
     pub fn text(&mut self, class: &str, at: DVec2, text: &str) {
-        let [x, y] = at.to_array().map(short);
+        let [x, y] = at.to_array().map_each(short);
         self.text += &format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\">{text}</text>\n");
     }
 }

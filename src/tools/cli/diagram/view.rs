@@ -1,6 +1,7 @@
 //! A parallel projection of the world to the page: lines stay lines and Bezier curves keep their control points.
 
 use super::svg::Frame;
+use crate::arrays::MapEach;
 use glam::{DVec2, DVec3};
 
 /// Position on the page `(x, y) = (right . p, -up . p) scale + offset`, px.
@@ -29,7 +30,7 @@ impl View {
         let level = DVec3::new(look.x, 0.0, look.z);
         let level = if level.length() > COHERENT_MIN { level.normalize() } else { DVec3::NEG_Z };
         let side = level.cross(DVec3::Y);
-        let rotated = AZIMUTHS_DEGREES.map(|azimuth| {
+        let rotated = AZIMUTHS_DEGREES.map_each(|azimuth| {
             let (sin, cos) = azimuth.to_radians().sin_cos();
             sin * side - cos * level
         });

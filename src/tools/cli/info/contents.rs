@@ -1,5 +1,6 @@
 //! `anamorph info FILE`: the counts and bounds of a model, a scene or a volume, and a camera that sees all of it.
 
+use crate::arrays::MapEach;
 use crate::geometry::heights;
 use crate::geometry::heights::{Grid, HeightSpec};
 use crate::geometry::load::load_mesh;
@@ -209,7 +210,7 @@ impl Bounds {
         let distance = if radius > 0.0 { MARGIN * radius / (VFOV.to_radians() / 2.0).sin() } else { 1.0 };
         // the decimals of a number rounded to four digits of the distance
         let decimals = (3 - distance.log10().floor() as i32).max(0) as usize;
-        let rounded = |v: DVec3| v.to_array().map(|x| format!("{x:.decimals$}").parse().unwrap_or(x) + 0.0);
+        let rounded = |v: DVec3| v.to_array().map_each(|x| format!("{x:.decimals$}").parse().unwrap_or(x) + 0.0);
         let eye = centre + distance * TO_EYE.normalize();
         Bounds {
             low: low.to_array(),

@@ -1,5 +1,6 @@
 //! Triangles as a ray tracer without a rule for equal depths needs them: each place once.
 
+use crate::arrays::MapEach;
 use crate::geometry::mesh::Mesh;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -25,7 +26,7 @@ pub fn of(mesh: &Mesh) -> Vec<Face> {
     let mut known = HashMap::new();
     for (id, triangle) in (0u32..).zip(&mesh.triangles) {
         // -0 is 0
-        let mut corners = triangle.map(|v| (mesh.positions[v as usize] + 0.0).to_array());
+        let mut corners = triangle.map_each(|v| (mesh.positions[v as usize] + 0.0).to_array());
         let mut even = true;
         for (i, j) in [(0, 1), (1, 2), (0, 1)] {
             if corners[j] < corners[i] {
@@ -36,8 +37,8 @@ pub fn of(mesh: &Mesh) -> Vec<Face> {
         if corners[0] == corners[1] || corners[1] == corners[2] {
             continue;
         }
-        let face = *known.entry(corners.map(|c| c.map(f64::to_bits))).or_insert_with(|| {
-            faces.push(Face { corners: corners.map(DVec3::from), front: None, back: None });
+        let face = *known.entry(corners.map_each(|c| c.map_each(f64::to_bits))).or_insert_with(|| {
+            faces.push(Face { corners: corners.map_each(DVec3::from), front: None, back: None });
             faces.len() - 1
         });
         let Face { front, back, .. } = &mut faces[face];

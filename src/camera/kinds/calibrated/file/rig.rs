@@ -1,6 +1,7 @@
 //! f-theta cameras of the rig files of NVIDIA's DRIVE (`rig.json`). Their pixels are OpenCV's: the first has its centre at (0, 0).
 
 use super::{Calibration, Which, intrinsics};
+use crate::arrays::MapEach;
 use crate::camera::calibration::{Intrinsics, Model, Projection};
 use glam::{DMat2, DVec2};
 use serde_json::{Map, Value};
@@ -35,7 +36,7 @@ pub fn parse(text: &str, which: Which) -> Result<Calibration> {
     if determinant.is_nan() || determinant <= 0.0 {
         return Err(format!("properties: linear-c, linear-d, linear-e: c - d e = {determinant}; it must be over 0"));
     }
-    let intrinsics = Intrinsics { scale, ..intrinsics(size.map(|s| s as u64), DVec2::ONE, centre)? };
+    let intrinsics = Intrinsics { scale, ..intrinsics(size.map_each(|s| s as u64), DVec2::ONE, centre)? };
     Ok(Calibration { intrinsics, model: Model { projection, distortions: Vec::new() }, placed: None, note: None })
 }
 
