@@ -48,6 +48,7 @@ use crate::camera::optics::Optics;
 use crate::camera::spec::CameraSpec;
 use crate::geometry::mesh::Mesh;
 use crate::image::frame::{Channel, NO_ID};
+use crate::image::size::check_size;
 use crate::input::{Error, Loading, Result};
 pub use bundle::{Bundle, Ray};
 pub use curve::{Curve, CurveMap, Curves};
@@ -130,6 +131,9 @@ impl Camera {
 
     /// Compiles a camera that may be part of another, and records in `setting` how much of the scene it depends on.
     pub(crate) fn in_setting(spec: &CameraSpec, setting: &Setting) -> Result<Camera> {
+        if let Some((width, height)) = setting.size {
+            check_size(width.into(), height.into())?;
+        }
         let own = Cell::default();
         let built = Camera::build(spec, &setting.noting(spec.t_range, &own));
         setting.note_use(own.get());

@@ -538,6 +538,16 @@ fn more_images_than_fit_a_frame_take_several() {
 }
 
 #[test]
+fn impossible_image_sizes_are_refused() {
+    let scene = Scene::parse(CAMERA, "").unwrap();
+    for (width, height) in [(0, 8), (8, 0), (0, 0), (70_000, 2), (60_000, 60_000)] {
+        let error = scene.camera_of_size(width, height).unwrap_err();
+        assert_eq!(error.exit_code(), 2);
+        assert!(error.to_string().contains(&format!("{width} x {height}")), "{error}");
+    }
+}
+
+#[test]
 fn images_of_two_sizes_are_refused() {
     let scene = Scene::parse(BALL, ".").unwrap();
     let of = |size| around(&scene, size, 1, &|_| "kind = \"pinhole\"\nvfov = 40".into());

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._values import Value, plain, table
+from ._values import Value, image_size, plain, table
 
 if TYPE_CHECKING:
     from ._scene import Scene
@@ -66,11 +66,12 @@ class Camera:
         return self._bind(scene, size).piece_count
 
     def _bind(self, scene: Scene | None, size: tuple[int, int] | None) -> _native.Camera:
+        size = image_size(size)
         own = _native.Scene() if scene is None else scene._native
         if self._arrays is not None:
             origins, directions, t_range = self._arrays
             height, width = origins.shape[:2]
-            if size is not None and tuple(size) != (width, height):
+            if size is not None and size != (width, height):
                 raise ValueError(f"the camera's rays are {width}x{height}, not {size[0]}x{size[1]}; leave the size out")
             return _native.Camera.of_rays(origins, directions, t_range)
         if self._scene is not None:

@@ -177,6 +177,8 @@ class Renderer:
 
 def _wanted(camera: _native.Camera, channels: Sequence[str] | None) -> tuple[list[str], bool]:
     """The names of the channels, and whether colour is wanted."""
+    if isinstance(channels, str):
+        raise ValueError(f'channels: a list of names is needed, as in ["{channels}"], not the text {channels!r}')
     names = list(camera.channels if channels is None else channels)
     return names, channels is None or any(name in ("R", "G", "B") for name in names)
 

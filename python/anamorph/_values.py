@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+import operator
 import os
 import threading
 from collections.abc import Iterator, Mapping, Sequence
@@ -122,3 +123,16 @@ def array(values: Numbers, dtype: type[Any], width: int, name: str) -> npt.NDArr
     if whole and given.size and (given.min() < 0 or given.max() > np.iinfo(dtype).max):
         raise ValueError(f"{name}: indices are 0 and above, not {given.min()} to {given.max()}")
     return given.astype(dtype, copy=False)
+
+
+def image_size(size: Sequence[int] | None) -> tuple[int, int] | None:
+    """Width and height of an image, pixels, from any two whole numbers."""
+    if size is None:
+        return None
+    try:
+        width, height = (operator.index(n) for n in size)
+    except (TypeError, ValueError):
+        raise ValueError(f"size: width and height in pixels are needed, two whole numbers, not {size!r}") from None
+    if not (0 < width < 2**32 and 0 < height < 2**32):
+        raise ValueError(f"size: an image of {width} x {height} pixels is not possible")
+    return width, height

@@ -9,7 +9,7 @@ from types import TracebackType
 
 from . import _native
 from ._scene import Scene
-from ._values import Path, Value, assignment, quiet_window_system, table
+from ._values import Path, Value, assignment, image_size, quiet_window_system, table
 from .camera import Camera
 
 
@@ -75,6 +75,7 @@ def view(
         OSError: the file cannot be read; ``FileNotFoundError`` if it does not exist.
         RuntimeError: the adapter or the port cannot be used.
     """
+    size = image_size(size)
     with quiet_window_system():
         if not isinstance(scene, Scene):
             if camera is not None:

@@ -268,3 +268,23 @@ print(scene.objects)
         timeout=60,
     )
     assert "was forked from one that had called anamorph" in out.stdout and "teapot" in out.stdout.splitlines()[-1], out
+
+
+@pytest.mark.parametrize("size", [(0, 8), (8, 0), (-1, 8), (2**32, 8), (70_000, 2), (8,), (8, 8, 8), "88", (8.5, 8)])
+def test_a_wrong_size_is_a_value_error(size, square, pinhole):
+    calls = [
+        lambda: am.render(square, pinhole, size=size),
+        lambda: am.Renderer().render_many([pinhole], size=size, scene=square),
+        lambda: am.gradients(square, pinhole, ["depth"], ["vertices"], size=size),
+        lambda: pinhole.rays(size),
+    ]
+    for call in calls:
+        with pytest.raises(ValueError, match="size") as refused:
+            call()
+        assert "\n" not in str(refused.value)
+
+
+def test_a_size_may_be_a_list_and_channels_may_not_be_a_text(square, pinhole):
+    assert am.render(square, pinhole, size=[8, 6], channels=["Z"])["Z"].shape == (6, 8)
+    with pytest.raises(ValueError, match=r'as in \["Zt"\]'):
+        am.render(square, pinhole, size=(8, 6), channels="Zt")
