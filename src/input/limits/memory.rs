@@ -2,7 +2,7 @@
 
 use super::Limits;
 use crate::input::{Error, Result};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 impl Limits {
     /// Bytes that may still be allocated: the rest of what is granted; or else the least of what the machine, the control
@@ -36,23 +36,60 @@ fn too_large(bytes: u64, free: u64, what: impl std::fmt::Display, advice: &str) 
 
 fn free_here() -> Option<u64> {
     let machine = field(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
-    let text = |name: &str| std::fs::read_to_string(Path::new("/sys/fs/cgroup").join(name)).ok();
-    let number = |name: &str| text(name)?.trim().parse::<u64>().ok();
-    // pages of files that were read or written count as used, and are given back when memory is needed
-    let files = text("memory.stat").map_or(0, |stat| file_pages(&stat));
-    let group = number("memory.max").zip(number("memory.current"));
-    let group = group.map(|(most, now)| most.saturating_sub(now.saturating_sub(files)));
+    let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    let in_groups =
+        control_groups(&groups).iter().filter_map(|(folder, version)| free_in_group(folder, *version)).min();
     let own = address_space().zip(status("VmSize:")).map(|(most, now)| most.saturating_sub(now));
-    Some([group, own].into_iter().flatten().fold(machine, u64::min))
+    Some([in_groups, own].into_iter().flatten().fold(machine, u64::min))
 }
 
-/// Bytes of the pages of files, by a control group's `memory.stat`. Those in memory alone (`shmem`) are not among them.
-fn file_pages(stat: &str) -> u64 {
+/// The two kinds of control groups of Linux.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Version {
+    V1,
+    V2,
+}
+
+/// The folders of the control groups that limit a process's memory, by its `/proc/self/cgroup`: the process's own group and all groups
+/// around it. A container may show its own group as the outermost one.
+fn control_groups(text: &str) -> Vec<(PathBuf, Version)> {
+    let mut folders = Vec::new();
+    for line in text.lines() {
+        let mut fields = line.splitn(3, ':').skip(1);
+        let (Some(controllers), Some(path)) = (fields.next(), fields.next()) else { continue };
+        let (root, version) = match controllers {
+            "" => ("/sys/fs/cgroup", Version::V2),
+            list if list.split(',').any(|name| name == "memory") => ("/sys/fs/cgroup/memory", Version::V1),
+            _ => continue,
+        };
+        for group in Path::new(path.trim_start_matches('/')).ancestors() {
+            folders.push((Path::new(root).join(group), version));
+        }
+    }
+    folders
+}
+
+/// Bytes that a control group may still allocate; `None` without a limit.
+fn free_in_group(folder: &Path, version: Version) -> Option<u64> {
+    let text = |name: &str| std::fs::read_to_string(folder.join(name)).ok();
+    let number = |name: &str| text(name)?.trim().parse::<u64>().ok();
+    let [most, used] = match version {
+        Version::V1 => ["memory.limit_in_bytes", "memory.usage_in_bytes"],
+        Version::V2 => ["memory.max", "memory.current"],
+    };
+    // pages of files that were read or written count as used, and are given back when memory is needed
+    let files = text("memory.stat").map_or(0, |stat| file_pages(&stat, version));
+    Some(number(most)?.saturating_sub(number(used)?.saturating_sub(files)))
+}
+
+/// Bytes of the pages of files, by a control group's `memory.stat`. Pages without a file on disk (`shmem`) are not among them.
+fn file_pages(stat: &str, version: Version) -> u64 {
+    let keys = match version {
+        Version::V1 => ["total_active_file", "total_inactive_file"],
+        Version::V2 => ["active_file", "inactive_file"],
+    };
     let lines = stat.lines().filter_map(|line| line.split_once(' '));
-    lines
-        .filter(|(key, _)| ["active_file", "inactive_file"].contains(key))
-        .filter_map(|(_, n)| n.parse::<u64>().ok())
-        .sum()
+    lines.filter(|(key, _)| keys.contains(key)).filter_map(|(_, n)| n.parse::<u64>().ok()).sum()
 }
 
 /// The limit of the process's address space in bytes (`ulimit -v`).
@@ -101,7 +138,37 @@ mod tests {
     fn pages_of_files_are_not_used_up() {
         let stat =
             "anon 1000\nfile 700\nshmem 100\ninactive_anon 5\nactive_anon 6\ninactive_file 400\nactive_file 200\n";
-        assert_eq!((file_pages(stat), file_pages("")), (600, 0));
+        assert_eq!((file_pages(stat, Version::V2), file_pages("", Version::V2)), (600, 0));
+        let with_children = "active_file 200\ninactive_file 400\ntotal_inactive_file 4000\ntotal_active_file 2000\n";
+        assert_eq!(file_pages(with_children, Version::V1), 6000);
+    }
+
+    #[test]
+    fn all_control_groups_around_a_process_count() {
+        let path = |text: &str| PathBuf::from(text);
+        let inner = control_groups("0::/user.slice/job\n");
+        let outer = ["/sys/fs/cgroup/user.slice/job", "/sys/fs/cgroup/user.slice", "/sys/fs/cgroup"];
+        assert_eq!(inner, outer.map(|folder| (path(folder), Version::V2)));
+        let first = control_groups("5:cpu,cpuacct:/a\n4:memory:/a\n0::/\n");
+        let memory = ["/sys/fs/cgroup/memory/a", "/sys/fs/cgroup/memory"].map(|folder| (path(folder), Version::V1));
+        assert_eq!(first, [&memory[..], &[(path("/sys/fs/cgroup"), Version::V2)]].concat());
+        assert!(control_groups("").is_empty());
+    }
+
+    /// Notices a limit that is read wrongly.
+    #[test]
+    fn a_group_has_left_what_its_files_say() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        write("memory.current", "700\n");
+        write("memory.max", "max\n");
+        assert_eq!(free_in_group(folder.path(), Version::V2), None);
+        write("memory.max", "1000\n");
+        write("memory.stat", "inactive_file 100\n");
+        assert_eq!(free_in_group(folder.path(), Version::V2), Some(400));
+        write("memory.limit_in_bytes", "900\n");
+        write("memory.usage_in_bytes", "950\n");
+        assert_eq!(free_in_group(folder.path(), Version::V1), Some(0));
     }
 
     #[test]
