@@ -53,7 +53,7 @@ pub fn main(arguments: Vec<OsString>) -> u8 {
 pub fn guarded(work: impl FnOnce() -> Result<()>) -> u8 {
     say_panics_on_one_line();
     #[cfg(unix)]
-    signals::remove_temporary_files_at_end();
+    signals::handle();
     match std::panic::catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => 0,
         Ok(Err(error)) => {

@@ -39,6 +39,8 @@ pub fn is_full(e: &io::Error) -> bool {
 pub fn check_writable(path: &Path) -> Result<()> {
     match Target::of(path)? {
         Target::Renamed { folder, .. } => {
+            // what a killed run left there is of no use to anybody
+            let _ = clear_up(&folder);
             let created = new_file_in(&folder).map(drop);
             created.map_err(|e| {
                 let place = format!("the folder {} refuses new files", folder.display());

@@ -7,11 +7,11 @@ use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{self, Write};
 
-/// The longest line on stderr, in characters: some 25 lines of a terminal. The middle of a longer one is left out.
-const LINE_MAX: usize = 2000;
+/// The longest line on stderr, in characters: some 12 lines of a terminal. The middle of a longer one is left out.
+const LINE_MAX: usize = 1000;
 
 /// Characters kept from the end of the line, which has the advice.
-const LINE_END: usize = 500;
+const LINE_END: usize = 400;
 
 /// Prints an error to stderr, on one line, with the page that explains it.
 pub fn complain(error: &Error) {

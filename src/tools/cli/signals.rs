@@ -1,20 +1,21 @@
-//! Ctrl-C and `kill`: temporary files are removed before the signal ends the program.
+//! Signals. Ctrl-C and `kill`: temporary files are removed before the signal ends the program. A limit on file sizes: writing fails.
 
 use crate::image::remove_unfinished;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
 use std::ffi::c_int;
 
 /// From now on, SIGHUP, SIGINT and SIGTERM remove temporary files before they end the program. A signal that was ignored when the program
-/// started, as SIGHUP under `nohup`, stays ignored.
-pub fn remove_temporary_files_at_end() {
+/// started, as SIGHUP under `nohup`, stays ignored. SIGXFSZ, which says that a file reached the size of `ulimit -f`, no longer ends the program:
+/// the write returns an error, as on a full disk.
+pub fn handle() {
     let ignored = ignored();
-    let caught = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored & bit(*signal) == 0);
+    let caught = [SIGHUP, SIGINT, SIGTERM, SIGXFSZ].into_iter().filter(|signal| ignored & bit(*signal) == 0);
     // if the system refuses, signals end the program as usual
     let Ok(mut signals) = Signals::new(caught) else { return };
     let wait = move || {
-        for signal in signals.forever() {
+        for signal in signals.forever().filter(|signal| *signal != SIGXFSZ) {
             let _no_more_are_created = remove_unfinished();
             // so that the parent process sees which signal ended the program
             let _ = emulate_default_handler(signal);
