@@ -1,6 +1,8 @@
 //! Bounding volume hierarchies over triangles and spheres: of two boxes a node for shadow rays and a rival, of eight for trace. Built by a library; the
 //! first kind can be refitted.
 
+mod crowd;
+
 use crate::arrays::MapEach;
 use crate::engine::clusters::Chunk;
 use crate::geometry::mesh::extremes;
@@ -13,11 +15,8 @@ use glam::{DVec3, Vec3};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::{build_bvh2, build_bvh2_from_tris};
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
-use obvhs::triangle::Triangle;
-use std::time::Duration;
 
 /// Nodes that wait in the kernel at most.
 const DEPTH_MAX: usize = 96;
@@ -39,8 +38,7 @@ impl Hierarchy {
     /// [`Error::Work`] where it is deeper than the kernel can follow.
     pub fn build(scene: &Scene, anchor: DVec3, count: usize) -> Result<Hierarchy> {
         let scale = scale(scene, anchor);
-        let triangles = triangles(scene, anchor, count, scale);
-        let tree = build_bvh2_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
+        let tree = crowd::build(&boxes(scene, anchor, count, scale), BvhBuildParams::medium_build());
         check_depth(&tree, count)?;
         Ok(Hierarchy { tree, anchor, count, scale })
     }
@@ -50,19 +48,7 @@ impl Hierarchy {
         if self.count == 0 {
             return;
         }
-        let triangles = triangles(scene, self.anchor, self.count, self.scale);
-        let order = &self.tree.primitive_indices;
-        parallel::for_each_mut(&mut self.tree.nodes, |_, node| {
-            if !node.is_leaf() {
-                return;
-            }
-            let own = &order[node.first_index as usize..][..node.prim_count as usize];
-            let boxes = own.iter().map(|k| triangles[*k as usize].aabb());
-            if let Some(around) = boxes.reduce(|a, b| a.union(&b)) {
-                node.set_aabb(around);
-            }
-        });
-        self.tree.refit_all();
+        crowd::fit(&mut self.tree, &boxes(scene, self.anchor, self.count, self.scale));
     }
 
     /// Those of all triangles that light may meet, from both sides, nodes and triangles as vec4s.
@@ -121,7 +107,7 @@ impl PackedBvh {
                 Aabb::from_points(points.map_each(|end| end.map_each(Into::into)).as_flattened())
             };
             let boxes: Vec<Aabb> = parallel::map(0..count as u32, boxed);
-            let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
+            let tree = crowd::build(&boxes, BvhBuildParams::medium_build());
             check_depth(&tree, count)?;
             let (first_node, first_leaf) = (nodes.len() as u32 / 2, leaves.len() as u32 / 6);
             roots.push([f32::from_bits(first_node), 0.0, 0.0, 0.0]);
@@ -190,11 +176,10 @@ impl TracedBvh {
         }
         let scale = scale_of(chunk);
         let boxed = |slot: u32| {
-            let [v0, v1, v2] = primitive(chunk, slot, 0, scale).extremes().map_each(|v| v.as_vec3().into());
-            Triangle { v0, v1, v2 }
+            Aabb::from_points(&primitive(chunk, slot, 0, scale).extremes().map_each(|v| v.as_vec3().into()))
         };
-        let triangles: Vec<Triangle> = parallel::map(0..chunk.triangles.len() as u32, boxed);
-        let binary = build_bvh2_from_tris(&triangles, of_one(), &mut Duration::default());
+        let boxes: Vec<Aabb> = parallel::map(0..chunk.triangles.len() as u32, boxed);
+        let binary = crowd::build(&boxes, of_one());
         let tree = bvh2_to_cwbvh(&binary, LEAF_MAX, true, false);
         if depth(&tree.nodes) > WAITING_MAX {
             return None;
@@ -221,7 +206,7 @@ impl TracedBvh {
                 Aabb::from_points(all.as_flattened())
             };
             let boxes: Vec<Aabb> = parallel::map(0..chunk.triangles.len() as u32, boxed);
-            let binary = build_bvh2(&boxes, of_one(), &mut Duration::default());
+            let binary = crowd::build(&boxes, of_one());
             let mut tree = bvh2_to_cwbvh(&binary, LEAF_MAX, true, false);
             if depth(&tree.nodes) > WAITING_MAX {
                 return None;
@@ -342,14 +327,13 @@ fn scale(scene: &Scene, anchor: DVec3) -> f32 {
     largest.max(f64::from(f32::MIN_POSITIVE)).log2().ceil().exp2().recip() as f32
 }
 
-/// Triangles, and of spheres three corners of their boxes.
-fn triangles(scene: &Scene, anchor: DVec3, count: usize, scale: f32) -> Vec<Triangle> {
+/// Boxes of the first `count` triangles and spheres.
+fn boxes(scene: &Scene, anchor: DVec3, count: usize, scale: f32) -> Vec<Aabb> {
     let mesh = &scene.mesh;
     let boxed = |(id, t): (usize, &[u32; 3])| {
         let corners = t.map_each(|v| mesh.positions[v as usize]);
         let small = |v: DVec3| ((v - anchor).as_vec3() * scale).into();
-        let [v0, v1, v2] = extremes(corners, mesh.radius(id as u32)).map_each(small);
-        Triangle { v0, v1, v2 }
+        Aabb::from_points(&extremes(corners, mesh.radius(id as u32)).map_each(small))
     };
     parallel::map(0..count, |id| boxed((id, &mesh.triangles[id])))
 }
