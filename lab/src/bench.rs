@@ -224,7 +224,12 @@ pub const INDEX: &str = "index.html";
 
 /// All runs in a folder, by the names of their own folders.
 fn runs(folder: &Path) -> Result<Vec<(String, Run)>> {
-    let failed = |e: std::io::Error| Error::work(format!("{}: {e}", folder.display()));
+    let failed = |e: std::io::Error| match e.kind() {
+        std::io::ErrorKind::NotFound => {
+            Error::input(format!("{}: there is no such folder; check --out", folder.display()))
+        }
+        _ => Error::work(format!("{}: {e}", folder.display())),
+    };
     let mut names: Vec<String> = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let entry = entry.map_err(failed)?;

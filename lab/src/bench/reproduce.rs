@@ -19,11 +19,23 @@ const PSNR_DB: f64 = 0.5;
 /// Intervals of ratios agree that come as near as this: of the ten cases of `make reproduce-quick`, run on two days on shared machines, the median of
 /// one ratio changed by a factor of 1.25.
 const NEAR: f64 = 1.25;
+/// Factor between the ends of an interval beyond which it says nothing: the widest of the committed runs has 6.
+const WIDE: f64 = 100.0;
+
+/// Whether two runs of a row agree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Agreement {
+    Agrees,
+    Differs,
+    /// One run has no error and no ratio that the other has too.
+    NotCompared,
+}
 
 /// Runs the case again and tells a line a row; returns how many rows do not agree.
 ///
 /// # Errors
-/// [`Failure::Input`] if there is no such case, or no run of it in `folder`; [`Failure`] where the case's scene or the device fails.
+/// [`Failure::Input`] if there is no such case, no run of it in `folder`, or nothing to compare in that run; [`Failure`] where the case's scene
+/// or the device fails.
 pub fn reproduce(
     engines: &mut Engines,
     row: &str,
@@ -42,19 +54,28 @@ pub fn reproduce(
         tell(&format!("  by {}, here {}: errors are compared, times are not\n", run.provenance.adapter, now.adapter));
     }
     let rows = race(engines, suite.name, &case, rules)?;
-    let mut differ = 0;
+    let mut counts = [0; 2];
     for then in run.rows.iter().filter(|row| row.case == case.name && row.times.is_some()) {
         let again = rows.iter().find(|row| row.label() == then.label());
-        let (verdict, text) = match again.map(|again| compared(then, again, is_same_adapter)) {
-            // such as a program that runs beside
-            None => ("-", "is not run here".to_owned()),
-            Some((text, true)) => ("agrees", text),
-            Some((text, false)) => ("DIFFERS", text),
+        // a program that runs beside may be missing here
+        let (text, agreement) = again.map_or_else(
+            || ("is not run here".to_owned(), Agreement::NotCompared),
+            |again| compared(then, again, is_same_adapter),
+        );
+        let [compared, differ] = &mut counts;
+        let verdict = match agreement {
+            Agreement::Agrees => "agrees",
+            Agreement::Differs => "DIFFERS",
+            Agreement::NotCompared => "-",
         };
-        differ += usize::from(verdict == "DIFFERS");
+        *compared += usize::from(agreement != Agreement::NotCompared);
+        *differ += usize::from(agreement == Agreement::Differs);
         tell(&format!("  {verdict:<10}{:<50} {text}\n", then.label()));
     }
-    Ok(differ)
+    match counts {
+        [0, _] => Err(Failure::input(format!("{row}: that run has no row with an error or a ratio to compare"))),
+        [_, differ] => Ok(differ),
+    }
 }
 
 /// `SUITE/CASE`, the case by its name or as in the address of its place on the page.
@@ -81,40 +102,56 @@ fn newest(runs: Vec<(String, Run)>, suite: &Suite, case: &Case, now: &Provenance
     runs.into_iter().filter(|(_, run)| has_case(run)).max_by_key(|(_, run)| key(run))
 }
 
-/// What two runs of a row have in common, in words, and whether they agree.
-fn compared(then: &Row, again: &Row, is_same_adapter: bool) -> (String, bool) {
+/// Compares two runs of a row: their errors and ratios in words, and whether these agree.
+fn compared(then: &Row, again: &Row, is_same_adapter: bool) -> (String, Agreement) {
     if let Some(why) = &again.refused {
-        return (why.clone(), false);
+        return (why.clone(), Agreement::Differs);
     }
     let (error, errors_agree) = match (&then.error, &again.error) {
         (Some(a), Some(b)) => errors(a, b),
-        _ => ("no error to compare".to_owned(), true),
+        _ => ("no error to compare".to_owned(), None),
     };
-    let ratios = (then.to_ours, again.to_ours);
-    let (time, times_agree) = match ratios {
-        (Some(a), Some(b)) if is_same_adapter => {
-            (format!(", {:.2} of our time, then {:.2}", b.median, a.median), near(a, b))
+    let (time, times_agree) = match (then.to_ours, again.to_ours) {
+        (Some(a), Some(b)) if is_same_adapter && is_sound(a) => {
+            (format!(", {:.2} of our time, then {:.2}", b.median, a.median), Some(near(a, b)))
         }
-        (_, Some(b)) => (format!(", {:.2} of our time", b.median), true),
-        _ => (String::new(), true),
+        (_, Some(b)) => (format!(", {:.2} of our time", b.median), None),
+        _ => (String::new(), None),
     };
-    (error + &time, errors_agree && times_agree)
+    let agreement = match [errors_agree, times_agree] {
+        [None, None] => Agreement::NotCompared,
+        both if both.contains(&Some(false)) => Agreement::Differs,
+        _ => Agreement::Agrees,
+    };
+    (error + &time, agreement)
 }
 
-fn errors(a: &Error, b: &Error) -> (String, bool) {
+/// Two errors in words, and whether they agree; `None` if they cannot be compared.
+fn errors(a: &Error, b: &Error) -> (String, Option<bool>) {
     if a.is_of_colours() || b.is_of_colours() {
         let (Some(a), Some(b)) = (a.psnr, b.psnr) else {
-            return ("colours alone".to_owned(), a.identical == b.identical);
+            return ("colours alone".to_owned(), Some(a.identical == b.identical));
         };
-        return (format!("{b:.1} dB, then {a:.1}"), (a - b).abs() <= PSNR_DB);
+        return (format!("{b:.1} dB, then {a:.1}"), Some((a - b).abs() <= PSNR_DB));
     }
     let (a, b) = (a.wrong_share, b.wrong_share);
     let text = format!("{:.4} % wrong, then {:.4}", 100.0 * b, 100.0 * a);
-    (text, (a - b).abs() <= WRONG.max(SHARE_OF_WRONG * a.max(b)))
+    let is_share = |share: f64| (0.0..=1.0).contains(&share);
+    (text, (is_share(a) && is_share(b)).then(|| (a - b).abs() <= WRONG.max(SHARE_OF_WRONG * a.max(b))))
+}
+
+/// The lower and the upper end of a ratio's interval.
+fn ends(ratio: Ratio) -> [f64; 2] {
+    ratio.interval.unwrap_or([ratio.median; 2])
+}
+
+/// A ratio that a race may have: above 0, its median within its interval, and the interval's ends no farther apart than [`WIDE`].
+fn is_sound(ratio: Ratio) -> bool {
+    let [low, high] = ends(ratio);
+    low > 0.0 && low <= ratio.median && ratio.median <= high && high <= WIDE * low
 }
 
 fn near(a: Ratio, b: Ratio) -> bool {
-    let ends = |r: Ratio| r.interval.unwrap_or([r.median; 2]);
     let ([a_low, a_high], [b_low, b_high]) = (ends(a), ends(b));
     a_low <= NEAR * b_high && b_low <= NEAR * a_high
 }
@@ -155,14 +192,28 @@ mod tests {
     fn rows_agree_whose_errors_and_ratios_are_near() {
         let then = row(0.02, [1.0, 1.2]);
         for (again, agrees) in [
-            (row(0.0215, [1.45, 1.6]), true),
-            (row(0.0215, [1.55, 1.6]), false),
-            (row(0.023, [1.0, 1.2]), false),
-            (row(0.02, [0.5, 0.75]), false),
+            (row(0.0215, [1.45, 1.6]), Agreement::Agrees),
+            (row(0.0215, [1.55, 1.6]), Agreement::Differs),
+            (row(0.023, [1.0, 1.2]), Agreement::Differs),
+            (row(0.02, [0.5, 0.75]), Agreement::Differs),
         ] {
             assert_eq!(compared(&then, &again, true).1, agrees, "{again:?}");
         }
         // times of another adapter are not compared
-        assert!(compared(&then, &row(0.02, [9.0, 9.1]), false).1);
+        assert_eq!(compared(&then, &row(0.02, [9.0, 9.1]), false).1, Agreement::Agrees);
+    }
+
+    #[test]
+    fn rows_without_an_error_or_a_sound_ratio_are_not_compared() {
+        let again = row(0.02, [1.0, 1.2]);
+        let plain = Row { error: None, to_ours: None, ..again.clone() };
+        assert_eq!(compared(&plain, &again, true).1, Agreement::NotCompared);
+        for interval in [[0.0, 1e308], [1e-300, 1e300], [f64::NAN, 1.0], [2.0, 3.0]] {
+            let to_ours = Some(Ratio { median: 1.0, interval: Some(interval) });
+            let then = Row { error: None, to_ours, ..again.clone() };
+            assert_eq!(compared(&then, &again, true).1, Agreement::NotCompared, "{interval:?}");
+        }
+        let then = Row { to_ours: None, ..row(1e300, [1.0, 1.0]) };
+        assert_eq!(compared(&then, &again, true).1, Agreement::NotCompared);
     }
 }
