@@ -176,12 +176,18 @@ impl<'a> Reference<'a> {
         };
         let Some((aim, beam)) = upright(bundle).and_then(aimed) else { return };
         let mut limit = f64::INFINITY;
-        self.bvh.walk(&beam, widened(t_range), |id| {
+        self.bvh.walk(&beam, self.walk_range(&aim.centre, t_range), |id| {
             if let Some(hit) = self.hit_of(&aim, id, t_range) {
                 limit = limit.min(visit(hit));
             }
             limit
         });
+    }
+
+    /// A range that contains every exact `t` whose computed value is in `t_range`, or is moved to an end of it. `h > 0`.
+    fn walk_range(&self, b: &Bundle, t_range: [f64; 2]) -> [f64; 2] {
+        let beyond = BEYOND_ENDS * self.scene_size * b.h[0] / b.d[0].abs().element_sum();
+        [-past(-t_range[0]) - beyond, past(t_range[1]) + beyond]
     }
 
     /// The first visible hit of the central ray on one triangle or sphere, in range. A sphere is entered from outside and left from inside,
@@ -193,10 +199,12 @@ impl<'a> Reference<'a> {
             let t = seen.into_iter().flatten().find(|t| t_range[0] <= *t && *t <= t_range[1])?;
             return Some(Hit { t, triangle: id, bary: [0.0; 2] });
         }
-        let m = intersect::meet(aim, &self.solid_corners(id)?)?;
+        let corners = self.solid_corners(id)?;
+        let m = intersect::meet(aim, &corners)?;
         let seen = m.sign < 0 || self.two_sided(id);
-        let in_range = t_range[0] <= m.t && m.t <= t_range[1];
-        let hit = Hit { t: m.t, triangle: id, bary: m.bary };
+        let t = intersect::end_on_plane(&aim.centre, &corners, t_range, self.scene_size).unwrap_or(m.t);
+        let in_range = t_range[0] <= t && t <= t_range[1];
+        let hit = Hit { t, triangle: id, bary: m.bary };
         (seen && in_range && self.is_there(&hit)).then_some(hit)
     }
 
@@ -280,7 +288,6 @@ fn past(t: f64) -> f64 {
     t + 2.0 * T_ROUNDING * t.abs()
 }
 
-/// A range that contains every exact `t` whose computed value is in the given one.
-fn widened([t0, t1]: [f64; 2]) -> [f64; 2] {
-    [-past(-t0), past(t1)]
-}
+/// How far beyond an end of `t_range` a triangle is looked for whose plane the ray's point at that end lies on, relative to the scene's
+/// size: 2^-20, as far as a ray at 2^-22 to the plane goes within the tolerance of 2^-42.
+const BEYOND_ENDS: f64 = 1.0 / (1 << 20) as f64;

@@ -9,7 +9,6 @@ use super::Reference;
 use super::beam::Beam;
 use super::intersect::{Corners, OPPOSITE, sign_of};
 use super::margin::{Depth, MARGIN_PX, Sides};
-use super::widened;
 use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 
@@ -34,7 +33,7 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
     let beams = Beam::over(bundle, MARGIN_PX).zip(Beam::over(bundle, MARGIN_PX * WIDER));
     let Some((beam, wide)) = beams else { return false };
     let mut nearby = Vec::new();
-    reference.bvh.walk(&wide, widened(t_range), |id| {
+    reference.bvh.walk(&wide, reference.walk_range(bundle, t_range), |id| {
         let Some(corners) = reference.solid_corners(id) else { return f64::INFINITY };
         let sides = Sides::over_box(bundle, &corners);
         nearby.push(BoxTriangle { id, corners, sides, may_hit: sides.may_hit() });
@@ -42,9 +41,10 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
     });
     let (mut sets, mut open) = join(&nearby);
     for (k, n) in nearby.iter().enumerate().filter(|(_, n)| n.may_hit) {
-        let [t0, t1] = Depth::over_box(bundle, &beam, &n.corners).span;
+        let mut depth = Depth::over_box(bundle, &beam, &n.corners, reference.scene_size);
+        let in_range = depth.take_ends(bundle, &n.corners, t_range, reference.scene_size);
         let set = sets.root(k);
-        open[set] |= t0 < t_range[0] || t1 > t_range[1] || reference.mask_of(n.id).is_some();
+        open[set] |= !in_range || reference.mask_of(n.id).is_some();
     }
     let perturbed = bundle.perturbed(reference.scene_size).0;
     let mut count = vec![0_i32; nearby.len()];

@@ -2,7 +2,7 @@
 
 use super::beam::Beam;
 use super::bvh::Probe;
-use super::intersect::{Corners, OPPOSITE, TERM_ROUNDING, cross_size, offset_size};
+use super::intersect::{Corners, OPPOSITE, TERM_ROUNDING, cross_size, offset_size, plane_tolerance};
 use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 use glam::DVec3;
@@ -15,6 +15,10 @@ pub const GAP: f64 = 1e-6;
 
 /// As [`TERM_ROUNDING`], with five more roundings for the sums over the box.
 const BOX_ROUNDING: f64 = 2.0 * TERM_ROUNDING;
+
+/// How far the engine's `N . (v_0 h - p)` may be off, against the tolerance of a triangle's plane: 16 roundings of stored numbers (2^-48)
+/// of the 64 that the tolerance has. Without it two triangles that the eye lies on would not tie.
+const ENGINE_ROUNDING: f64 = 0.25;
 
 /// `t = back` is behind `t = front` by more than a tie.
 pub fn clears(front: f64, back: f64) -> bool {
@@ -100,22 +104,35 @@ pub struct Depth {
     pub facing: i8,
     /// Holds every `t` of a hit in the box.
     pub span: [f64; 2],
+    /// Some ray of the box may hit the triangle at an end of `t_range`.
+    pub may_be_at_end: bool,
+}
+
+/// Whether the rays' points at an end of `t_range` lie on a triangle's plane. The engine rounds, so twice the tolerance of the definition is
+/// surely off the plane, half of it surely on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum OnPlane {
+    Always,
+    Sometimes,
+    Never,
 }
 
 impl Depth {
     /// `beam` is the bundle's over the box.
-    pub fn over_box(b: &Bundle, beam: &Beam, c: &Corners) -> Depth {
+    pub fn over_box(b: &Bundle, beam: &Beam, c: &Corners, scene_size: f64) -> Depth {
         let (e1, e2) = (c.v[1] - c.v[0], c.v[2] - c.v[0]);
         let normal = e1.cross(e2);
         let size = cross_size(e1.abs(), e2.abs());
         let n: [f64; 3] = std::array::from_fn(|a| normal.dot(c.v[0] * b.h[a] - b.p[a]));
         let d = b.d.map_each(|d| normal.dot(d));
         let offset = over_box(std::array::from_fn(|a| offset_size(c.v[0], b.p[a], b.h[a])));
-        let n_error = BOX_ROUNDING * size.dot(offset);
+        let of_engine = ENGINE_ROUNDING * plane_tolerance(normal, scene_size) * over_box(b.h.map_each(f64::abs));
+        let n_error = BOX_ROUNDING * size.dot(offset) + of_engine;
         let d_error = BOX_ROUNDING * size.dot(over_box(b.d.map_each(DVec3::abs)));
         let spread = MARGIN_PX * (d[1].abs() + d[2].abs()) + d_error;
         let sign = if d[0] > spread { 1 } else { -i8::from(d[0] < -spread) };
-        let mut depth = Depth { n, d, n_error, d_error, facing: sign * c.parity, span: [f64::MIN, f64::MAX] };
+        let mut depth =
+            Depth { n, d, n_error, d_error, facing: sign * c.parity, span: [f64::MIN, f64::MAX], may_be_at_end: false };
         if sign != 0 {
             depth.span = depth.corner_span();
         } else {
@@ -125,6 +142,37 @@ impl Depth {
             depth.span = beam.span(lo, hi, all).unwrap_or(depth.span);
         }
         depth
+    }
+
+    /// Moves hits to the ends of `t_range`, as the definition says; whether all hits of the box are then in the range.
+    pub fn take_ends(&mut self, b: &Bundle, c: &Corners, t_range: [f64; 2], scene_size: f64) -> bool {
+        let mut in_range = self.span[0] >= t_range[0] && self.span[1] <= t_range[1];
+        let tolerance = plane_tolerance((c.v[1] - c.v[0]).cross(c.v[2] - c.v[0]), scene_size);
+        for end in t_range.into_iter().filter(|end| end.is_finite()) {
+            match self.on_plane(b, end, tolerance) {
+                OnPlane::Never => continue,
+                OnPlane::Always => (self.span, in_range) = ([end; 2], true),
+                OnPlane::Sometimes => {
+                    self.span = [self.span[0].min(end), self.span[1].max(end)];
+                    in_range = false;
+                }
+            }
+            self.may_be_at_end = true;
+        }
+        in_range
+    }
+
+    fn on_plane(&self, b: &Bundle, end: f64, tolerance: f64) -> OnPlane {
+        let [centre, x, y]: [f64; 3] = std::array::from_fn(|k| self.n[k] - end * self.d[k]);
+        let spread = MARGIN_PX * (x.abs() + y.abs()) + self.n_error + end.abs() * self.d_error;
+        let h_spread = MARGIN_PX * (b.h[1].abs() + b.h[2].abs());
+        if centre.abs() + spread <= 0.5 * tolerance * (b.h[0] - h_spread) {
+            OnPlane::Always
+        } else if centre.abs() - spread > 2.0 * tolerance * (b.h[0] + h_spread) {
+            OnPlane::Never
+        } else {
+            OnPlane::Sometimes
+        }
     }
 
     /// A ratio of affine functions whose denominator keeps its sign is extreme at the box's corners.
@@ -145,7 +193,7 @@ impl Depth {
     /// `t_o - (1 +- g) t_s >= 0` and `(1 +- g) t_o - t_s >= 0`, times `d_o d_s` of known sign.
     pub fn hides(&self, other: &Depth, parities: i8) -> bool {
         let sign = f64::from(self.facing * other.facing * parities);
-        if sign == 0.0 {
+        if sign == 0.0 || self.may_be_at_end && other.may_be_at_end {
             return false;
         }
         let size = |c: [f64; 3]| over_box(c.map_each(f64::abs));
@@ -211,7 +259,7 @@ mod tests {
         let beam = Beam::over(&b, MARGIN_PX).unwrap();
         let at = |y: f64, z: f64| DVec3::new(0.1, y, z);
         let c = Corners::new([at(-9.0, 2.0), at(9.0, 2.0), at(0.0, 30.0)]);
-        let depth = Depth::over_box(&b, &beam, &c);
+        let depth = Depth::over_box(&b, &beam, &c, 0.0);
         // Seen at t = 2 with x = 0.05 and at t = 10 with x = 0.01; not at all with x <= 0.
         assert_eq!(depth.facing, 0);
         assert!(depth.span[0] <= 2.0 && depth.span[0] > 1.0 && depth.span[1] >= 30.0 && depth.span[1] < 31.0);

@@ -4,7 +4,7 @@ use super::beam::Beam;
 use super::finding::PLACES;
 use super::intersect::{Aim, Corners};
 use super::margin::{Depth, MARGIN_PX, Sides, beyond, clears};
-use super::{Hit, Reference, cover, nearer, upright, widened};
+use super::{Hit, Reference, cover, nearer, upright};
 use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 use glam::DVec3;
@@ -87,7 +87,7 @@ impl Reference<'_> {
     fn candidates(&self, bundle: &Bundle, beam: &Beam, t_range: [f64; 2]) -> Vec<Candidate> {
         let mut found: Vec<Candidate> = Vec::new();
         let mut front: Option<Candidate> = None;
-        self.bvh.walk(beam, widened(t_range), |id| {
+        self.bvh.walk(beam, self.walk_range(bundle, t_range), |id| {
             if let Some(c) = self.candidate(bundle, beam, id, t_range) {
                 found.push(c);
                 let key = |c: &Candidate| (c.depth.span[1], c.id);
@@ -118,12 +118,13 @@ impl Reference<'_> {
         if presence == Presence::Nowhere {
             return None;
         }
-        let depth = Depth::over_box(bundle, beam, &corners);
+        let mut depth = Depth::over_box(bundle, beam, &corners, self.scene_size);
+        let in_range = depth.take_ends(bundle, &corners, t_range, self.scene_size);
         let may_be = |sign: i8| sides.may_be(sign) && depth.facing != -sign;
         let may_be_seen = may_be(-1) || (may_be(1) && self.two_sided(id));
         let [near, far] = depth.span;
         let solid = presence == Presence::Everywhere;
-        let covers = solid && sides.covers() && near >= t_range[0] && far <= t_range[1];
+        let covers = solid && sides.covers() && in_range;
         let in_reach = far >= t_range[0] && near <= t_range[1];
         (may_be_seen && in_reach).then_some(Candidate { id, corners, depth, covers, solid })
     }

@@ -91,6 +91,90 @@ pub fn with_spheres(rng: &mut Rng, scene: &mut Scene) {
     scene.mesh = Arc::new(place::merge(all).unwrap());
 }
 
+/// Triangles on a coarse lattice and a camera on them: its eye or slit lies on a vertex, on an edge, within a triangle or in its plane, and its
+/// rays run along the lattice.
+#[allow(dead_code)] // not of all programs that have this module
+pub fn any_on_the_mesh(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
+    let step = [1.0, 0.5, 1.0 / 3.0, 0.1][rng.below(4)];
+    let reach = 2 + rng.below(3);
+    let lattice = |rng: &mut Rng| {
+        let one = |rng: &mut Rng| step * (rng.below(2 * reach + 1) as f64 - reach as f64);
+        DVec3::new(one(rng), one(rng), one(rng))
+    };
+    let mut all: Vec<Triangle> = Vec::new();
+    for _ in 0..1 + rng.below(40) {
+        let corners = [0, 1, 2].map(|_| lattice(rng));
+        all.push(match rng.below(8) {
+            // in one place with another triangle, its corners in another order
+            0 if !all.is_empty() => {
+                let [a, b, c] = all[rng.below(all.len())];
+                [c, a, b]
+            }
+            // shares an edge with another triangle
+            1 if !all.is_empty() => {
+                let [a, b, _] = all[rng.below(all.len())];
+                [b, a, corners[2]]
+            }
+            // a sliver
+            2 => [corners[0], corners[1], corners[0].lerp(corners[1], 0.5) + 1e-9 * rng.vector()],
+            _ => corners,
+        });
+    }
+    let on = |rng: &mut Rng| {
+        let [a, b, c] = all[rng.below(all.len())];
+        match rng.below(6) {
+            0 => a,
+            1 => a.lerp(b, 0.5),
+            2 => (a + b + c) / 3.0,
+            3 => 0.5 * a + 0.25 * (b + c),
+            4 => a + (b - a) + (c - a),
+            _ => lattice(rng),
+        }
+    };
+    let eye = on(rng);
+    let target = [lattice(rng), on(rng), eye + DVec3::Z][rng.below(3)];
+    let target = if (target - eye).length() < 1e-6 { eye + DVec3::new(0.0, -1.0, 0.0) } else { target };
+    let up = if (target - eye).normalize().y.abs() > 0.9 { [0, 0, 1] } else { [0, 1, 0] };
+    let seen = format!("eye = {:?}\ntarget = {:?}\nup = {up:?}", eye.to_array(), target.to_array());
+    let distance = (target - eye).length();
+    let text = match rng.below(9) {
+        0 => format!("kind = \"pinhole\"\n{seen}\nvfov = {}", [40, 60, 90, 120][rng.below(4)]),
+        1 => format!("kind = \"orthographic\"\n{seen}\nheight = {}", 2.0 * step * reach as f64),
+        2 => format!("kind = \"fisheye\"\n{seen}\nfov = {}", [90, 180, 250, 360][rng.below(4)]),
+        3 => format!("kind = \"hinge\"\n{seen}\nvfov = 40\npath = {distance}\nangle = 20"),
+        4 => format!("kind = \"cylinder\"\n{seen}\nvfov = 90"),
+        5 => format!("kind = \"sphere\"\n{seen}"),
+        6 => {
+            let (end, look) = ((eye + target.any_orthogonal_vector()).to_array(), (target - eye).to_array());
+            format!(
+                "kind = \"pushbroom\"\nstart = {:?}\nend = {end:?}\nlook = {look:?}\nup = {up:?}\nvfov = 60",
+                eye.to_array()
+            )
+        }
+        7 => format!("kind = \"panini\"\n{seen}\nfov = 150"),
+        _ => {
+            let slits = "slits = [{ distance = DISTANCE, angle = 0 }, { distance = 3, angle = 90 }]";
+            let slits = slits.replace("DISTANCE", &format!("{:?}", [0.5 * distance, distance][rng.below(2)]));
+            format!("kind = \"cross_slit\"\n{seen}\nheight = 3\n{slits}")
+        }
+    };
+    let range = ["", "", "t_range = [-inf, inf]", "t_range = [0, 1]", "t_range = [1, inf]"][rng.below(5)];
+    let camera = camera_of("", size, &format!("{text}\n{range}"));
+    let camera = camera
+        .unwrap_or_else(|_| camera_of("", size, &format!("kind = \"pinhole\"\n{seen}\nvfov = 90\n{range}")).unwrap());
+    let mut mesh = mesh_of(all);
+    if rng.below(3) == 0 {
+        mesh.materials.push(Material { two_sided: false, ..Material::default() });
+        mesh.material_of.iter_mut().for_each(|m| *m = rng.below(2) as u32);
+    }
+    (scene(mesh), camera)
+}
+
+fn mesh_of(triangles: Vec<Triangle>) -> Mesh {
+    let faces = (0..triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    mesh(triangles.into_iter().flatten().collect(), faces)
+}
+
 /// The camera, and whether it is where `place` says.
 fn any_camera(rng: &mut Rng, size: (u32, u32), place: impl Fn(DVec3) -> DVec3) -> (Camera, bool) {
     let t_range = if rng.below(4) == 0 { ALL_T } else { FORWARD };
@@ -174,8 +258,7 @@ fn any_mesh(rng: &mut Rng) -> Mesh {
         let step = 0.5f64.powi(1 + rng.below(5) as i32);
         all.iter_mut().flatten().for_each(|v| *v = (*v / step).round() * step);
     }
-    let faces = (0..all.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
-    let mut mesh = mesh(all.into_iter().flatten().collect(), faces);
+    let mut mesh = mesh_of(all);
     if rng.below(3) == 0 {
         mesh.materials.push(Material { two_sided: false, ..Material::default() });
         mesh.material_of.iter_mut().for_each(|m| *m = rng.below(2) as u32);

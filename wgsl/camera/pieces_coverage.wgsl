@@ -1,6 +1,6 @@
 // What a triangle covers of a cell, by its edge conics over the tile, and how deep.
 // Provides: COVERAGE_PROVES, LEAST, UNIT, cell_depth, coverage, pixel_depth
-// Needs: Bundle, Cell, Meeting, Piece, SLABBED, TILE_REACH, bundle_at, end_rounding, is_there, piece_at, ray_meeting, reach3, real, real3
+// Needs: Bundle, Cell, Meeting, Piece, TILE_REACH, bundle_at, end_rounding, is_there, piece_at, ray_meeting, reach3, real, real3
 
 // Coverage is proven if true; else it is possible.
 const COVERAGE_PROVES: bool = true;
@@ -154,9 +154,7 @@ fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, back_sign: real,
     q.back_sign = back_sign;
     q.slot = slot;
     q.whole = whole;
-    if SLABBED {
-        q.rounding = end_rounding(whole, normal, reach3(v));
-    }
+    q.rounding = end_rounding(whole, normal, reach3(v));
     return q;
 }
 

@@ -4,8 +4,8 @@
 // components, so that a product is at most the product of the sizes. Every bound has the same form: the error of each factor
 // times the size of the other, plus PRODUCT_UNITS of both sizes.
 // Provides: Weighed, offset_of, pixel_proof
-// Needs: Bundle, Cell, FARTHEST, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, SLABBED, end_rounding, normal_of,
-//   perturbed, reach3, real, real3, real_from_bits, sign_beyond, size3, weighed
+// Needs: Bundle, Cell, FARTHEST, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, end_rounding, normal_of, perturbed,
+//   reach3, real, real3, real_from_bits, sign_beyond, size3, weighed
 // Binds: params
 
 // A ray, and error bounds of its parts.
@@ -54,8 +54,8 @@ fn proven_inside(q: Weighed, from_v: Offset, v: array<real3, 3>) -> i32 {
     return select(0, 1, a != 0 && a == b && a == c);
 }
 
-// t = N . m / N . d lies in [near, far] where the sign of N . d is proven, which is `facing`; else anywhere. An end of a chain's
-// segment includes hits up to `margin` beyond it.
+// t = N . m / N . d lies in [near, far] where the sign of N . d is proven, which is `facing`; else anywhere. Hits up to `margin` from an end of
+// t_range may be moved to it.
 struct OnPlane {
     near: real,
     far: real,
@@ -78,7 +78,7 @@ fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane 
     let t = along / across;
     let off = (error_along + abs(t) * error_across) / least + 4.0 * REAL_ROUNDING * abs(t);
     // that of the tile's centre, whose numbers are of the same size
-    let margin = select(0.0, 2.0 * end_rounding(q.b, normal.n, reach) / least, SLABBED);
+    let margin = 2.0 * end_rounding(q.b, normal.n, reach) / least;
     return OnPlane(t - off, t + off, facing, margin);
 }
 
@@ -103,5 +103,7 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, ba
         return MISSED;
     }
     let is_in_range = met.near >= t_min && met.far <= t_max;
-    return Proof(true, inside && is_in_range && met.facing != 0, max(met.near, t_min), min(met.far, t_max));
+    let near = select(met.near, t_min, met.near <= t_min + met.margin);
+    let far = select(met.far, t_max, met.far >= t_max - met.margin);
+    return Proof(true, inside && is_in_range && met.facing != 0, near, far);
 }

@@ -1,6 +1,6 @@
 // Coverage of one pixel's samples by a triangle, in recheck arithmetic.
 // Provides: flat_of, recheck_hits
-// Needs: Bundle, Cell, Meeting, ONE_SIDED, SAMPLES, SLABBED, TILE, bit_mask, cell_bundle, end_rounding, is_between, merge, perturbed,
+// Needs: Bundle, Cell, Meeting, ONE_SIDED, SAMPLES, TILE, bit_mask, cell_bundle, end_rounding, is_between, merge, perturbed,
 //   pixels_of_sample, ray_meeting, reach3, real, real3, sample_bundle, tile_layer, triangle_id, triangle_reversed, visibility_key
 // Binds: params
 
@@ -56,9 +56,6 @@ fn flat_of(triangle: vec4<u32>, v: array<real3, 3>) -> Flat {
 }
 
 fn flat_meeting(q: Flat, b: Bundle) -> Meeting {
-    var rounding = real(0.0);
-    if SLABBED {
-        rounding = end_rounding(b, q.normal, q.reach);
-    }
-    return ray_meeting(dot(q.normal, q.v * b.h - b.p), dot(q.normal, b.d), rounding, q.back_sign);
+    let along = dot(q.normal, q.v * b.h - b.p);
+    return ray_meeting(along, dot(q.normal, b.d), end_rounding(b, q.normal, q.reach), q.back_sign);
 }

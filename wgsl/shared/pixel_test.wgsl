@@ -1,7 +1,7 @@
 // Tests a triangle against four rays at once: coverage, proven by f32, and depth, in recheck arithmetic.
 // Provides: Nearest, Shared, complemented_key, given, lines_of, nothing_nearest, reach_of, shared_of, test_pixels
-// Needs: Edge, LEAST, Lines, MOST, ONE_SIDED, PERTURB_BOUND, REAL_UNIT, SLABBED, STORED_UNIT, Strip, UNIT, along, ordered_bits, real,
-//   real3, real4, real_from_bits, real_to_bits, size, size3, subgroup_lane, triangle_id, triangle_reversed
+// Needs: Edge, LEAST, Lines, MOST, ONE_SIDED, PERTURB_BOUND, REAL_UNIT, SLABBED, STORED_UNIT, Strip, UNIT, along, ordered_bits,
+//   plane_tolerance, real, real3, real4, real_from_bits, real_to_bits, size, size3, subgroup_lane, triangle_id, triangle_reversed
 // Binds: params
 
 // Beyond all t.
@@ -46,7 +46,7 @@ struct Shared {
     normal: real3,
     height: real,       // N . v
     back_sign: real,
-    margin: real,         // of N . (v - p), beyond an end of a segment
+    margin: real,       // of N . (v - p), about an end of t_range
     id: u32,
 }
 
@@ -98,19 +98,15 @@ fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u
     let across = f.normal.x * s.dx + f.normal.y * s.dy + f.normal.z * s.dz;
     let t_min = real_from_bits(params.t_words.xy);
     let t_max = real_from_bits(params.t_words.zw);
-    var t = (f.height - (f.normal.x * s.px + f.normal.y * s.py + f.normal.z * s.pz)) / across;
-    var from_t = real4(t_min);
-    var to_t = real4(t_max);
-    if SLABBED {
-        let margin = f.margin / abs(across);
-        from_t -= margin;
-        to_t += margin;
-    }
-    // NaN of 0 / 0 fails these comparisons
-    let met = inside & exists & (across * f.back_sign <= real4(0.0)) & (t >= from_t) & (t <= to_t) & (starts != vec4<u32>(f.id));
-    if SLABBED {
-        t = min(max(t, real4(t_min)), real4(t_max));
-    }
+    let height = f.height - (f.normal.x * s.px + f.normal.y * s.py + f.normal.z * s.pz);
+    var t = height / across;
+    // as meeting_between
+    let is_first = abs(height - t_min * across) <= real4(f.margin);
+    let is_last = abs(height - t_max * across) <= real4(f.margin);
+    let in_range = is_first | is_last | ((t >= real4(t_min)) & (t <= real4(t_max)));
+    let is_shown = (across != real4(0.0)) & (across * f.back_sign <= real4(0.0)) & (starts != vec4<u32>(f.id));
+    let met = inside & exists & is_shown & in_range;
+    t = select(select(t, real4(t_max), is_last), real4(t_min), is_first);
     let keys = real4(depth_key(t.x, f.id), depth_key(t.y, f.id), depth_key(t.z, f.id), depth_key(t.w, f.id));
     return Found(Nearest(select(before.keys, keys, met & (keys < before.keys))), exists & !(inside | outside), met);
 }
@@ -120,16 +116,24 @@ fn key_mask() -> u64 {
     return (1lu << select(params.id_bits, params.id_bits + 2u, SLABBED)) - 1lu;
 }
 
+// The least normal number, 2^-1022, and its bits. It stands for t = 0: an id in the last bits of 0 would be a subnormal number, which an
+// adapter may flush to 0, and -0 must not count as negative.
+const LEAST_NORMAL: real = 2.2250738585072014e-308;
+const LEAST_NORMAL_BITS: u64 = 0x0010000000000000lu;
+
 // t with the id in place of its last bits, as a number: of what is equal but for these the smaller id is the nearer.
 fn depth_key(t: real, id: u32) -> real {
-    let bits = bitcast<u64>(t + 0.0);
-    let low = select(u64(id), key_mask() - u64(id), t < 0.0);
+    let is_zero = abs(t) < LEAST_NORMAL;
+    let bits = select(bitcast<u64>(t), LEAST_NORMAL_BITS, is_zero);
+    let low = select(u64(id), key_mask() - u64(id), t < 0.0 && !is_zero);
     return bitcast<f64>((bits & ~key_mask()) | low);
 }
 
 // The complemented visibility key of a depth key, 0 of none.
 fn complemented_key(layer: u32, key: real) -> vec2<u32> {
     var bits = ordered_bits(key);
+    // t = 0
+    bits.y = select(bits.y, 0x80000000u, bits.y == 0x80100000u);
     let mask = vec2<u32>(u32(key_mask() & 0xfffffffflu), u32(key_mask() >> 32u));
     let id = bits.x & mask.x;
     if SLABBED {
@@ -145,10 +149,8 @@ fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, centre: real3
     let m1 = vec3<f32>(v1 - centre);
     let normal = cross(v1 - v0, v2 - v0);
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
-    var margin = real(0.0);
-    if SLABBED {
-        margin = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(reach_d));
-    }
+    let of_chain = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(reach_d));
+    let margin = select(plane_tolerance(normal), of_chain, SLABBED);
     return Shared(
         edge_from(m0, vec3<f32>(v1 - v0), reach_q, reach),
         edge_from(m0, vec3<f32>(v0 - v2), reach_q, reach),

@@ -3,6 +3,7 @@
 use super::edge::{Side, side};
 use super::rays::{Cast, PixelRays, owned};
 use super::{KernelInputs, Real, bin, curve};
+use anamorph::internals::camera::perturb::PERTURB;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -126,11 +127,12 @@ fn test_ray(input: &KernelInputs, rays: &PixelRays, c: &Corners, real: Real) -> 
         return Tested { hit: None, uncertain: edge_on };
     }
     let [t_min, t_max] = input.t_range();
-    // an end of a chain's segment holds what lies beyond it within the rounding of stored numbers
-    let margin = if input.slabbed { end_margin(rays, c, real) / across.abs() } else { 0.0 };
-    let in_range = t >= t_min - margin && t <= t_max + margin;
-    let at_end = (t - t_min).abs() <= t_error + 2.0 * margin || (t - t_max).abs() <= t_error + 2.0 * margin;
-    let t = if input.slabbed { t.clamp(t_min, t_max) } else { t };
+    // a hit within the margin of an end of t_range is moved to that end
+    let margin = end_margin(rays, c, real, (input.slabbed, scene_size)) / across.abs();
+    let near = |end: f64, margin: f64| (t - end).abs() <= margin;
+    let at_end = [t_min, t_max].into_iter().any(|end| near(end, t_error + 2.0 * margin));
+    let t = [t_min, t_max].into_iter().find(|end| near(*end, margin)).unwrap_or(t);
+    let in_range = t >= t_min && t <= t_max;
     if !in_range && !at_end {
         return NOTHING;
     }
@@ -142,13 +144,14 @@ fn test_ray(input: &KernelInputs, rays: &PixelRays, c: &Corners, real: Real) -> 
 /// Rounding of `N . (v h - p)` as stored, in units of what is summed up.
 const END_UNITS: f64 = 16.0;
 
-/// Tolerance at the ends of a chain's segment, times `N . d`.
-fn end_margin(rays: &PixelRays, c: &Corners, real: Real) -> f64 {
+/// Tolerance at the ends of t_range, times `N . d`: of a chain's segment, or in a scene of this size.
+fn end_margin(rays: &PixelRays, c: &Corners, real: Real, (slabbed, scene_size): (bool, f64)) -> f64 {
     let [v0, v1, v2] = c.v;
-    let size = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
+    let size = |v: DVec3| v.abs().element_sum();
     let b = &rays.bundle;
-    let sizes = c.reach() * b.h[0].abs() + size(b.p[0]) + size(b.d[0]);
-    END_UNITS * real.unit() * size((v1 - v0).cross(v2 - v0)) * sizes
+    let of_chain = END_UNITS * real.unit() * (c.reach() * b.h[0].abs() + size(b.p[0]) + size(b.d[0]));
+    let of_scene = PERTURB * scene_size * b.h[0].abs();
+    size((v1 - v0).cross(v2 - v0)) * if slabbed { of_chain } else { of_scene }
 }
 
 /// The visibility buffer of a band: a complemented key per pixel, low word first; 0: no hit.

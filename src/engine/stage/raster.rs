@@ -18,7 +18,12 @@ pub fn kernel(variant: Variant) -> Kernel {
 }
 
 /// The t of a triangle at a pixel in recheck arithmetic, or in f32 with a bound.
-const EXACT: Parts = snippets!("shared/pixel_edges.wgsl", "shared/pixel_test.wgsl", "shared/nearest_exact.wgsl");
+const EXACT: Parts = snippets!(
+    "shared/pixel_edges.wgsl",
+    "shared/plane_tolerance.wgsl",
+    "shared/pixel_test.wgsl",
+    "shared/nearest_exact.wgsl"
+);
 const BOUNDED: Parts = snippets!("shared/pixel_edges.wgsl", "shared/nearest_bounded.wgsl");
 
 fn by_tile(variant: Variant) -> Kernel {

@@ -70,7 +70,7 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
     let own = [variant.lane_places(), LANES, variant.item_node(), COLUMN, CELL_SAMPLES];
     let stage = [
         snippets!("shared/waiting.wgsl"),
-        snippets!("shared/pixel_edges.wgsl", "shared/pixel_test.wgsl"),
+        snippets!("shared/pixel_edges.wgsl", "shared/plane_tolerance.wgsl", "shared/pixel_test.wgsl"),
         snippets!("sample_by_tile.wgsl"),
     ];
     let mut kernel = Kernel::new("sample", bindings, &[&snippets[..], &own, rays, &stage].concat());
