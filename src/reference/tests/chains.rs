@@ -191,8 +191,8 @@ fn a_pixel_without_a_segment_in_a_layer_goes_on_in_the_next() {
         let slant = part(0.0, 1.0).recentred(f64::from(i) - 15.5, f64::from(j) - 15.5).ray(0.0, 0.0).direction.length();
         assert!((path.depth(&seen) - 1.5 * slant).abs() < 1e-12);
     }
-    // Nothing to hand over to: a surface just before the missing segment's face is out, a rounding beyond the end.
-    let beyond = wall(1.0 - 1e-12, 0.0);
+    // Nothing to hand over to: a surface behind the missing segment's face is out, beyond the tolerance of the range's ends.
+    let beyond = wall(1.0 - 1e-10, 0.0);
     assert_eq!(find(&Reference::build(&beyond), &camera, 20, 9).0.seen, None);
     assert_eq!(find(&Reference::build(&beyond), &camera, 5, 9).0.seen.map(|s| s.layer), Some(0));
 }
