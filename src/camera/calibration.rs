@@ -71,6 +71,17 @@ impl Coefficients {
         Coefficients { radial: std::array::from_fn(|n| k.get(n).copied().unwrap_or(0.0)), ..Coefficients::default() }
     }
 
+    /// Radial terms `k`, and then `p` and `s` of the point that they have moved: RAD_TAN_THIN_PRISM_FISHEYE of COLMAP, Fisheye624 of Project
+    /// Aria.
+    pub fn radial_then_thin_prism(k: &[f64], p: [f64; 2], s: [f64; 4]) -> Vec<Coefficients> {
+        let then = Coefficients {
+            tangential: [p[1], p[0]],
+            prism: [DVec2::new(s[0], s[2]), DVec2::new(s[1], s[3])],
+            ..Coefficients::default()
+        };
+        vec![Coefficients::radial(k), then]
+    }
+
     /// From OpenCV's list `k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y` or its beginning.
     pub fn of_opencv(k: &[f64]) -> Coefficients {
         let k = |n: usize| k.get(n).copied().unwrap_or(0.0);
@@ -134,4 +145,25 @@ pub enum Projection {
     AngleOfRadius { c: Vec<f64> },
     /// `r = c[0] theta + c[1] theta^2 + ...`, up to 180 degrees.
     RadiusOfAngle { c: Vec<f64> },
+    /// The direction seen at (x, y) is along `(x, y, c[0] + c[1] r + c[2] r^2 + ...)`: Scaramuzza's model (2006), whose polynomial is minus
+    /// this one.
+    HeightOfRadius { c: Vec<f64> },
+}
+
+impl Projection {
+    /// The name in the table of projections of the definitions.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Projection::Perspective => "perspective",
+            Projection::Equidistant => "equidistant",
+            Projection::FieldOfView { .. } => "FOV",
+            Projection::Unified { .. } => "omni (Mei)",
+            Projection::EnhancedUnified { .. } => "EUCM",
+            Projection::DoubleSphere { .. } => "double sphere",
+            Projection::Division { .. } => "division",
+            Projection::Equirectangular => "equirectangular",
+            Projection::AngleOfRadius { .. } | Projection::RadiusOfAngle { .. } => "f-theta",
+            Projection::HeightOfRadius { .. } => "Scaramuzza",
+        }
+    }
 }

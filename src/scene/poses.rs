@@ -1,5 +1,7 @@
 //! `poses` of a camera: a file with the poses of many frames, which become keyframes of its eye and quaternion.
 
+mod lists;
+
 use crate::camera::kinds::calibrated;
 use crate::camera::pose;
 use crate::input::reader::{Field, Source};
@@ -54,7 +56,7 @@ pub(super) fn expand(root: &mut Node, source: &Source) -> Result<()> {
     Ok(())
 }
 
-/// Reads a folder of COLMAP's, `transforms.json`, or lines of TUM's 8 or KITTI's 12 numbers.
+/// Reads a folder of COLMAP's, `transforms.json`, another project with images and poses, or a list of poses.
 fn read(path: &Path, loading: &Loading) -> Result<Poses> {
     if calibrated::file::has_images(path) {
         let all =
@@ -63,10 +65,15 @@ fn read(path: &Path, loading: &Loading) -> Result<Poses> {
     }
     let text =
         loading.read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
-    let poses = if text.trim_start().starts_with('{') {
-        transforms(&text).map(|all| Poses { all, convention: "opengl" })
+    let start = text.trim_start_matches('\u{feff}').trim_start();
+    let project = || calibrated::file::poses_of_text(&text);
+    let poses = if !start.starts_with(['{', '[', '<']) {
+        lists::poses(&text).map(|all| Poses { all, convention: "opencv" })
+    } else if let Some(placed) = (!text.contains("transform_matrix")).then(project).flatten() {
+        let all = placed.map(|all| all.into_iter().map(|placed| (placed.eye, placed.rotation)).collect());
+        all.map(|all| Poses { all, convention: "opencv" })
     } else {
-        lines(&text).map(|all| Poses { all, convention: "opencv" })
+        transforms(&text).map(|all| Poses { all, convention: "opengl" })
     };
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
     let poses = poses.map_err(refuse)?;
@@ -96,27 +103,6 @@ fn transforms(text: &str) -> std::result::Result<Vec<Pose>, String> {
         }
     };
     file.frames.iter().enumerate().map(pose).collect()
-}
-
-/// A pose a line, camera to world, OpenCV's axes: TUM's `time x y z qx qy qz qw`, or the 12 numbers of KITTI's 3 x 4 matrices.
-fn lines(text: &str) -> std::result::Result<Vec<Pose>, String> {
-    let lines = text.lines().enumerate().map(|(n, line)| (n + 1, line.trim()));
-    let pose = |(n, line): (usize, &str)| {
-        let words = line.split(|c: char| c.is_ascii_whitespace() || c == ',').filter(|word| !word.is_empty());
-        let read = |word: &str| word.parse().map_err(|_| format!("line {n}: {word:?} is not a number"));
-        let numbers = words.map(read).collect::<std::result::Result<Vec<f64>, String>>()?;
-        match numbers[..] {
-            [_time, x, y, z, qx, qy, qz, qw] => Ok((DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw))),
-            [a, b, c, d, e, f, g, h, i, j, k, l] => {
-                of_rows(&[[a, b, c, d], [e, f, g, h], [i, j, k, l]]).map_err(|why| format!("line {n}: {why}"))
-            }
-            _ => Err(format!(
-                "line {n}: {} numbers; TUM's poses have 8 (time, x, y, z, qx, qy, qz, qw), KITTI's 12",
-                numbers.len()
-            )),
-        }
-    };
-    lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).map(pose).collect()
 }
 
 /// The rows of a matrix from the camera to the world.

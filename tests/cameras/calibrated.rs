@@ -9,12 +9,12 @@ use std::fs;
 use std::path::Path;
 
 /// The camera's frame in the world: x right, y down, z forward.
-const POSE: &str = "eye = [0, 0, 0]\ntarget = [0, 0, -1]";
+pub const POSE: &str = "eye = [0, 0, 0]\ntarget = [0, 0, -1]";
 
 const SIZE: [u32; 2] = [96, 64];
 
 /// The direction in the camera's frame.
-fn in_camera_frame(d: DVec3) -> DVec3 {
+pub fn in_camera_frame(d: DVec3) -> DVec3 {
     DVec3::new(d.x, -d.y, -d.z)
 }
 
@@ -22,7 +22,7 @@ fn in_camera_frame(d: DVec3) -> DVec3 {
 const PIXEL: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Every pixel's ray is projected to the pixel's number; the numbers of pixels with a ray, and of rays behind the eye.
-fn count(camera: &Camera, name: &str, project: impl Fn(DVec3) -> DVec2) -> [usize; 2] {
+pub fn count(camera: &Camera, name: &str, project: impl Fn(DVec3) -> DVec2) -> [usize; 2] {
     let mut counts = [0, 0];
     for (i, j) in (0..camera.height).flat_map(|j| (0..camera.width).map(move |i| (i, j))) {
         let Some(ray) = camera.ray(i, j) else { continue };
@@ -35,7 +35,7 @@ fn count(camera: &Camera, name: &str, project: impl Fn(DVec3) -> DVec2) -> [usiz
 }
 
 /// Brown's polynomial terms, as COLMAP's and Kalibr's sources have them.
-fn brown(p: DVec2, k: &[f64], [p1, p2]: [f64; 2]) -> DVec2 {
+pub fn brown(p: DVec2, k: &[f64], [p1, p2]: [f64; 2]) -> DVec2 {
     let r2 = p.length_squared();
     let radial = k.iter().rev().fold(0.0, |sum, k| (sum + k) * r2);
     p + p * radial
@@ -46,7 +46,7 @@ fn brown(p: DVec2, k: &[f64], [p1, p2]: [f64; 2]) -> DVec2 {
 }
 
 /// On the sphere of angles: theta in the direction of (x, y).
-fn equidistant(d: DVec3) -> DVec2 {
+pub fn equidistant(d: DVec3) -> DVec2 {
     d.truncate().normalize_or_zero() * d.truncate().length().atan2(d.z)
 }
 
@@ -250,7 +250,7 @@ fn chain(model: &str, intrinsics: &str, distortion: &str, coefficients: &str) ->
     )
 }
 
-fn in_file(name: &str, text: &str, keys: &str) -> Result<Camera> {
+pub fn in_file(name: &str, text: &str, keys: &str) -> Result<Camera> {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join(name), text).unwrap();
     camera_in(folder.path(), &format!("kind = 'calibrated'\nfile = '{name}'\n{keys}"), None)

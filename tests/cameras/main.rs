@@ -6,6 +6,7 @@ mod common;
 mod exact;
 
 mod calibrated;
+mod calibration_files;
 mod camera_truth;
 mod casting;
 mod casting_spheres;

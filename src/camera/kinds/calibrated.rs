@@ -1,12 +1,13 @@
-//! `calibrated` and `opencv`: cameras with the intrinsics of a calibration file, of an image of COLMAP's, and with a rolling shutter.
+//! `calibrated` and `opencv`: cameras with the intrinsics of a calibration file, of an image of a project, and with a rolling shutter.
 
 mod brown;
 pub(crate) mod file;
 mod inverse;
 pub(crate) mod lens;
-mod numbers;
+pub(crate) mod numbers;
 mod projection;
 mod roots;
+pub(crate) mod survey;
 mod tilt;
 
 use super::central::{POSE, Pose};
@@ -100,9 +101,10 @@ impl Recipe for FromFile {
             model: self.model.clone(),
             shutter: self.shutter,
         };
-        let sensor = Sensor { calibrated, lens: self.lens.clone() };
+        let sensor = Sensor { calibrated: calibrated.clone(), lens: self.lens.clone() };
         let built = self.tessellation.build(Arc::new(sensor), &setting.of_size(size))?;
-        Ok(Built { unfulfilled: self.note.iter().cloned().collect(), ..built })
+        let missing = built.layers.iter().filter_map(|rays| survey::missing(rays, &calibrated));
+        Ok(Built { unfulfilled: self.note.iter().cloned().chain(missing).collect(), ..built })
     }
 
     fn lines(&self) -> Option<Lines> {

@@ -68,6 +68,13 @@ fn angle(projection: &Projection, r: f64) -> Option<f64> {
             let is_growing = radial::grows_until(&|x: Range| slope(c, x), &value, r);
             Some(value(r)).filter(|theta| is_growing && *theta <= PI)
         }
+        // theta grows while the height h of the ray over the plane is over r h'
+        Projection::HeightOfRadius { c } => {
+            let height = |r: f64| c.iter().enumerate().map(|(n, c)| c * r.powi(n as i32)).sum::<f64>();
+            let value = |r: f64| r.atan2(height(r));
+            let is_growing = radial::grows_until(&|x: Range| growth(c, x), &value, r);
+            Some(value(r)).filter(|_| is_growing)
+        }
         Projection::RadiusOfAngle { c } => {
             let value = |theta: f64| c.iter().enumerate().map(|(n, c)| c * theta.powi(n as i32 + 1)).sum::<f64>();
             radial::in_range(&|x: Range| slope(c, x), &value, PI, r)
@@ -87,6 +94,17 @@ fn slope(c: &[f64], x: Range) -> Range {
     for (n, c) in c.iter().enumerate() {
         sum = sum + Range::at((n + 1) as f64 * c) * power;
         power = power * x;
+    }
+    sum
+}
+
+/// Bounds on `h - r h'` over a range of r, for `h = c[0] + c[1] r + ...`.
+fn growth(c: &[f64], r: Range) -> Range {
+    let mut power = Range::at(1.0);
+    let mut sum = Range::at(0.0);
+    for (n, c) in c.iter().enumerate() {
+        sum = sum + Range::at((1.0 - n as f64) * c) * power;
+        power = power * r;
     }
     sum
 }

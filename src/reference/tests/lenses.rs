@@ -137,6 +137,8 @@ fn projections(rng: &mut Rng) -> Vec<Projection> {
         Projection::Division { k: 0.0 },
         Projection::AngleOfRadius { c: c(rng) },
         Projection::RadiusOfAngle { c: c(rng) },
+        Projection::HeightOfRadius { c: c(rng) },
+        Projection::HeightOfRadius { c: vec![0.6 + unit(rng)] },
     ]
 }
 

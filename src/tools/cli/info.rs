@@ -1,6 +1,7 @@
 //! `anamorph info`: the adapters, what they can do, and which code paths that selects.
 
 mod contents;
+mod lens;
 
 use super::args::InfoArgs;
 use super::say::print;

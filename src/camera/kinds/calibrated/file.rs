@@ -1,14 +1,31 @@
-//! Calibration files: which format a file has, and what all of them say.
+//! Calibration files: the formats that are read, how each is recognized, and what all of them say.
 
+mod alicevision;
+mod basalt;
+mod camodocal;
 mod colmap;
+mod document;
+mod gyroflow;
 mod kalibr;
+mod kitti;
+mod metashape;
+mod ncore;
+mod ocam;
 pub mod opencv;
+mod opensfm;
+mod orb_slam;
+mod refused;
 mod rig;
+mod ros_ini;
+mod svo;
+mod transforms;
+mod woodscape;
 mod xml;
 
 use crate::camera::calibration::{Intrinsics, Model};
 use crate::input::{Error, Loading, Result};
-use glam::{DMat2, DQuat, DVec2, DVec3};
+use document::Document;
+use glam::{DMat2, DMat3, DQuat, DVec2, DVec3};
 use std::path::Path;
 
 /// One camera of a file.
@@ -16,10 +33,16 @@ use std::path::Path;
 pub struct Calibration {
     pub intrinsics: Intrinsics,
     pub model: Model,
-    /// Of an image, if one was asked for.
+    /// The pose of an image, if one was asked for.
     pub placed: Option<Placed>,
-    /// What the file does not say, and is taken for granted.
+    /// What the file does not say and is assumed, or what it says and rays do not follow.
     pub note: Option<String>,
+}
+
+impl Calibration {
+    fn new(intrinsics: Intrinsics, model: Model) -> Calibration {
+        Calibration { intrinsics, model, placed: None, note: None }
+    }
 }
 
 /// Where an image was taken from.
@@ -31,14 +54,72 @@ pub struct Placed {
     pub rotation: DQuat,
 }
 
+impl Placed {
+    /// From the rows of a matrix from the camera's frame to the world's.
+    fn of_rows(rows: &[[f64; 4]; 3]) -> std::result::Result<Placed, String> {
+        let column = |k: usize| DVec3::new(rows[0][k], rows[1][k], rows[2][k]);
+        let axes = DMat3::from_cols(column(0), column(1), column(2));
+        crate::camera::pose::check_axes(axes)?;
+        let eye = column(3);
+        if !eye.is_finite() {
+            return Err("the position is not finite".into());
+        }
+        Ok(Placed { eye, rotation: DQuat::from_mat3(&axes).normalize() })
+    }
+}
+
+/// All cameras and images of a file.
+#[derive(Debug)]
+pub struct Contents {
+    /// Each with the number that `index` names, and why it cannot be used.
+    pub cameras: Vec<(u64, std::result::Result<Calibration, String>)>,
+    pub images: Vec<Image>,
+}
+
+/// An image of a file, taken by one of its cameras.
+#[derive(Debug)]
+pub struct Image {
+    pub name: String,
+    /// The number of its camera.
+    pub camera: u64,
+    /// Its pose, or why it has none.
+    pub placed: std::result::Result<Placed, String>,
+}
+
+impl Contents {
+    fn of_one(camera: std::result::Result<Calibration, String>) -> std::result::Result<Contents, String> {
+        Ok(Contents { cameras: vec![(0, Ok(camera?))], images: Vec::new() })
+    }
+
+    fn of_cameras(cameras: Vec<(u64, std::result::Result<Calibration, String>)>) -> Contents {
+        Contents { cameras, images: Vec::new() }
+    }
+
+    fn choose(self, which: Which) -> std::result::Result<Calibration, String> {
+        let Which::Image(name) = which else { return which.of(self.cameras)? };
+        if self.images.is_empty() {
+            return Err("has no images with poses; give index, or leave both out".into());
+        }
+        let Some(image) = self.images.iter().find(|image| image.name == name) else {
+            let names: Vec<_> = self.images.iter().take(NAMED).map(|image| format!("{:?}", image.name)).collect();
+            return Err(format!("has no image {name:?}; its images are {}", few(&names.join(", "))));
+        };
+        let placed = Some(image.placed.clone().map_err(|why| format!("image {name:?}: {why}"))?);
+        Ok(Calibration { placed, ..Which::Index(image.camera).of(self.cameras)?? })
+    }
+}
+
+/// Most names in a message, which is then cut where it is still long.
+const NAMED: usize = 4;
+
 /// Which camera of a file is meant.
 #[derive(Debug, Clone, Copy)]
 pub enum Which<'a> {
     /// The only one.
     Only,
-    /// That of this number: COLMAP's id, Kalibr's N of camN, or the place in a rig's list of sensors, from 0.
+    /// The one of this number: COLMAP's id, N of camN, or the place in the file's list of cameras, from 0.
     Index(u64),
-    /// That of an image of COLMAP's, by name.
+    /// The camera of an image, by name.
     Image(&'a str),
 }
 
@@ -51,7 +132,7 @@ impl Which<'_> {
             Which::Only if all.is_empty() => return Err("has no camera that can be used".into()),
             Which::Only => return Err(format!("has cameras {}; choose one: index = {}", few(&listed()), all[0].0)),
             Which::Index(index) => all.iter().position(|(n, _)| *n == index),
-            Which::Image(_) => return Err("has no images, only COLMAP's models have; give index".into()),
+            Which::Image(_) => return Err("has no images with poses; give index".into()),
         };
         match at {
             Some(at) => Ok(all.swap_remove(at).1),
@@ -68,7 +149,51 @@ fn few(listed: &str) -> String {
     }
 }
 
-/// Reads a camera from a file of OpenCV, ROS, Kalibr or NVIDIA's DRIVE, or from a folder that COLMAP wrote (or its file of cameras).
+type Read = fn(&Document) -> std::result::Result<Contents, String>;
+
+/// A format of calibration files.
+struct Format {
+    /// Who writes it, as messages and `anamorph info` say.
+    name: &'static str,
+    recognizes: fn(&Document) -> bool,
+    read: Read,
+}
+
+/// All formats that are told apart by a file's text, in the order in which they are tried; COLMAP's are told by the file's name.
+const FORMATS: &[Format] = &[
+    Format { name: "NVIDIA DRIVE", recognizes: rig::is_rig, read: rig::contents },
+    Format { name: "ncore", recognizes: ncore::is_file, read: ncore::contents },
+    Format { name: "Kalibr", recognizes: kalibr::is_chain, read: kalibr::chain },
+    Format { name: "EuRoC sensor.yaml", recognizes: kalibr::is_sensor, read: kalibr::sensor },
+    Format { name: "transforms.json", recognizes: transforms::is_file, read: transforms::contents },
+    Format { name: "camodocal", recognizes: camodocal::is_file, read: camodocal::contents },
+    Format { name: "Basalt", recognizes: basalt::is_file, read: basalt::contents },
+    Format { name: "ORB-SLAM or stella_vslam", recognizes: orb_slam::is_file, read: orb_slam::contents },
+    Format { name: "SVO or vikit", recognizes: svo::is_file, read: svo::contents },
+    Format { name: "gyroflow", recognizes: gyroflow::is_file, read: gyroflow::contents },
+    Format { name: "WoodScape", recognizes: woodscape::is_file, read: woodscape::contents },
+    Format { name: "OCamCalib", recognizes: ocam::is_file, read: ocam::contents },
+    Format { name: "OpenSfM or ODM", recognizes: opensfm::is_file, read: opensfm::contents },
+    Format { name: "AliceVision", recognizes: alicevision::is_file, read: alicevision::contents },
+    Format { name: "Metashape", recognizes: metashape::is_file, read: metashape::contents },
+    Format { name: "KITTI", recognizes: kitti::is_file, read: kitti::contents },
+    Format { name: "ROS .ini", recognizes: ros_ini::is_file, read: ros_ini::contents },
+    Format { name: "OpenCV or ROS", recognizes: opencv::is_file, read: opencv::contents },
+];
+
+/// The format of a file, and its cameras and images.
+fn parse(text: &str) -> std::result::Result<(&'static str, Contents), String> {
+    let document = Document::parse(text).map_err(|why| format!("not a calibration: {why}"))?;
+    match FORMATS.iter().find(|format| (format.recognizes)(&document)) {
+        Some(format) => Ok((format.name, (format.read)(&document)?)),
+        None => Err(refused::why(&document).unwrap_or_else(|| {
+            let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+            format!("not a calibration of a format that is read: COLMAP, {}", names.join(", "))
+        })),
+    }
+}
+
+/// Reads a camera from a file of any format of [`FORMATS`], or from a folder that COLMAP wrote (or its file of cameras).
 ///
 /// # Errors
 /// [`Error::Input`], [`Error::Missing`] or [`Error::Read`] naming the file: it cannot be read, is none of these, or has no such camera.
@@ -76,35 +201,60 @@ pub fn read(path: &Path, which: Which, loading: &Loading) -> Result<Calibration>
     if colmap::is_model(path) {
         return colmap::read(path, which, loading);
     }
-    let text =
-        loading.read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
-    let read = if rig::is_rig(&text) {
-        rig::parse(&text, which)
-    } else if kalibr::is_chain(&text) {
-        kalibr::parse(&text, which)
-    } else {
-        opencv::parse(&text).and_then(|file| match which {
-            Which::Only => file.calibration(None),
-            _ => Err("has one camera; leave index and image out".into()),
-        })
-    };
-    read.map_err(|why| Error::input(format!("{}: {why}", path.display())))
+    load(path, loading)?.1.choose(which).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-/// The names of the images of a folder that COLMAP wrote, in order.
+/// The format of a file and all that is in it.
+///
+/// # Errors
+/// As [`read`].
+pub fn load(path: &Path, loading: &Loading) -> Result<(&'static str, Contents)> {
+    if colmap::is_model(path) {
+        return Ok(("COLMAP", colmap::contents(path, loading)?));
+    }
+    let text = loading.read_to_string(path).map_err(|e| match e.kind() {
+        std::io::ErrorKind::InvalidData => Error::Read(format!(
+            "{}: cannot be read: it is no text; calibrations are text, or COLMAP's folder",
+            path.display()
+        )),
+        _ => Error::unreadable(path, format_args!("{e}; check the path")),
+    })?;
+    parse(&text).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+}
+
+/// The text is of a format that is read, other than a scene file.
+pub fn is_calibration(text: &str) -> bool {
+    Document::parse(text).is_ok_and(|document| FORMATS.iter().any(|format| (format.recognizes)(&document)))
+}
+
+/// The names of the images of a folder that COLMAP wrote, or of a file with poses, in order.
 ///
 /// # Errors
 /// [`Error::Input`], [`Error::Missing`] or [`Error::Read`] naming the file of images: it cannot be read, or has none.
 pub fn images(model: &Path, loading: &Loading) -> Result<Vec<String>> {
-    colmap::images(model, loading)
+    if has_images(model) || colmap::is_model(model) {
+        return colmap::images(model, loading);
+    }
+    let images = load(model, loading)?.1.images;
+    if images.is_empty() {
+        return Err(Error::input(format!("{}: has no images with poses", model.display())));
+    }
+    Ok(images.into_iter().map(|image| image.name).collect())
 }
 
-/// The poses of those images, in the same order.
+/// The poses of the images of a folder that COLMAP wrote, in the order of their names.
 ///
 /// # Errors
 /// As [`images`].
 pub fn poses(model: &Path, loading: &Loading) -> Result<Vec<Placed>> {
     colmap::poses(model, loading)
+}
+
+/// The poses of the images of a file's text, in its order; `None` if it is of no format that has any.
+pub fn poses_of_text(text: &str) -> Option<std::result::Result<Vec<Placed>, String>> {
+    let images = parse(text).ok()?.1.images;
+    let placed = |image: Image| image.placed.map_err(|why| format!("image {:?}: {why}", image.name));
+    (!images.is_empty()).then(|| images.into_iter().map(placed).collect())
 }
 
 /// It is a folder that COLMAP wrote, or its file of images.

@@ -1,7 +1,7 @@
 //! The numbers of a calibration by name: what a gradient may be of.
 
 use super::FromFile;
-use crate::camera::calibration::{Coefficients, Model, Projection};
+use crate::camera::calibration::{Coefficients, Intrinsics, Model, Projection};
 
 /// All names: focal lengths and principal point, px; coefficients of a distortion, as OpenCV counts them for the perspective projection, in the
 /// order of powers for all others; and numbers of projections, as in their formulas.
@@ -12,13 +12,24 @@ pub(super) const NAMES: [&str; 28] = [
 
 impl FromFile {
     pub(super) fn number(&mut self, name: &str) -> Option<&mut f64> {
-        match name {
-            "fx" => Some(&mut self.intrinsics.scale.x_axis.x),
-            "fy" => Some(&mut self.intrinsics.scale.y_axis.y),
-            "cx" => Some(&mut self.intrinsics.centre.x),
-            "cy" => Some(&mut self.intrinsics.centre.y),
-            _ => of_model(&mut self.model, name),
-        }
+        number(&mut self.intrinsics, &mut self.model, name)
+    }
+}
+
+/// The numbers of a calibration that are not 0, with their names.
+pub fn listed(intrinsics: &Intrinsics, model: &Model) -> Vec<(&'static str, f64)> {
+    let (mut intrinsics, mut model) = (intrinsics.clone(), model.clone());
+    let mut value = |name| number(&mut intrinsics, &mut model, name).map(|number| (name, *number));
+    NAMES.into_iter().filter_map(&mut value).filter(|(_, number)| *number != 0.0).collect()
+}
+
+fn number<'a>(intrinsics: &'a mut Intrinsics, model: &'a mut Model, name: &str) -> Option<&'a mut f64> {
+    match name {
+        "fx" => Some(&mut intrinsics.scale.x_axis.x),
+        "fy" => Some(&mut intrinsics.scale.y_axis.y),
+        "cx" => Some(&mut intrinsics.centre.x),
+        "cy" => Some(&mut intrinsics.centre.y),
+        _ => of_model(model, name),
     }
 }
 
@@ -32,7 +43,7 @@ fn of_model<'a>(model: &'a mut Model, name: &str) -> Option<&'a mut f64> {
         }
         (Projection::EnhancedUnified { beta, .. }, "beta") => return Some(beta),
         (Projection::Division { k }, "k") => return Some(k),
-        (Projection::AngleOfRadius { c } | Projection::RadiusOfAngle { c }, _) => {
+        (Projection::AngleOfRadius { c } | Projection::RadiusOfAngle { c } | Projection::HeightOfRadius { c }, _) => {
             if let Some(number) = numbered(name, 'c').and_then(|n| c.get_mut(n)) {
                 return Some(number);
             }

@@ -37,6 +37,10 @@ impl Projection {
                     Err("polynomial: must be finite, and start with 0 and a number over 0".into())
                 }
             }
+            Projection::HeightOfRadius { ref c } => {
+                let is_good = c.first().is_some_and(|c| *c > 0.0) && c.iter().all(|c| c.is_finite());
+                if is_good { Ok(()) } else { Err("polynomial: must be finite, and under 0 at the middle".into()) }
+            }
             Projection::Perspective | Projection::Equidistant | Projection::Equirectangular => Ok(()),
         }
     }
@@ -83,6 +87,10 @@ impl Projection {
                 let ((sin, cos), (down, across)) = (p.x.sin_cos(), p.y.sin_cos());
                 is_inside.then(|| DVec3::new(across * sin, down, across * cos))
             }
+            Projection::HeightOfRadius { c } => {
+                let r = square.sqrt();
+                if r <= end { p.extend(roots::value(c, r)).try_normalize() } else { None }
+            }
             Projection::Equidistant | Projection::AngleOfRadius { .. } | Projection::RadiusOfAngle { .. } => {
                 let r = square.sqrt();
                 if r == 0.0 {
@@ -110,6 +118,8 @@ impl Projection {
     }
 
     /// The largest argument of the polynomial: at the fold or at 180 degrees.
+    ///
+    /// Where the height over the plane is h, `theta = atan2(r, h)` grows while `h - r h'` is over 0.
     pub fn end(&self) -> f64 {
         let fold = |c: &[f64]| roots::first(&roots::derivative(&with_0(c)));
         match self {
@@ -119,6 +129,10 @@ impl Projection {
                 roots::first(&behind).min(fold(c))
             }
             Projection::RadiusOfAngle { c } => fold(c).min(PI),
+            Projection::HeightOfRadius { c } => {
+                let growth: Vec<f64> = c.iter().enumerate().map(|(n, c)| (1.0 - n as f64) * c).collect();
+                roots::first(&growth)
+            }
             _ => PI,
         }
     }
@@ -162,6 +176,23 @@ impl Projection {
                 over(-2.0 * k * square / (root - v.z), true)
             }
             Projection::Equirectangular => Some(DVec2::new(v.x.atan2(v.z), v.y.atan2(v.x.hypot(v.z)))),
+            Projection::HeightOfRadius { c } => {
+                let radius = across.length();
+                if radius == 0.0 {
+                    return (v.z > 0.0).then_some(DVec2::ZERO);
+                }
+                // r z - h(r) radius has the sign of the angle at r less that of v
+                let off = |r: f64| {
+                    let (rest, slope) = polynomial(&c[1..], r);
+                    (r * v.z - (c[0] + rest) * radius, v.z - slope * radius)
+                };
+                let mut hi = if end.is_finite() { end } else { c[0] };
+                while end == f64::INFINITY && off(hi).0 < 0.0 && hi < f64::MAX.sqrt() {
+                    hi *= 2.0;
+                }
+                (off(hi).0 >= 0.0)
+                    .then(|| across / radius * roots::in_bracket((c[0] * radius / v.z.abs()).min(hi), hi, off))
+            }
             Projection::Equidistant | Projection::AngleOfRadius { .. } | Projection::RadiusOfAngle { .. } => {
                 let theta = across.length().atan2(v.z);
                 let r = match self {

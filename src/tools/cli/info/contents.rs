@@ -1,5 +1,6 @@
 //! `anamorph info FILE`: the counts and bounds of a model, a scene or a volume, and a camera that sees all of it.
 
+use super::lens;
 use crate::arrays::MapEach;
 use crate::geometry::heights;
 use crate::geometry::heights::{Grid, HeightSpec};
@@ -107,6 +108,9 @@ pub fn run(path: &Path, json: bool, limits: Limits) -> Result<()> {
     let loading = Loading::new(limits);
     if DESCRIBED.contains(&extension(path).as_str()) {
         return show(&VolumeContents::read(path, &loading)?, json);
+    }
+    if lens::is_calibration(path, &loading) {
+        return show(&lens::read(path, &loading)?, json);
     }
     show(&read(path, &loading)?, json)
 }

@@ -1,6 +1,6 @@
 //! COLMAP's sparse models: a folder with `cameras` and `images`, as `.bin` or `.txt`. The centre of its first pixel is at (0.5, 0.5).
 
-use super::{Calibration, Placed, Which, intrinsics};
+use super::{Calibration, Contents, Placed, Which, intrinsics};
 use crate::camera::calibration::{Coefficients, Model, Projection};
 use crate::input::{Error, Loading, Result};
 use glam::{DQuat, DVec2, DVec3};
@@ -65,6 +65,18 @@ pub fn read(path: &Path, which: Which, loading: &Loading) -> Result<Calibration>
     let image = image.ok_or_else(|| refuse(&images, format!("has no image {name:?}")))?;
     let placed = Some(image.placed().map_err(|why| refuse(&images, why))?);
     Ok(Calibration { placed, ..by_id(Which::Index(image.camera))? })
+}
+
+/// All cameras, and the images, of which a model's folder may have none.
+pub fn contents(path: &Path, loading: &Loading) -> Result<Contents> {
+    let cameras = load(&file(path, "cameras"), loading, camera_lines, camera_records)?;
+    let images = file(path, "images");
+    let images = if images.exists() { load(&images, loading, image_lines, image_records)? } else { Vec::new() };
+    let image = |image: Image| super::Image { placed: image.placed(), camera: image.camera, name: image.name };
+    Ok(Contents {
+        cameras: cameras.iter().map(|camera| (camera.id, calibration(camera))).collect(),
+        images: images.into_iter().map(image).collect(),
+    })
 }
 
 impl Image {
@@ -316,16 +328,11 @@ fn calibration(camera: &Camera) -> std::result::Result<Calibration, String> {
             Model { projection: Projection::Equidistant, distortions: vec![distortion] }
         }
         "RAD_TAN_THIN_PRISM_FISHEYE" => {
-            // the tangential and prism terms are of the point that the radial terms have moved
-            let then = Coefficients {
-                tangential: [k[7], k[6]],
-                prism: [DVec2::new(k[8], k[10]), DVec2::new(k[9], k[11])],
-                ..Coefficients::default()
-            };
-            Model { projection: Projection::Equidistant, distortions: vec![Coefficients::radial(&k[..6]), then] }
+            let distortions = Coefficients::radial_then_thin_prism(&k[..6], [k[6], k[7]], [k[8], k[9], k[10], k[11]]);
+            Model { projection: Projection::Equidistant, distortions }
         }
         _ => return Err(format!("camera {id}: model {name} is not known")),
     };
     let intrinsics = intrinsics(*size, focal, centre - 0.5).map_err(|why| format!("camera {id}: {why}"))?;
-    Ok(Calibration { intrinsics, model, placed: None, note: None })
+    Ok(Calibration::new(intrinsics, model))
 }

@@ -1,52 +1,69 @@
-//! Kalibr's `camchain.yaml`: `cam0`, `cam1` and on, each with a projection and a distortion. Its pixels are OpenCV's: the first has its
-//! centre at (0, 0).
+//! Kalibr's `camchain.yaml`: `cam0`, `cam1` and on, each with a projection and a distortion; and EuRoC's `sensor.yaml`, which has the same
+//! models. Their pixels are OpenCV's: the first has its centre at (0, 0).
 
-use super::opencv::check_brackets;
-use super::{Calibration, Which, intrinsics};
+use super::document::{Document, Tree, whole};
+use super::{Calibration, Contents, intrinsics};
+use crate::arrays::MapEach;
 use crate::camera::calibration::{Coefficients, Model, Projection};
 use glam::DVec2;
-use serde::Deserialize;
-use std::collections::BTreeMap;
 
 type Result<T> = std::result::Result<T, String>;
 
-#[derive(Deserialize)]
-struct Camera {
-    camera_model: String,
-    intrinsics: Vec<f64>,
-    distortion_model: String,
-    #[serde(default)]
-    distortion_coeffs: Vec<f64>,
-    /// Width and height, px.
-    resolution: [u64; 2],
+/// A table with a camera `camN`.
+pub fn is_chain(document: &Document) -> bool {
+    let is_camera = |(key, camera): (&str, &Tree)| number(key).is_some() && camera.get("camera_model").is_some();
+    document.tree().is_some_and(|tree| tree.entries().any(is_camera))
 }
 
-/// The file's first key is a camera's.
-pub fn is_chain(text: &str) -> bool {
-    let first = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#') && *line != "---");
-    first.and_then(number).is_some()
+/// N of `camN`.
+pub fn number(key: &str) -> Option<u64> {
+    key.strip_prefix("cam")?.parse().ok()
 }
 
-/// N of `camN:`.
-fn number(key: &str) -> Option<u64> {
-    key.split(':').next()?.trim().strip_prefix("cam")?.parse().ok()
+pub fn chain(document: &Document) -> Result<Contents> {
+    let entries = document.tree().into_iter().flat_map(Tree::entries);
+    let cameras = entries.filter_map(|(key, camera)| Some((number(key)?, camera)));
+    Ok(Contents::of_cameras(cameras.map(|(n, camera)| (n, of_chain(camera))).collect()))
 }
 
-pub fn parse(text: &str, which: Which) -> Result<Calibration> {
-    check_brackets(text)?;
-    let refuse = |e: serde_norway::Error| format!("not a camchain as Kalibr writes it: {e}").replace('\n', " ");
-    let chain: BTreeMap<String, serde_norway::Value> = serde_norway::from_str(text).map_err(refuse)?;
-    let cameras = chain.into_iter().filter_map(|(key, value)| Some((number(&key)?, value))).collect();
-    let camera: Camera = serde_norway::from_value(which.of(cameras)?).map_err(refuse)?;
+fn of_chain(camera: &Tree) -> Result<Calibration> {
+    let as_written = |why: String| format!("not a camchain as Kalibr writes it: {why}");
+    let size = size(camera).map_err(as_written)?;
+    let [model, distortion] = ["camera_model", "distortion_model"].map_each(|key| camera.need_text(key));
+    let numbers = camera.need_numbers("intrinsics").map_err(as_written)?;
+    let k = camera.get("distortion_coeffs").map_or(Ok(Vec::new()), |_| camera.need_numbers("distortion_coeffs"));
+    calibration(size, model.map_err(as_written)?, &numbers, distortion.map_err(as_written)?, &k.map_err(as_written)?)
+}
+
+/// EuRoC's keys, which a file of OpenCV's has otherwise.
+pub fn is_sensor(document: &Document) -> bool {
+    document.tree().is_some_and(|tree| tree.has(&["intrinsics", "resolution"]))
+}
+
+pub fn sensor(document: &Document) -> Result<Contents> {
+    let Some(tree) = document.tree() else { return Err("not a sensor.yaml".into()) };
+    let text = |key: &str, default| tree.get(key).map_or(Ok(default), |_| tree.need_text(key));
+    let k = ["distortion_coefficients", "distortion_coeffs"].into_iter().find(|key| tree.get(key).is_some());
+    let k = k.map_or(Ok(Vec::new()), |key| tree.need_numbers(key))?;
+    let distortion = text("distortion_model", if k.is_empty() { "none" } else { "radtan" })?;
+    let numbers = tree.need_numbers("intrinsics")?;
+    Contents::of_one(calibration(size(tree)?, text("camera_model", "pinhole")?, &numbers, distortion, &k))
+}
+
+fn size(camera: &Tree) -> Result<[u64; 2]> {
+    whole(camera.need_list("resolution")?).map_err(|why| format!("resolution: {why}"))
+}
+
+/// A camera by the names of Kalibr's models, or those of aslam and of EuRoC for the same.
+pub fn calibration(size: [u64; 2], camera: &str, numbers: &[f64], distortion: &str, k: &[f64]) -> Result<Calibration> {
     let wanted = |count: usize, names: &str| {
-        let found = camera.intrinsics.len();
-        Err(format!("intrinsics: {found} numbers; {} has {count}: {names}", camera.camera_model))
+        Err(format!("intrinsics: {} numbers; {camera} has {count}: {names}", numbers.len()))
     };
-    let (projection, rest) = match (camera.camera_model.as_str(), &camera.intrinsics[..]) {
+    let (projection, rest) = match (camera, numbers) {
         ("pinhole", rest) if rest.len() == 4 => (Projection::Perspective, rest),
         ("pinhole", _) => return wanted(4, "fu, fv, pu, pv"),
-        ("omni", [xi, rest @ ..]) if rest.len() == 4 => (Projection::Unified { xi: *xi }, rest),
-        ("omni", _) => return wanted(5, "xi, fu, fv, pu, pv"),
+        ("omni" | "unified-projection", [xi, rest @ ..]) if rest.len() == 4 => (Projection::Unified { xi: *xi }, rest),
+        ("omni" | "unified-projection", _) => return wanted(5, "xi, fu, fv, pu, pv"),
         ("eucm", [alpha, beta, rest @ ..]) if rest.len() == 4 => {
             (Projection::EnhancedUnified { alpha: *alpha, beta: *beta }, rest)
         }
@@ -57,20 +74,20 @@ pub fn parse(text: &str, which: Which) -> Result<Calibration> {
         ("ds", _) => return wanted(6, "xi, alpha, fu, fv, pu, pv"),
         (other, _) => return Err(format!("camera_model: {other:?} is not known; use pinhole, omni, eucm or ds")),
     };
-    let k = &camera.distortion_coeffs;
-    let model = match (camera.distortion_model.as_str(), projection, k.len()) {
+    let model = match (distortion, projection, k.len()) {
         ("none", projection, 0) => Model { projection, distortions: Vec::new() },
-        ("radtan", projection, 4) => Model { projection, distortions: vec![Coefficients::of_opencv(k)] },
+        ("radtan" | "radial-tangential" | "plumb_bob", projection, 4) => {
+            Model { projection, distortions: vec![Coefficients::of_opencv(k)] }
+        }
         ("equidistant" | "equi", Projection::Perspective, 4) => Model::fisheye(k),
-        ("fov", Projection::Perspective, 1) => Model::field_of_view(k[0]),
+        ("fov" | "fisheye", Projection::Perspective, 1) => Model::field_of_view(k[0]),
         (other, _, count) => {
             return Err(format!(
-                "distortion_model: {other} with {count} distortion_coeffs and {}; radtan (4) and none (0) go with all \
-                 camera models, equidistant (4) and fov (1) with pinhole",
-                camera.camera_model
+                "distortion_model: {other} with {count} distortion_coeffs and {camera}; radtan (4) and none (0) go with all \
+                 camera models, equidistant (4) and fov (1) with pinhole"
             ));
         }
     };
-    let intrinsics = intrinsics(camera.resolution, DVec2::new(rest[0], rest[1]), DVec2::new(rest[2], rest[3]))?;
-    Ok(Calibration { intrinsics, model, placed: None, note: None })
+    let intrinsics = intrinsics(size, DVec2::new(rest[0], rest[1]), DVec2::new(rest[2], rest[3]))?;
+    Ok(Calibration::new(intrinsics, model))
 }

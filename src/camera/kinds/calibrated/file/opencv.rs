@@ -1,11 +1,14 @@
-//! Calibration files: OpenCV's `FileStorage` as YAML, XML or JSON, and ROS's `camera_info`, which has the same keys.
+//! Calibration files of OpenCV and ROS: `FileStorage` as YAML, XML or JSON, in the spellings of its versions; ROS's `camera_info` as YAML,
+//! which has the same keys, and as the text of a message. The first pixel has its centre at (0, 0).
 
-use super::{Calibration, xml};
+use super::document::{Document, Tree, whole};
+use super::{Calibration, Contents, xml};
 use crate::camera::calibration::{Intrinsics, Model};
-use crate::input::{Error, Loading, Result};
+use crate::input::{Error, Loading};
 use glam::DVec2;
-use serde::Deserialize;
 use std::path::Path;
+
+type Result<T> = std::result::Result<T, String>;
 
 /// A file's camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,21 +18,30 @@ pub struct OpenCvFile {
     coefficients: Vec<f64>,
     /// The file's model: whether it is the fisheye, and the line that says so.
     fisheye: Option<(bool, String)>,
+    /// Part of the file that rays do not follow.
+    note: Option<String>,
 }
 
 impl OpenCvFile {
     /// With the model that is named (whether it is the fisheye), or else the file's, or else Brown's.
-    pub fn calibration(self, named: Option<bool>) -> std::result::Result<Calibration, String> {
-        let note = self.model_note().filter(|_| named.is_none());
-        let k = &self.coefficients;
+    pub fn calibration(self, named: Option<bool>) -> Result<Calibration> {
+        let notes: Vec<String> =
+            self.model_note().filter(|_| named.is_none()).into_iter().chain(self.note.clone()).collect();
+        let is_fisheye = named.or(self.fisheye.map(|f| f.0)).unwrap_or(false);
+        let mut k = &self.coefficients[..];
+        // drivers pad the fisheye's four coefficients with zeros
+        while is_fisheye && k.len() > 4 && k.last() == Some(&0.0) {
+            k = &k[..k.len() - 1];
+        }
         let refuse = |known: &str| Err(format!("{} distortion coefficients; {known}", k.len()));
-        let model = match (named.or(self.fisheye.map(|f| f.0)).unwrap_or(false), k.len()) {
+        let model = match (is_fisheye, k.len()) {
             (true, 4) => Model::fisheye(k),
             (true, _) => return refuse("the fisheye model has 4"),
             (false, 0 | 4 | 5 | 8 | 12 | 14) => Model::brown(k),
             (false, _) => return refuse("the Brown model has 0, 4, 5, 8, 12 or 14"),
         };
-        Ok(Calibration { intrinsics: self.intrinsics, model, placed: None, note })
+        let note = (!notes.is_empty()).then(|| notes.join("; "));
+        Ok(Calibration { note, ..Calibration::new(self.intrinsics, model) })
     }
 
     /// What the file does not say: which model its four coefficients belong to.
@@ -45,100 +57,147 @@ impl OpenCvFile {
     }
 }
 
-/// The keys that are read; a calibration holds many more.
-#[derive(Deserialize, PartialEq)]
-pub(super) struct Keys {
-    pub image_width: u64,
-    pub image_height: u64,
-    pub camera_matrix: Matrix,
-    pub distortion_coefficients: Matrix,
-    /// ROS's name for the model.
-    pub distortion_model: Option<String>,
-    /// 1 or 0, as OpenCV's calibration program writes it.
-    pub fisheye_model: Option<i64>,
-}
-
-/// An `!!opencv-matrix`, row by row.
-#[derive(Deserialize, PartialEq)]
-pub(super) struct Matrix {
-    pub rows: usize,
-    pub cols: usize,
-    pub data: Vec<f64>,
-}
-
-/// Reads `image_width`, `image_height`, `camera_matrix` and `distortion_coefficients`, and the model if the file names it
-/// (`distortion_model`, `fisheye_model`).
+/// Reads the image's size, the camera matrix and the distortion coefficients, and the model if the file names it (`distortion_model`,
+/// `fisheye_model`).
 ///
 /// # Errors
 /// [`Error::Input`] naming the file: it cannot be read, is not such a file, or its matrices have another form.
-pub fn read(path: &Path, loading: &Loading) -> Result<OpenCvFile> {
+pub fn read(path: &Path, loading: &Loading) -> crate::input::Result<OpenCvFile> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
     let text =
         loading.read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
-    parse(&text).map_err(refuse)
+    let document = Document::parse(&text).map_err(|why| refuse(format!("{NOT}: {why}")))?;
+    file(&document).map_err(refuse)
 }
 
-/// Most lists and tables in brackets. A calibration has some tens; the YAML parser's time grows with the square of nested ones.
-const BRACKETS_MAX: usize = 10_000;
+const NOT: &str = "not a calibration as OpenCV writes it";
 
-pub(super) fn check_brackets(text: &str) -> std::result::Result<(), String> {
-    let count = text.bytes().filter(|b| matches!(b, b'[' | b'{')).count();
-    if count <= BRACKETS_MAX {
-        return Ok(());
+/// Spellings of the keys, without case and underscores: OpenCV 2 to 5, its Kinect samples, ROS's files and messages.
+const MATRIX: [&str; 2] = ["cameramatrix", "k"];
+const COEFFICIENTS: [&str; 4] = ["distortioncoefficients", "distcoeffs", "dist", "d"];
+const WIDTH: [&str; 2] = ["imagewidth", "width"];
+const HEIGHT: [&str; 2] = ["imageheight", "height"];
+const SIZE: [&str; 2] = ["imgsize", "imagesize"];
+
+/// A value by one of the spellings, and its key as the file spells it.
+fn find<'a>(root: &'a Tree, spellings: &[&str]) -> Option<(&'a str, &'a Tree)> {
+    let plain = |key: &str| key.to_ascii_lowercase().replace('_', "");
+    root.entries().find(|(key, value)| spellings.contains(&plain(key).as_str()) && **value != Tree::Null)
+}
+
+pub fn is_file(document: &Document) -> bool {
+    let has_keys = |tree: &Tree| find(tree, &MATRIX).is_some() || find(tree, &["imagewidth"]).is_some();
+    document.root("opencv_storage").is_some() || document.tree().is_some_and(has_keys)
+}
+
+pub fn contents(document: &Document) -> Result<Contents> {
+    Contents::of_one(file(document)?.calibration(None))
+}
+
+fn file(document: &Document) -> Result<OpenCvFile> {
+    let as_written = |why: String| format!("{NOT}: {why}");
+    match document {
+        Document::Tree(tree) => of_tree(tree),
+        Document::Xml(xml) => {
+            let root = xml.root_element();
+            if !root.has_tag_name("opencv_storage") {
+                let name = root.tag_name().name();
+                return Err(as_written(format!("its root element is <{name}>, not <opencv_storage>")));
+            }
+            of_tree(&xml::tree(root).map_err(as_written)?)
+        }
+        Document::Text(_) => Err(as_written("it is no YAML, XML or JSON with keys".into())),
     }
-    Err(format!(
-        "has {count} lists and tables in brackets, over the limit of {BRACKETS_MAX}; remove all but the camera's keys"
-    ))
 }
 
-pub(super) fn parse(text: &str) -> std::result::Result<OpenCvFile, String> {
-    check_brackets(text)?;
-    let keys = keys(text).map_err(|e| format!("not a calibration as OpenCV writes it: {}", e.replace('\n', " ")))?;
-    let fisheye = said_model(&keys)?;
-    let Matrix { rows, cols, data } = keys.camera_matrix;
+fn of_tree(root: &Tree) -> Result<OpenCvFile> {
+    let as_written = |why: String| format!("{NOT}: {why}");
+    let need = |spellings: &[&str], name: &str| find(root, spellings).ok_or(as_written(format!("{name} is missing")));
+    let (name, matrix) = need(&MATRIX, "camera_matrix")?;
+    let (rows, cols, data) = numbers(matrix, 3).map_err(|why| as_written(format!("{name}: {why}")))?;
     let [fx, skew, cx, zero, fy, cy, zero_x, zero_y, one] = data[..] else {
-        return Err(format!("camera_matrix: {} numbers in {rows} x {cols}; it must be 3 x 3", data.len()));
+        return Err(format!("{name}: {} numbers in {rows} x {cols}; it must be 3 x 3", data.len()));
     };
     if (rows, cols) != (3, 3) || [skew, zero, zero_x, zero_y] != [0.0; 4] || one != 1.0 {
-        return Err("camera_matrix: must be [fx, 0, cx; 0, fy, cy; 0, 0, 1]".into());
+        return Err(format!("{name}: must be [fx, 0, cx; 0, fy, cy; 0, 0, 1]"));
     }
-    let (focal, centre) = (DVec2::new(fx, fy), DVec2::new(cx, cy));
-    let intrinsics = super::intrinsics([keys.image_width, keys.image_height], focal, centre)
-        .map_err(|why| format!("camera_matrix: {why}"))?;
-    let Matrix { rows, cols, data } = keys.distortion_coefficients;
-    if rows.checked_mul(cols) != Some(data.len()) || data.iter().any(|k| !k.is_finite()) {
-        let count = data.len();
-        return Err(format!("distortion_coefficients: {count} numbers in {rows} x {cols}; each must be finite"));
+    let size = size(root).map_err(as_written)?;
+    let intrinsics =
+        super::intrinsics(size, DVec2::new(fx, fy), DVec2::new(cx, cy)).map_err(|why| format!("{name}: {why}"))?;
+    let (name, list) = need(&COEFFICIENTS, "distortion_coefficients")?;
+    let (rows, cols, data) = numbers(list, 1).map_err(|why| as_written(format!("{name}: {why}")))?;
+    if rows.checked_mul(cols) != Some(data.len()) {
+        return Err(format!("{name}: {} numbers in {rows} x {cols}", data.len()));
     }
-    Ok(OpenCvFile { intrinsics, coefficients: data, fisheye })
+    let fisheye = said_model(root, &data)?;
+    Ok(OpenCvFile { intrinsics, coefficients: data, fisheye, note: cropped(root) })
 }
 
-/// The keys of a file in any of the three formats, distinguished by its first character.
-fn keys(text: &str) -> std::result::Result<Keys, String> {
-    let text = text.trim_start_matches('\u{feff}').trim_start();
-    if text.starts_with('<') {
-        return xml::keys(text);
+/// The rows, columns and numbers of a matrix; a list alone has `rows`.
+fn numbers(matrix: &Tree, rows: usize) -> Result<(usize, usize, Vec<f64>)> {
+    let field = |key: &str| matrix.get(key).ok_or(format!("missing field `{key}`"));
+    let data = if matrix.is_table() { field("data")? } else { matrix };
+    let numbers = match data {
+        // XML has none as an empty text
+        Tree::Text(text) => {
+            let number = |word: &str| word.parse().map_err(|_| format!("<data>: {word:?} is not a number in range"));
+            Some(text.split_ascii_whitespace().map(number).collect::<Result<_>>()?)
+        }
+        _ => data.numbers(),
+    };
+    let numbers: Vec<f64> =
+        numbers.filter(|n| n.iter().all(|x| x.is_finite())).ok_or("must be a list of finite numbers")?;
+    if !matrix.is_table() {
+        return Ok((rows, numbers.len() / rows, numbers));
     }
-    if text.starts_with('{') {
-        return serde_json::from_str(text).map_err(|e| e.to_string());
-    }
-    // OpenCV's first line is no directive of YAML; a comment keeps the numbers of the lines
-    serde_norway::from_str(&text.replacen("%YAML:1.0", "# YAML 1.0", 1)).map_err(|e| e.to_string())
+    let count = |key: &str| match field(key)?.number() {
+        Some(n) if n >= 0.0 && n.fract() == 0.0 => Ok(n as usize),
+        _ => Err(format!("{key} must be a whole number")),
+    };
+    Ok((count("rows")?, count("cols")?, numbers))
 }
 
-/// The model that the file names: whether it is the fisheye, and the line that says so.
-fn said_model(keys: &Keys) -> std::result::Result<Option<(bool, String)>, String> {
-    let named = match keys.distortion_model.as_deref() {
-        None => None,
-        Some(name @ ("plumb_bob" | "rational_polynomial")) => Some((false, format!("distortion_model: {name}"))),
-        Some(name @ ("equidistant" | "fisheye")) => Some((true, format!("distortion_model: {name}"))),
+fn size(root: &Tree) -> Result<[u64; 2]> {
+    if let Some((name, size)) = find(root, &SIZE) {
+        let size = size.numbers().and_then(|n| <[f64; 2]>::try_from(n).ok());
+        return size.map_or(Err(format!("{name} must be the width and the height")), whole);
+    }
+    let side = |spellings: &[&str], name: &str| {
+        let (name, value) = find(root, spellings)
+            .ok_or(format!("{name} is missing; add image_width and image_height, px, to the file"))?;
+        value.number().ok_or(format!("{name} must be a finite number"))
+    };
+    whole([side(&WIDTH, "image_width")?, side(&HEIGHT, "image_height")?])
+}
+
+/// What ROS says of a part of the sensor, which `camera_matrix` is not of.
+fn cropped(root: &Tree) -> Option<String> {
+    let number = |tree: &Tree, key: &str| tree.get(key).and_then(Tree::number).unwrap_or(0.0);
+    let is_binned = number(root, "binning_x") > 1.0 || number(root, "binning_y") > 1.0;
+    let roi = root.get("roi");
+    let is_cut =
+        roi.is_some_and(|roi| ["x_offset", "y_offset", "width", "height"].iter().any(|k| number(roi, k) > 0.0));
+    (is_binned || is_cut)
+        .then(|| "binning and roi of the file are not applied: the rays are those of the whole image".into())
+}
+
+/// The model that the file names: whether it is the fisheye, and the line that says so. Simulators leave the name empty.
+fn said_model(root: &Tree, coefficients: &[f64]) -> Result<Option<(bool, String)>> {
+    let said = |fisheye: bool, name: &str| Some((fisheye, format!("distortion_model: {name}")));
+    let is_none = coefficients.iter().all(|k| *k == 0.0);
+    let named = match root.get("distortion_model").map(|name| name.text().unwrap_or("?")) {
+        None | Some("") => None,
+        Some(name @ ("none" | "None")) if is_none => said(false, name),
+        Some(name @ ("plumb_bob" | "rational_polynomial" | "radtan")) => said(false, name),
+        Some(name @ ("equidistant" | "fisheye" | "kannala_brandt" | "kannala_brandt4")) => said(true, name),
         Some(name) => {
             return Err(format!(
-                "distortion_model: {name:?} is not known; use plumb_bob or rational_polynomial (Brown), or equidistant or fisheye (fisheye)"
+                "distortion_model: {name:?} is not known; use plumb_bob or rational_polynomial (Brown), equidistant or fisheye (fisheye), or none without coefficients"
             ));
         }
     };
-    let flagged = keys.fisheye_model.map(|flag| (flag != 0, format!("fisheye_model: {flag}")));
+    let flag = root.get("fisheye_model").and_then(Tree::number);
+    let flagged = flag.map(|flag| (flag != 0.0, format!("fisheye_model: {flag}")));
     match (named, flagged) {
         (Some(a), Some(b)) if a.0 != b.0 => Err(format!("{} and {} contradict each other; correct one", a.1, b.1)),
         (named, flagged) => Ok(named.or(flagged)),

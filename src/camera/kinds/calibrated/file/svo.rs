@@ -1,0 +1,65 @@
+//! Cameras of SVO and maplab (a list `cameras`), and of vikit (`cam_model`). The first pixel has its centre at (0, 0).
+
+use super::document::{Document, Tree};
+use super::{Calibration, Contents, intrinsics, kalibr};
+use crate::camera::calibration::Model;
+use glam::DVec2;
+
+type Result<T> = std::result::Result<T, String>;
+
+/// The cameras of vikit, by number: one at the root, or `camN`.
+fn vikit(root: &Tree) -> Vec<(u64, &Tree)> {
+    let named = root.entries().filter_map(|(key, camera)| Some((kalibr::number(key)?, camera)));
+    let all = std::iter::once((0, root)).chain(named);
+    all.filter(|(_, camera)| camera.get("cam_model").is_some()).collect()
+}
+
+/// The cameras of a list, each below `camera` or not.
+fn listed(root: &Tree) -> Vec<&Tree> {
+    let items = root.get("cameras").map_or(&[][..], Tree::items);
+    let cameras = items.iter().map(|item| item.get("camera").unwrap_or(item));
+    cameras.filter(|camera| camera.has(&["type", "intrinsics"])).collect()
+}
+
+pub fn is_file(document: &Document) -> bool {
+    document.tree().is_some_and(|root| !vikit(root).is_empty() || !listed(root).is_empty())
+}
+
+pub fn contents(document: &Document) -> Result<Contents> {
+    let Some(root) = document.tree() else { return Err("not SVO's".into()) };
+    let listed = listed(root).into_iter().enumerate().map(|(n, camera)| (n as u64, of_list(camera)));
+    let vikit = vikit(root).into_iter().map(|(n, camera)| (n, of_vikit(camera)));
+    Ok(Contents::of_cameras(listed.chain(vikit).collect()))
+}
+
+fn of_list(camera: &Tree) -> Result<Calibration> {
+    let size = camera.need_size(["image_width", "image_height"])?;
+    let distortion = camera.get("distortion");
+    let name = distortion.and_then(|d| d.get("type")).and_then(Tree::text).unwrap_or("none");
+    let k = distortion
+        .filter(|d| d.get("parameters").is_some())
+        .map_or(Ok(Vec::new()), |d| d.need_numbers("parameters"))?;
+    let k = if name == "none" { &[] } else { &k[..] };
+    kalibr::calibration(size, camera.need_text("type")?, &camera.need_numbers("intrinsics")?, name, k)
+}
+
+fn of_vikit(camera: &Tree) -> Result<Calibration> {
+    let size = camera.need_size(["cam_width", "cam_height"])?;
+    let [fx, fy, cx, cy] = camera.need_each(["cam_fx", "cam_fy", "cam_cx", "cam_cy"])?;
+    let d = camera.numbers_or_0(["cam_d0", "cam_d1", "cam_d2", "cam_d3", "cam_d4"])?;
+    let (mut focal, mut centre) = (DVec2::new(fx, fy), DVec2::new(cx, cy));
+    let model = match camera.need_text("cam_model")? {
+        "Pinhole" => Model::brown(&d),
+        "PinholeEquidistant" => Model::fisheye(&d[..4]),
+        // PTAM's numbers are fractions of the image
+        "ATAN" => {
+            let pixels = DVec2::new(size[0] as f64, size[1] as f64);
+            (focal, centre) = (focal * pixels, centre * pixels - 0.5);
+            Model::field_of_view(d[0])
+        }
+        other => {
+            return Err(format!("cam_model: {other:?} is not known; use Pinhole, PinholeEquidistant or ATAN"));
+        }
+    };
+    Ok(Calibration::new(intrinsics(size, focal, centre)?, model))
+}
