@@ -306,7 +306,7 @@ fn xml_and_json_are_read_as_yaml_is() {
         assert!(error.exit_code() == 2 && said.contains(expected) && !said.contains('\n'), "{expected}: {said}");
     };
     wrong(xml.replace("opencv_storage", "storage"), "its root element is <storage>");
-    wrong(xml.replace("image_width", "width"), "<opencv_storage> has no <image_width>");
+    wrong(xml.replace("image_width", "breadth"), "image_width is missing; add image_width and image_height");
     wrong(xml.replace("</data>", " x</data>"), "<data>: \"x\" is not a number");
     wrong(xml.replace("<rows>5", "<rows>4"), "distortion_coefficients: 5 numbers in 4 x 1");
     wrong(xml.replace("<dt>", "<rows>1</rows><dt>"), "<rows> is there twice");
