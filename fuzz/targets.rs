@@ -141,6 +141,18 @@ pub fn calibration(data: &[u8]) {
     });
 }
 
+/// A file of poses, and the camera at the first and the second of them.
+pub fn poses(data: &[u8]) {
+    read("poses.txt", data, |path| {
+        let scene = path.with_file_name("scene.toml");
+        let keys = "kind = \"pinhole\"\nvfov = 40\nposes = \"poses.txt\"";
+        std::fs::write(&scene, format!("image = {{ width = 4, height = 4 }}\n[camera]\n{keys}\n"))
+            .expect("a temporary file");
+        let load = |frame| anamorph::internals::scene::Scene::load(&scene, &[], frame, &loading())?.camera();
+        load(0.0).and_then(|_| load(1.0))
+    });
+}
+
 /// The keys of a camera, built for a small image.
 pub fn camera(data: &[u8]) {
     let text = [b"image = { width = 24, height = 16 }\n[camera]\n", data].concat();

@@ -83,6 +83,11 @@ fn calibrations() {
     run("calibration", targets::calibration, rounds());
 }
 
+#[test]
+fn poses() {
+    run("poses", targets::poses, rounds());
+}
+
 /// Fewer rounds, because some cameras have up to a million pieces.
 #[test]
 fn cameras() {

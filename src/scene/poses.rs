@@ -9,7 +9,7 @@ use crate::input::tree::{Entry, Node, Value};
 use crate::input::{Error, Loading, Result};
 use glam::{DMat3, DQuat, DVec3};
 use serde::Deserialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Where a camera is, and from its axes to the world's.
 type Pose = (DVec3, DQuat);
@@ -58,6 +58,13 @@ pub(super) fn expand(root: &mut Node, source: &Source) -> Result<()> {
 
 /// Reads a folder of COLMAP's, `transforms.json`, another project with images and poses, or a list of poses.
 fn read(path: &Path, loading: &Loading) -> Result<Poses> {
+    if let Some(files) = numbered(path) {
+        let mut all = Vec::new();
+        for file in files {
+            all.extend(read(&file, loading)?.all);
+        }
+        return Ok(Poses { all, convention: "opencv" });
+    }
     if calibrated::file::has_images(path) {
         let all =
             calibrated::file::poses(path, loading)?.into_iter().map(|placed| (placed.eye, placed.rotation)).collect();
@@ -81,6 +88,20 @@ fn read(path: &Path, loading: &Loading) -> Result<Poses> {
         return Err(refuse("has no poses".into()));
     }
     Ok(poses)
+}
+
+/// The files 0.txt, 1.txt and on of a folder, by number, as ScanNet has one for each pose; `None` if it has no 0.txt.
+fn numbered(folder: &Path) -> Option<Vec<PathBuf>> {
+    if !folder.join("0.txt").is_file() {
+        return None;
+    }
+    let paths = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+    let number = |path: &Path| path.file_stem()?.to_str()?.parse::<u64>().ok();
+    let is_text = |path: &Path| path.extension().is_some_and(|e| e == "txt");
+    let mut all: Vec<(u64, PathBuf)> =
+        paths.filter(|path| is_text(path)).filter_map(|path| Some((number(&path)?, path))).collect();
+    all.sort();
+    Some(all.into_iter().map(|(_, path)| path).collect())
 }
 
 /// The `transforms.json` of nerfstudio and other NeRFs: camera to world, OpenGL's axes, in the order of the file.
@@ -157,6 +178,31 @@ mod tests {
         let colmap = "2 0 1 0 0 -1 2 3 1 b.jpg\n\n1 1 0 0 0 0 0 0 1 a.jpg\n\n";
         assert!(near(seen("images.txt", colmap, 1.0).unwrap(), first), "{:?}", seen("images.txt", colmap, 1.0));
         assert!(near(seen("images.txt", colmap, 0.0).unwrap(), [DVec3::ZERO, DVec3::X, DVec3::NEG_Y, DVec3::Z]));
+    }
+
+    #[test]
+    fn a_folder_of_numbered_files_has_a_pose_in_each() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("pose")).unwrap();
+        for n in [0, 2, 10] {
+            let text = format!("1 0 0 {n}\n0 -1 0 2\n0 0 -1 3\n0 0 0 1\n");
+            std::fs::write(folder.path().join(format!("pose/{n}.txt")), text).unwrap();
+        }
+        let found = read(&folder.path().join("pose"), &Loading::default()).unwrap();
+        assert_eq!(found.all.iter().map(|(eye, _)| eye.x).collect::<Vec<_>>(), [0.0, 2.0, 10.0]);
+    }
+
+    #[test]
+    fn poses_of_images_are_read_from_projects() {
+        let shot = |x: f64| format!("{{\"rotation\": [0, 0, 0], \"translation\": [{x}, 0, 0], \"camera\": \"c\"}}");
+        let camera = "{\"projection_type\": \"perspective\", \"width\": 4, \"height\": 4, \"focal\": 1}";
+        let text = format!(
+            "[{{\"cameras\": {{\"c\": {camera}}}, \"shots\": {{\"a\": {}, \"b\": {}}}}}]",
+            shot(0.0),
+            shot(-3.0)
+        );
+        let [eye, right, up, forward] = seen("reconstruction.json", &text, 1.0).unwrap();
+        assert_eq!([eye, right, up, forward], [DVec3::X * 3.0, DVec3::X, DVec3::NEG_Y, DVec3::Z]);
     }
 
     #[test]

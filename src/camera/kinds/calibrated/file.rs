@@ -181,10 +181,14 @@ const FORMATS: &[Format] = &[
     Format { name: "OpenCV or ROS", recognizes: opencv::is_file, read: opencv::contents },
 ];
 
+fn recognized(document: &Document) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| (format.recognizes)(document))
+}
+
 /// The format of a file, and its cameras and images.
 fn parse(text: &str) -> std::result::Result<(&'static str, Contents), String> {
     let document = Document::parse(text).map_err(|why| format!("not a calibration: {why}"))?;
-    match FORMATS.iter().find(|format| (format.recognizes)(&document)) {
+    match recognized(&document) {
         Some(format) => Ok((format.name, (format.read)(&document)?)),
         None => Err(refused::why(&document).unwrap_or_else(|| {
             let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
@@ -224,7 +228,7 @@ pub fn load(path: &Path, loading: &Loading) -> Result<(&'static str, Contents)> 
 
 /// The text is of a format that is read, other than a scene file.
 pub fn is_calibration(text: &str) -> bool {
-    Document::parse(text).is_ok_and(|document| FORMATS.iter().any(|format| (format.recognizes)(&document)))
+    Document::parse(text).is_ok_and(|document| recognized(&document).is_some())
 }
 
 /// The names of the images of a folder that COLMAP wrote, or of a file with poses, in order.

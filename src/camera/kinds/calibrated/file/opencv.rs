@@ -67,7 +67,12 @@ pub fn read(path: &Path, loading: &Loading) -> crate::input::Result<OpenCvFile> 
     let text =
         loading.read_to_string(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
     let document = Document::parse(&text).map_err(|why| refuse(format!("{NOT}: {why}")))?;
-    file(&document).map_err(refuse)
+    match super::recognized(&document) {
+        Some(other) if !is_file(&document) => {
+            Err(refuse(format!("a calibration of {}, which kind = \"calibrated\" reads", other.name)))
+        }
+        _ => file(&document).map_err(refuse),
+    }
 }
 
 const NOT: &str = "not a calibration as OpenCV writes it";

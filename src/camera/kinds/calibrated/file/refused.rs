@@ -1,6 +1,6 @@
 //! Files that are recognized and cannot be read as a calibration: what each is, and what to do.
 
-use super::document::{Document, Tree};
+use super::document::Document;
 
 struct Known {
     recognizes: fn(&Document) -> bool,
@@ -30,14 +30,7 @@ const KNOWN: &[Known] = &[
         says: "a stereo calibration of OpenCV without a size of the image; save image_width, image_height, camera_matrix and distortion_coefficients of each camera",
     },
     Known {
-        recognizes: |d| {
-            let ros = |tree: &Tree| tree.at(&["topic"]).is_some() && tree.get("camera").is_some();
-            d.tree().is_some_and(ros)
-        },
-        says: "a ROS parameter file that names a camera; give the camera_info itself",
-    },
-    Known {
-        recognizes: |d| root_is(d, "xmpmeta") || root_is(d, "x:xmpmeta"),
+        recognizes: |d| root_is(d, "xmpmeta"),
         says: "an XMP of RealityCapture, which has no size of the image; export the project as COLMAP",
     },
     Known {
