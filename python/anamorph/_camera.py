@@ -98,10 +98,10 @@ def colmap_images(folder: str | os.PathLike[str]) -> list[str]:
     """The names of the images of a COLMAP model, in order: values of ``image`` for :func:`anamorph.camera.calibrated`.
 
     Args:
-        folder: has ``cameras`` and ``images``, as ``.bin`` or ``.txt``.
+        folder: has ``cameras`` and ``images``, as ``.bin`` or ``.txt``; or a file with images, such as ``transforms.json``.
 
     Raises:
         OSError: the file of images cannot be read.
-        ValueError: it is not COLMAP's, or has no image.
+        ValueError: it has no images.
     """
     return _native.colmap_images(os.fspath(folder))

@@ -1179,15 +1179,18 @@ def calibrated(
     convention: Value | None = None,
     distance: Value | None = None,
 ) -> Camera:
-    """A calibrated camera, from the file of COLMAP, OpenCV, ROS, Kalibr or NVIDIA DRIVE; with an image of COLMAP's also its pose.
+    """A calibrated camera, from the file of COLMAP, OpenCV, ROS, Kalibr or others; with an image of a project also its pose.
 
       eye        [x, y, z]   where the camera is while its row 0 is read; t = 0
       target     [x, y, z]   what its z axis (forward) looks at
       up         [x, y, z]   against its y axis (default [0, 1, 0])
       file       "sparse/0"  a folder of COLMAP's, with cameras and images as .bin or .txt, or its file of cameras; or
-                 "CAM.yaml"  OpenCV's FileStorage, ROS's camera_info, Kalibr's camchain, or the rig.json of DRIVE
-      image      "NAME"      an image of COLMAP's: its camera and its pose; replaces eye, target, up, matrix and quaternion
-      index      N           which camera of the file: COLMAP's id, N of Kalibr's camN, place among a rig's sensors from 0
+                 "CAM.yaml"  a file of OpenCV, ROS, Kalibr, EuRoC, camodocal, Basalt, ORB-SLAM, stella_vslam, SVO, vikit, gyroflow,
+                             WoodScape, OCamCalib, NVIDIA's DRIVE and ncore, OpenSfM, ODM, AliceVision, Metashape or KITTI, or a
+                             transforms.json: anamorph info CAM.yaml shows which cameras it has
+      image      "NAME"      an image of COLMAP, transforms.json, OpenSfM, AliceVision or Metashape: its camera and its pose;
+                             replaces eye, target, up, matrix and quaternion
+      index      N           which camera of the file: COLMAP's id, N of camN, the place in the file's list from 0
                              (default: the only one)
       line_time  seconds     from one row of the sensor to the next (default 0: all at once)
       velocity   [x, y, z]   of the camera, world units a second (default 0)
@@ -1205,7 +1208,7 @@ def calibrated(
 
     The image has the file's size; an [image] of another size shows the same view stretched to it. Directions, at angle theta from the
     axis, are projected onto a plane at radius r, a distortion moves the plane's points, and focal lengths and principal point make
-    pixels of them. COLMAP's first pixel has its centre at (0.5, 0.5), that of all others at (0, 0).
+    pixels of them. The centre of the first pixel is where the writer of the file puts it: (0.5, 0.5) or (0, 0).
     COLMAP: all models up to EQUIRECTANGULAR. SIMPLE_PINHOLE to FULL_OPENCV and the fisheyes are opencv's brown and fisheye; FOV: r = atan(2 tan(theta)
     tan(omega / 2)) / omega; THIN_PRISM_FISHEYE: r = theta, then brown with k1..k4 of r^2..r^8, p1, p2, s1 = sx1, s3 = sy1;
     RAD_TAN_THIN_PRISM_FISHEYE: r = theta, then k0..k5 of r^2..r^12, then p and s of the moved point; DIVISION: tan(theta) =
@@ -1213,11 +1216,12 @@ def calibrated(
     ROS: plumb_bob, rational_polynomial, equidistant. Kalibr: pinhole, omni, eucm or ds, with radtan or none; pinhole with equidistant
     or fov. omni: r = sin(theta) / (cos(theta) + xi); eucm: r = sin(theta) / (alpha sqrt(beta sin^2(theta) + cos^2(theta)) +
     (1 - alpha) cos(theta)); ds: r = sin(theta) / (alpha d + (1 - alpha) (xi + cos(theta))), d^2 = sin^2(theta) + (xi + cos(theta))^2.
-    DRIVE: ftheta, a polynomial from the radius in pixels to theta or back, and [c d; e 1].
+    DRIVE, ncore and WoodScape: a polynomial from the radius in pixels to theta or back, and [c d; e 1] or an aspect ratio. OCamCalib:
+    D along (x, y, -(a0 + a1 r + a2 r^2 + ...)), r in pixels. The others have the same models under other names.
     The perspective and FOV projections have rays of D = x r - y u + f, so t is the depth along f; all others have D of unit length.
-    A pixel has the ray on the branch of the middle, as for opencv: none beyond a fold or a pole. Poses, extrinsics of chains and rigs,
-    rectifications and time offsets of files are not read, but for image.
-    Source: COLMAP's models.h; OpenCV; Kalibr's supported models; Devernay and Faugeras 2001; Fitzgibbon 2001; Mei and Rives 2007;
+    A pixel has the ray on the branch of the middle, as for opencv: none beyond a fold or a pole; a line says how many have none.
+    Extrinsics of chains and rigs, rectifications and time offsets of files are not read.
+    Source: COLMAP's models.h; OpenCV; Kalibr's supported models; Scaramuzza et al. 2006; Devernay and Faugeras 2001; Fitzgibbon 2001; Mei and Rives 2007;
     Khomutenko et al. 2016; Usenko et al. 2018.
     """
     return Camera("calibrated", {"eye": eye, "target": target, "up": up, "file": file, "image": image, "index": index, "line_time": line_time, "velocity": velocity, "angular_velocity": angular_velocity, "pieces": pieces, "error": error, "t_range": t_range, "matrix": matrix, "quaternion": quaternion, "convention": convention, "distance": distance})

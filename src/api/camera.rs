@@ -123,10 +123,10 @@ pub fn camera_kinds() -> impl Iterator<Item = (&'static str, String)> {
 }
 
 /// The names of the images of a COLMAP model, in order: values of `image` for cameras of kind `calibrated`. `folder` has `cameras` and
-/// `images` as .bin or .txt.
+/// `images` as .bin or .txt, or is a file with images, such as `transforms.json`.
 ///
 /// # Errors
-/// [`Error::Missing`] or [`Error::Read`] if the file of images cannot be read; [`Error::Input`] if it is not COLMAP's, or has no image.
+/// [`Error::Missing`] or [`Error::Read`] if the file of images cannot be read; [`Error::Input`] if it has no images.
 pub fn colmap_images(folder: impl AsRef<Path>) -> Result<Vec<String>> {
     calibrated::file::images(folder.as_ref(), &Loading::default())
 }

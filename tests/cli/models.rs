@@ -298,3 +298,35 @@ fn elevations_of_real_places_are_read() {
     // 1/1200 of a degree is 92.662 m along the meridian, and cos(40.15 degrees) times that along the parallel
     assert!(asc.contains("if it is in degrees  use cell = [70.827, 92.662] for metres"), "{asc}");
 }
+
+#[test]
+fn info_describes_calibrations() {
+    let place = Place::new();
+    let camera = |n: u32, model: &str| {
+        format!(
+            "cam{n}:\n  camera_model: {model}\n  intrinsics: [50, 50, 47.5, 31.5]\n  distortion_model: equidistant\n  distortion_coeffs: [-0.08333333333333333, 0, 0, 0]\n  resolution: [96, 64]\n"
+        )
+    };
+    place.write("chain.yaml", format!("%YAML:1.0\n{}{}", camera(0, "pinhole"), camera(1, "lens")));
+    let printed = place.works(&["info", "chain.yaml"]);
+    for line in [
+        "chain.yaml (calibration, Kalibr)\n",
+        "  camera 0             96 x 64, equidistant\n",
+        "    numbers            cx = 47.5, cy = 31.5, fx = 50, fy = 50, k1 = -0.08333333333333333\n",
+        "    pixels with a ray  100 %\n",
+        "  camera 1             cannot be used: camera_model: \"lens\" is not known",
+    ] {
+        assert!(printed.contains(line), "{line:?} is not in {printed}");
+    }
+    let json: Value = serde_json::from_str(&place.works(&["info", "chain.yaml", "--json"])).unwrap();
+    assert_eq!((&json["format"], &json["cameras"][0]["numbers"]["fx"]), (&"Kalibr".into(), &50.0.into()));
+    assert!(json["cameras"][1]["error"].as_str().is_some_and(|error| error.contains("not known")), "{json}");
+    let frame =
+        "{\"file_path\": \"a.png\", \"transform_matrix\": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}";
+    place.write("transforms.json", format!("{{\"w\": 96, \"h\": 64, \"fl_x\": 48, \"frames\": [{frame}]}}"));
+    let printed = place.works(&["info", "transforms.json"]);
+    // 2 atan(1) across, 2 atan(2 / 3) down
+    assert!(printed.contains("field of view      90.0 x 67.4 degrees"), "{printed}");
+    assert!(printed.contains("images with poses    1, the first is \"a.png\""), "{printed}");
+    place.refuses(&["info", "scan.yaml"], 2, "scan.yaml: cannot be read");
+}
