@@ -450,6 +450,7 @@ fn lenses_of_transforms_json_are_those_of_nerfstudio() {
         count_in(&camera, to_world, |d| to_pixel([40.0, 58.0], [39.5, 31.0], brown(flat(d), &BROWN.0, BROWN.1)));
     assert_eq!(seen, 96 * 64);
     for (keys, says) in [
+        (POSE, "has cameras 0, 1; choose one: index = 0, or an image: image = \"a.png\""),
         ("image = 'c.png'", "has no image \"c.png\"; its images are \"a.png\", \"b.png\""),
         ("index = 7\neye = [0, 0, 0]\ntarget = [0, 0, 1]", "has no camera of this index; it has 0, 1"),
     ] {
@@ -776,6 +777,9 @@ fn files_that_are_known_and_not_read_are_named() {
         ("a.json", "{\"a\": 1}", "not a calibration of a format that is read: COLMAP, "),
         ("a.json", "{\"a\": ", "not a calibration: EOF"),
         ("a.txt", "hello", "not a calibration of a format that is read: COLMAP, "),
+        ("a.yaml", "cam0:\n  camera_model: [pinhole\n", "(as YAML: "),
+        ("a.xmp", "<x:xmpmeta xmlns:x='adobe:ns:meta/'/>", "an XMP of RealityCapture"),
+        ("a.csv", "#name,x,y,alt\na.jpg,1,2,3\n", "a list of RealityCapture's cameras"),
     ] {
         let error = in_file(file, text, POSE).unwrap_err();
         let said = error.to_string();

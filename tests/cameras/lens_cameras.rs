@@ -246,6 +246,7 @@ fn wrong_calibrations_say_why() {
     refused(&good.replace("rows: 4", "rows: 5"), "", "distortion_coefficients: 4 numbers in 5 x 1");
     refused(&good.replace("1e-1", ".nan"), "", "finite");
     refused("nothing", "", "not a calibration");
+    refused("cam0:\n  camera_model: pinhole\n", "", "a calibration of Kalibr, which kind = \"calibrated\" reads");
     refused("%YAML:1.0\n---\n[", "", "not a calibration");
     refused(&good, "model = 'tilted'", "camera.model");
     refused(&good, "velocity = [1, 0, 0]", "camera.velocity");

@@ -48,11 +48,12 @@ impl Seen {
 
 impl Brown {
     /// # Errors
-    /// A coefficient that is not finite, or a tilt of 90 degrees or more.
+    /// A coefficient that is not finite or over [`COEFFICIENT_MAX`], or a tilt of 90 degrees or more.
     pub fn new(k: &Coefficients) -> Result<Brown, String> {
         let prism = k.prism.iter().flat_map(|s| [&s.x, &s.y]);
-        if !k.radial.iter().chain(&k.below).chain(&k.tangential).chain(prism).all(|k| k.is_finite()) {
-            return Err("distortion coefficients: all must be finite".into());
+        // NaN is not under the limit
+        if !k.radial.iter().chain(&k.below).chain(&k.tangential).chain(prism).all(|k| k.abs() <= COEFFICIENT_MAX) {
+            return Err(format!("distortion coefficients: all must be finite, and at most {COEFFICIENT_MAX:e}"));
         }
         let [k1, k2, k3, k4, k5, k6] = k.radial;
         let used = k.radial.iter().rposition(|k| *k != 0.0).map_or(0, |last| last + 1);
@@ -199,6 +200,10 @@ impl Brown {
         (f(hi).0 >= 0.0).then(|| roots::in_bracket(rd, hi, f))
     }
 }
+
+/// Largest coefficient. With this k1 a lens folds at a radius of some 1e-50, whose fourth power f64 still holds. With 1e308 squares of
+/// the radius are subnormal, and following a line to the fold takes seconds for each pixel.
+const COEFFICIENT_MAX: f64 = 1e100;
 
 /// Relative to the sum of the terms' sizes: Horner's schemes, the quotient and the sum are at most 24 roundings, each half an epsilon.
 const ROUNDING: f64 = 12.0 * f64::EPSILON;

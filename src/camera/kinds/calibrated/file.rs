@@ -1,4 +1,4 @@
-//! Calibration files: the formats that are read, how each is recognized, and what all of them say.
+//! Calibration files: the table of formats, how each is recognized, and the cameras and images of a file.
 
 mod alicevision;
 mod basalt;
@@ -28,14 +28,14 @@ use document::Document;
 use glam::{DMat2, DMat3, DQuat, DVec2, DVec3};
 use std::path::Path;
 
-/// One camera of a file.
+/// A camera of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
     pub intrinsics: Intrinsics,
     pub model: Model,
-    /// The pose of an image, if one was asked for.
+    /// Pose of the image that the scene names.
     pub placed: Option<Placed>,
-    /// What the file does not say and is assumed, or what it says and rays do not follow.
+    /// An assumption that the file leaves open, or a part of the file that the rays do not follow.
     pub note: Option<String>,
 }
 
@@ -45,17 +45,17 @@ impl Calibration {
     }
 }
 
-/// Where an image was taken from.
+/// Pose of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placed {
-    /// In the world.
+    /// Position in the world.
     pub eye: DVec3,
-    /// From the camera's frame (x right, y down, z forward) to the world's.
+    /// Rotation from the camera's frame (x right, y down, z forward) to the world's.
     pub rotation: DQuat,
 }
 
 impl Placed {
-    /// From the rows of a matrix from the camera's frame to the world's.
+    /// Converts the rows of a matrix from the camera's frame to the world's.
     fn of_rows(rows: &[[f64; 4]; 3]) -> std::result::Result<Placed, String> {
         let column = |k: usize| DVec3::new(rows[0][k], rows[1][k], rows[2][k]);
         let axes = DMat3::from_cols(column(0), column(1), column(2));
@@ -71,7 +71,7 @@ impl Placed {
 /// All cameras and images of a file.
 #[derive(Debug)]
 pub struct Contents {
-    /// Each with the number that `index` names, and why it cannot be used.
+    /// Each camera with its number for `index`, or with the reason why it cannot be used.
     pub cameras: Vec<(u64, std::result::Result<Calibration, String>)>,
     pub images: Vec<Image>,
 }
@@ -80,9 +80,9 @@ pub struct Contents {
 #[derive(Debug)]
 pub struct Image {
     pub name: String,
-    /// The number of its camera.
+    /// Number of the camera that took it.
     pub camera: u64,
-    /// Its pose, or why it has none.
+    /// Pose, or the reason why there is none.
     pub placed: std::result::Result<Placed, String>,
 }
 
@@ -96,7 +96,12 @@ impl Contents {
     }
 
     fn choose(self, which: Which) -> std::result::Result<Calibration, String> {
-        let Which::Image(name) = which else { return which.of(self.cameras)? };
+        let Which::Image(name) = which else {
+            let or_image = self.images.first().filter(|_| matches!(which, Which::Only));
+            let or_image = or_image.map_or(String::new(), |image| format!(", or an image: image = {:?}", image.name));
+            let is_one = self.cameras.len() < 2;
+            return which.of(self.cameras).map_err(|why| if is_one { why } else { why + &or_image })?;
+        };
         if self.images.is_empty() {
             return Err("has no images with poses; give index, or leave both out".into());
         }
@@ -112,19 +117,19 @@ impl Contents {
 /// Most names in a message, which is then cut where it is still long.
 const NAMED: usize = 4;
 
-/// Which camera of a file is meant.
+/// Choice of a camera in a file.
 #[derive(Debug, Clone, Copy)]
 pub enum Which<'a> {
-    /// The only one.
+    /// The file's only camera.
     Only,
-    /// The one of this number: COLMAP's id, N of camN, or the place in the file's list of cameras, from 0.
+    /// The camera with this number: COLMAP's id, N of camN, or the place in the file's list of cameras, from 0.
     Index(u64),
     /// The camera of an image, by name.
     Image(&'a str),
 }
 
 impl Which<'_> {
-    /// The only one of what a file has, or the one of this number.
+    /// Takes the only item, or the item with this number.
     fn of<T>(self, mut all: Vec<(u64, T)>) -> std::result::Result<T, String> {
         let listed = || all.iter().map(|(n, _)| n.to_string()).collect::<Vec<_>>().join(", ");
         let at = match self {
@@ -141,7 +146,7 @@ impl Which<'_> {
     }
 }
 
-/// A list, cut where it is long.
+/// Cuts a long list for a message.
 fn few(listed: &str) -> String {
     match listed.char_indices().nth(80) {
         Some((end, _)) => format!("{}...", &listed[..end]),
@@ -153,13 +158,13 @@ type Read = fn(&Document) -> std::result::Result<Contents, String>;
 
 /// A format of calibration files.
 struct Format {
-    /// Who writes it, as messages and `anamorph info` say.
+    /// Name of the program or data set that writes it, for messages and `anamorph info`.
     name: &'static str,
     recognizes: fn(&Document) -> bool,
     read: Read,
 }
 
-/// All formats that are told apart by a file's text, in the order in which they are tried; COLMAP's are told by the file's name.
+/// Formats that are recognized by a file's text, tried in this order. COLMAP's files are recognized by their names.
 const FORMATS: &[Format] = &[
     Format { name: "NVIDIA DRIVE", recognizes: rig::is_rig, read: rig::contents },
     Format { name: "ncore", recognizes: ncore::is_file, read: ncore::contents },
@@ -185,14 +190,18 @@ fn recognized(document: &Document) -> Option<&'static Format> {
     FORMATS.iter().find(|format| (format.recognizes)(document))
 }
 
-/// The format of a file, and its cameras and images.
+/// Parses a file's text: its format, cameras and images.
 fn parse(text: &str) -> std::result::Result<(&'static str, Contents), String> {
     let document = Document::parse(text).map_err(|why| format!("not a calibration: {why}"))?;
     match recognized(&document) {
         Some(format) => Ok((format.name, (format.read)(&document)?)),
         None => Err(refused::why(&document).unwrap_or_else(|| {
             let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
-            format!("not a calibration of a format that is read: COLMAP, {}", names.join(", "))
+            let why = match &document {
+                Document::Text(_, Some(why)) => format!(" (as YAML: {why})"),
+                _ => String::new(),
+            };
+            format!("not a calibration of a format that is read: COLMAP, {}{why}", names.join(", "))
         })),
     }
 }
@@ -200,7 +209,7 @@ fn parse(text: &str) -> std::result::Result<(&'static str, Contents), String> {
 /// Reads a camera from a file of any format of [`FORMATS`], or from a folder that COLMAP wrote (or its file of cameras).
 ///
 /// # Errors
-/// [`Error::Input`], [`Error::Missing`] or [`Error::Read`] naming the file: it cannot be read, is none of these, or has no such camera.
+/// [`Error::Input`], [`Error::Missing`] or [`Error::Read`] naming the file: it cannot be read, is of no such format, or lacks that camera.
 pub fn read(path: &Path, which: Which, loading: &Loading) -> Result<Calibration> {
     if colmap::is_model(path) {
         return colmap::read(path, which, loading);
@@ -208,10 +217,10 @@ pub fn read(path: &Path, which: Which, loading: &Loading) -> Result<Calibration>
     load(path, loading)?.1.choose(which).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-/// The format of a file and all that is in it.
+/// Loads a file: its format, cameras and images.
 ///
 /// # Errors
-/// As [`read`].
+/// The errors of [`read`].
 pub fn load(path: &Path, loading: &Loading) -> Result<(&'static str, Contents)> {
     if colmap::is_model(path) {
         return Ok(("COLMAP", colmap::contents(path, loading)?));
@@ -226,7 +235,7 @@ pub fn load(path: &Path, loading: &Loading) -> Result<(&'static str, Contents)> 
     parse(&text).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-/// The text is of a format that is read, other than a scene file.
+/// Tells whether the text is a calibration of a format in [`FORMATS`].
 pub fn is_calibration(text: &str) -> bool {
     Document::parse(text).is_ok_and(|document| recognized(&document).is_some())
 }
@@ -249,19 +258,19 @@ pub fn images(model: &Path, loading: &Loading) -> Result<Vec<String>> {
 /// The poses of the images of a folder that COLMAP wrote, in the order of their names.
 ///
 /// # Errors
-/// As [`images`].
+/// The errors of [`images`].
 pub fn poses(model: &Path, loading: &Loading) -> Result<Vec<Placed>> {
     colmap::poses(model, loading)
 }
 
-/// The poses of the images of a file's text, in its order; `None` if it is of no format that has any.
+/// The poses of the images in a file's text, in its order; `None` for formats without images.
 pub fn poses_of_text(text: &str) -> Option<std::result::Result<Vec<Placed>, String>> {
     let images = parse(text).ok()?.1.images;
     let placed = |image: Image| image.placed.map_err(|why| format!("image {:?}: {why}", image.name));
     (!images.is_empty()).then(|| images.into_iter().map(placed).collect())
 }
 
-/// It is a folder that COLMAP wrote, or its file of images.
+/// Tells whether the path is a folder that COLMAP wrote, or its file of images.
 pub fn has_images(path: &Path) -> bool {
     colmap::has_images(path)
 }

@@ -172,6 +172,21 @@ mod tests {
         assert!(bent.distorted(DVec2::X * 1.2).is_none());
     }
 
+    #[test]
+    fn coefficients_of_no_lens_are_refused_or_found_in_few_steps() {
+        for k in [-1e308, f64::NAN, f64::INFINITY, 1.1e100] {
+            assert!(Brown::new(&Coefficients::of_opencv(&[k, 0.01, 1e-3, -2e-3])).is_err(), "{k}");
+        }
+        // 400 pixels, each of at most some thousand steps; at 1e308 they took minutes
+        let started = std::time::Instant::now();
+        for k in [-1e100, 1e100, -1e50] {
+            let model = brown(&[k, 0.01, 1e-3, -2e-3]);
+            let found = (0..400).filter(|n| model.undistorted(DVec2::from_angle(f64::from(*n))).is_some()).count();
+            assert_eq!(found == 400, k > 0.0, "{k}: {found}");
+        }
+        assert!(started.elapsed() < std::time::Duration::from_secs(20), "{:?}", started.elapsed());
+    }
+
     /// Distorted radii go to infinity towards a pole: each has its ray.
     #[test]
     fn the_branch_ends_at_the_pole() {

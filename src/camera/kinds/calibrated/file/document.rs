@@ -1,7 +1,7 @@
 //! The text of a calibration file as a document: a tree of values (YAML or JSON), XML, or plain text.
 
 use indexmap::IndexMap;
-use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::cell::Cell;
 use std::fmt;
 
@@ -11,7 +11,8 @@ type Result<T> = std::result::Result<T, String>;
 pub enum Document<'a> {
     Tree(Tree),
     Xml(roxmltree::Document<'a>),
-    Text(&'a str),
+    /// Other text, and why it is no YAML if that was the reason.
+    Text(&'a str, Option<String>),
 }
 
 /// A value of a YAML or JSON file.
@@ -50,7 +51,8 @@ impl<'a> Document<'a> {
         match first.map(|document| Seed(&Cell::new(0)).deserialize(document)) {
             Some(Ok(tree @ Tree::Table(_))) => Ok(Document::Tree(tree)),
             Some(Err(e)) if text.starts_with("%YAML") => Err(one_line(&e)),
-            _ => Ok(Document::Text(text)),
+            Some(Err(e)) => Ok(Document::Text(text, Some(one_line(&e)))),
+            _ => Ok(Document::Text(text, None)),
         }
     }
 
@@ -63,7 +65,7 @@ impl<'a> Document<'a> {
 
     pub fn text(&self) -> Option<&'a str> {
         match self {
-            Document::Text(text) => Some(text),
+            Document::Text(text, _) => Some(text),
             _ => None,
         }
     }
@@ -96,6 +98,9 @@ fn check_brackets(text: &str) -> Result<()> {
 
 /// Most values of a file: those of 100,000 images with a pose each. Aliases of YAML repeat values.
 const VALUES_MAX: usize = 1 << 21;
+
+/// Keys whose values are left out: the reconstructed points of OpenSfM and AliceVision, of which there may be millions.
+const LEFT_OUT: [&str; 2] = ["points", "structure"];
 
 /// Builds a [`Tree`] from YAML or JSON, and counts its values.
 struct Seed<'a>(&'a Cell<usize>);
@@ -154,6 +159,10 @@ impl<'de> Visitor<'de> for Seed<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<Tree, A::Error> {
         let mut entries = IndexMap::new();
         while let Some(key) = map.next_key::<String>()? {
+            if LEFT_OUT.contains(&key.as_str()) {
+                map.next_value::<IgnoredAny>()?;
+                continue;
+            }
             let value = map.next_value_seed(Seed(self.0))?;
             if entries.contains_key(&key) {
                 return Err(A::Error::custom(format_args!("the key {key:?} is there twice; keep one")));
@@ -342,6 +351,13 @@ mod tests {
             let error = Document::parse(text).err().unwrap();
             assert!(error.contains("\"a\" is there twice") && !error.contains('\n'), "{error}");
         }
+    }
+
+    #[test]
+    fn reconstructed_points_are_left_out() {
+        let points = vec!["{\"x\": [1, 2, 3]}"; VALUES_MAX / 4].join(", ");
+        assert_eq!(tree(&format!("{{\"points\": [{points}], \"a\": 1}}")), tree("{\"a\": 1}"));
+        assert!(Document::parse(&format!("{{\"other\": [{points}]}}")).is_err());
     }
 
     /// Ten levels of eight aliases are 2^30 values.

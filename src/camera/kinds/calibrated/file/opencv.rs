@@ -111,7 +111,9 @@ fn file(document: &Document) -> Result<OpenCvFile> {
             }
             of_tree(&xml::tree(root).map_err(as_written)?)
         }
-        Document::Text(_) => Err(as_written("it is no YAML, XML or JSON with keys".into())),
+        Document::Text(_, why) => {
+            Err(as_written(why.clone().unwrap_or_else(|| "it is no YAML, XML or JSON with keys".into())))
+        }
     }
 }
 
