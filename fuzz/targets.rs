@@ -12,9 +12,9 @@ use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::geometry::heights::HeightSpec;
 use anamorph::internals::geometry::texture::Images;
-use anamorph::internals::geometry::{gltf, heights, obj, ply, stl};
+use anamorph::internals::geometry::{dae, gltf, heights, obj, off, ply, stl};
 use anamorph::internals::image::frame::Channel;
-use anamorph::internals::image::{read_npy_rows, read_pairs, read_points, read_vectors};
+use anamorph::internals::image::{read_npy_rows, read_pairs, read_points, read_text_points, read_vectors};
 use anamorph::internals::input::{Error, Limits, Loading};
 use anamorph::internals::reference::image::judge;
 use anamorph::internals::scene::file;
@@ -66,6 +66,25 @@ pub fn ply(data: &[u8]) {
 
 pub fn stl(data: &[u8]) {
     read("mesh.stl", data, |path| stl::load(path, &loading()));
+}
+
+pub fn off(data: &[u8]) {
+    read("mesh.off", data, |path| off::load(path, &loading()));
+}
+
+pub fn dae(data: &[u8]) {
+    read("mesh.dae", data, |path| dae::load(path, &loading()));
+}
+
+/// Points as text.
+pub fn xyz(data: &[u8]) {
+    read("points.xyz", data, |path| read_text_points(path, &loading()));
+}
+
+/// An image on a mesh; a TGA where it begins with two zero bytes.
+pub fn texture(data: &[u8]) {
+    let name = if data.starts_with(&[0, 0]) { "image.tga" } else { "image.png" };
+    read(name, data, |path| Images::default().load(path, &loading()));
 }
 
 /// Text, or binary where it begins as that does.

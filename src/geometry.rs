@@ -3,6 +3,7 @@
 pub mod bernstein;
 pub mod bvh;
 pub mod cast;
+pub mod dae;
 pub mod exact;
 pub mod generate;
 pub mod gltf;
@@ -12,6 +13,8 @@ mod lex;
 pub mod load;
 pub mod mesh;
 pub mod obj;
+pub mod off;
+mod parts;
 pub mod pattern;
 pub mod place;
 pub mod places;

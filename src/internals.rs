@@ -125,7 +125,7 @@ pub mod engine {
     }
 }
 pub mod geometry {
-    pub use crate::geometry::{generate, gltf, heights, obj, place, ply, stl};
+    pub use crate::geometry::{dae, generate, gltf, heights, obj, off, place, ply, stl};
     pub mod bernstein {
         pub use crate::geometry::bernstein::Bernstein;
     }
@@ -186,8 +186,8 @@ pub mod gpu {
 }
 pub mod image {
     pub use crate::image::{
-        png_bytes, read_exr, read_exr_texts, read_npy_rows, read_pairs, read_points, read_vectors, rgb8, srgb8, toned8,
-        write_exr, write_npy_f64, write_png, write_text,
+        png_bytes, read_exr, read_exr_texts, read_npy_rows, read_pairs, read_points, read_text_points, read_vectors,
+        rgb8, srgb8, toned8, write_exr, write_npy_f64, write_png, write_text,
     };
     pub mod compare {
         pub use crate::image::compare::{Comparison, Quantiles, compare};

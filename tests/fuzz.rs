@@ -54,6 +54,26 @@ fn stl_files() {
 }
 
 #[test]
+fn off_files() {
+    run("off", targets::off, rounds());
+}
+
+#[test]
+fn collada_files() {
+    run("dae", targets::dae, rounds());
+}
+
+#[test]
+fn points_as_text() {
+    run("xyz", targets::xyz, rounds());
+}
+
+#[test]
+fn textures() {
+    run("texture", targets::texture, rounds());
+}
+
+#[test]
 fn mtl_files() {
     run("mtl", targets::mtl, rounds());
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -53,8 +55,8 @@ class Mesh:
     def of(other: Any) -> Mesh:
         """The mesh of a trimesh, an open3d, or any object that has ``vertices`` and ``faces`` (or ``triangles``).
 
-        Vertex colours, which both hold in sRGB, and vertex normals of open3d are taken along. Those of trimesh are left out: it computes
-        some where a mesh has none. Textures are left out too.
+        Vertex colours, which both hold in sRGB, texture coordinates of trimesh, and vertex normals of open3d are taken along. Normals of
+        trimesh are left out: it computes some where a mesh has none. :meth:`Scene.add` takes the image or colour of its material, too.
         """
         if isinstance(other, Mesh):
             return other
@@ -63,13 +65,15 @@ class Mesh:
         if not hasattr(other, "vertices") or faces is None:
             kind = type(other).__name__
             raise TypeError(f"{kind} is no mesh: it has no vertices and faces (or triangles)")
-        normals, srgb = None, None
+        normals, srgb, uvs = None, None, None
         if is_open3d:
             normals, srgb = _rows(other, "vertex_normals"), _rows(other, "vertex_colors")
         elif getattr(getattr(other, "visual", None), "kind", None) == "vertex":
             srgb = np.asarray(other.visual.vertex_colors)[:, :3] / 255.0
+        elif getattr(getattr(other, "visual", None), "kind", None) == "texture":
+            uvs = _rows(other.visual, "uv")
         colors = None if srgb is None else np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-        return Mesh(np.asarray(other.vertices), np.asarray(faces), normals, None, colors)
+        return Mesh(np.asarray(other.vertices), np.asarray(faces), normals, uvs, colors)
 
     def __repr__(self) -> str:
         return f"<anamorph.Mesh {self.name!r}: {len(self.vertices)} vertices, {len(self.faces)} triangles>"
@@ -77,5 +81,32 @@ class Mesh:
 
 def _rows(other: Any, name: str) -> npt.NDArray[Any] | None:
     """An attribute as an array; ``None`` if it has no rows."""
-    values = np.asarray(getattr(other, name, ()))
+    values = getattr(other, name, None)
+    values = np.asarray(() if values is None else values)
     return values if len(values) else None
+
+
+def look(other: Any) -> tuple[npt.NDArray[np.uint8] | None, list[float] | None]:
+    """The image of a trimesh's material, sRGB with the first row on top, or else its colour, linear RGB."""
+    visual = getattr(other, "visual", None)
+    if getattr(visual, "kind", None) != "texture":
+        return None, None
+    material = getattr(visual, "material", None)
+    image = getattr(material, "baseColorTexture", None)
+    image = getattr(material, "image", None) if image is None else image
+    if image is not None and getattr(visual, "uv", None) is not None:
+        convert = getattr(image, "convert", None)
+        return np.asarray(image if convert is None else convert("RGBA"), dtype=np.uint8), None
+    color = getattr(material, "main_color", None)
+    return None, None if color is None else [float(c) / 255 for c in color[:3]]
+
+
+def nodes(scene: Any) -> Iterator[tuple[str, Any, npt.NDArray[np.float64]]]:
+    """The names, meshes and transforms of a trimesh.Scene's nodes; points and lines are left out with a warning."""
+    for name in scene.graph.nodes_geometry:
+        matrix, geometry = scene.graph[name]
+        mesh = scene.geometry[geometry]
+        if not hasattr(mesh, "faces"):
+            warnings.warn(f"left out: {name} of the scene is no mesh of triangles", stacklevel=3)
+            continue
+        yield name, mesh, np.asarray(matrix, dtype=np.float64)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._mesh import Mesh
+from ._mesh import Mesh, look, nodes
 from ._values import Numbers, Path, Value, array, as_array, as_numbers, assignment, table
 
 if TYPE_CHECKING:
@@ -57,8 +57,9 @@ class Scene:
         """Adds triangles after the existing ones.
 
         Args:
-            mesh: a mesh file (.obj, .gltf, .glb, .ply, .stl, or heights in .asc, .png, .tif), a :class:`Mesh`, or an object with
-                ``vertices`` and ``faces`` (or ``triangles``), such as a mesh of trimesh or open3d.
+            mesh: a mesh file (.obj, .gltf, .glb, .ply, .stl, .off, .dae, or heights in .asc, .png, .tif), a :class:`Mesh`, an object with
+                ``vertices`` and ``faces`` (or ``triangles``), such as a mesh of trimesh or open3d, or a ``trimesh.Scene``, each node of
+                which becomes an object with its name, transform and texture. With ``objects="file"`` each node or group of a file does.
             texture: the key ``texture`` of ``[[mesh]]``: an image's file, a table, or a truth value; or, for a mesh of arrays that has
                 uvs, an image: (H, W, 3) or (H, W, 4), uint8, sRGB.
             keys: the keys of a scene file's ``[[mesh]]``, such as ``translate``, ``rotate``, ``scale``, ``color``, ``two_sided``,
@@ -78,7 +79,21 @@ class Scene:
                 raise TypeError("texture: the mesh of a file takes an image's file, not an array; make a Mesh of arrays")
             self._native.add_table(table({"file": os.path.abspath(mesh), **keys}), os.getcwd())
             return
-        own = Mesh.of(mesh)
+        if hasattr(mesh, "graph") and hasattr(mesh, "geometry"):
+            for name, part, matrix in nodes(mesh):
+                own = Mesh.of(part)
+                own.vertices = own.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+                own.normals = None
+                own.name = name
+                self._add_mesh(own, part, image, keys)
+            return
+        self._add_mesh(Mesh.of(mesh), mesh, image, keys)
+
+    def _add_mesh(self, own: Mesh, like: Any, image: npt.NDArray[np.uint8] | None, keys: dict[str, Value]) -> None:
+        """Adds a mesh with an image, or where it has none with the look of the object that it is the mesh of."""
+        if image is None and own.colors is None and keys.get("texture") is None and keys.get("color") is None:
+            image, color = look(like)
+            keys = {**keys, "color": color}
         self._native.add_arrays(
             own.vertices, own.faces, own.normals, own.uvs, own.colors, own.name, table(keys), os.getcwd(), image
         )
@@ -91,7 +106,7 @@ class Scene:
         """Throws a camera's picture onto the surfaces of the scene, back along the rays of the camera that took it.
 
         Args:
-            image: the picture's file: PNG, JPEG or Radiance.
+            image: the picture's file: PNG, JPEG, Radiance, WebP, BMP, TGA, TIFF or GIF.
             camera: the camera that took it, of :mod:`anamorph.camera` or a table of ``kind`` and its keys; of any kind with straight rays.
                 Its image is as large as the picture.
             keys: the other keys of a scene file's ``[[projector_light]]``: ``mode``, ``opacity``, ``strength``, ``feather``,

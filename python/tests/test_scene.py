@@ -338,3 +338,33 @@ def test_a_volume_of_an_array() -> None:
     ]:
         with pytest.raises(ValueError, match=says):
             scene.set_volume(values, **keys)
+
+
+def test_a_scene_of_trimesh_goes_in_with_its_nodes(pinhole):
+    vertices, faces = np.array([[-1.0, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]])
+    image = np.zeros((1, 1, 3), dtype=np.uint8)
+    image[..., 1] = 255
+    material = types.SimpleNamespace(image=image)
+    textured = types.SimpleNamespace(kind="texture", uv=np.zeros((3, 2)), material=material)
+    plain = types.SimpleNamespace(kind="texture", uv=None, material=types.SimpleNamespace(main_color=[255, 0, 0, 255]))
+    near, far = np.eye(4), np.eye(4)
+    far[:3, 3] = [0, 0, -3133805.225747891]
+
+    class Graph(dict):
+        nodes_geometry = ["wall", "door", "points"]
+
+    like = types.SimpleNamespace(
+        graph=Graph(wall=(near, "a"), door=(far, "b"), points=(near, "c")),
+        geometry={
+            "a": types.SimpleNamespace(vertices=vertices, faces=faces, visual=textured),
+            "b": types.SimpleNamespace(vertices=vertices, faces=faces, visual=plain),
+            "c": types.SimpleNamespace(vertices=vertices),
+        },
+    )
+    scene = am.Scene()
+    with pytest.warns(UserWarning, match="points of the scene is no mesh"):
+        scene.add(like)
+    assert [name for name, _ in scene.objects] == ["wall", "door"]
+    assert scene.bounds[0][2] == -3133805.225747891
+    frame = am.render(scene, pinhole, size=SIZE, channels=["albedo"])
+    assert np.allclose(frame["albedo"][15, 20], [0, 1, 0])

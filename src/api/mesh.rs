@@ -40,7 +40,7 @@ impl Mesh {
         Ok(Mesh { mesh, name: "mesh".into() })
     }
 
-    /// Reads a mesh file, .obj, .gltf, .glb, .ply or .stl, with its materials and images.
+    /// Reads a mesh file, .obj, .gltf, .glb, .ply, .stl, .off or .dae, with its materials and images.
     ///
     /// # Errors
     /// [`Error::Missing`] or [`Error::Read`] if it cannot be read, [`Error::Input`] with what is wrong with it.

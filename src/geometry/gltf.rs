@@ -1,32 +1,29 @@
 //! glTF 2.0: the placed triangles of the default scene.
 
 mod accessor;
+mod json;
+mod look;
 mod pose;
 mod source;
 #[cfg(test)]
 mod tests;
 
 use crate::arrays::MapEach;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
-use std::sync::Arc;
 
-use glam::{DMat3, DMat4, DQuat, DVec2, DVec3, Vec2};
-use gltf::material::AlphaMode;
+use glam::{DMat3, DMat4, DVec2, DVec3, Vec2};
 use gltf::mesh::Mode;
-use gltf::scene::Transform;
-use gltf::texture::{Info, WrappingMode};
+use gltf::texture::Info;
 use gltf::{Document, Node, Primitive, Semantic};
 
-use crate::geometry::mesh::{
-    DIELECTRIC, MAX_TRIANGLES, Material, Mesh, Missing, NO_COLOR, NO_NORMAL, NO_UV, check_memory,
-};
+use crate::geometry::mesh::{MAX_TRIANGLES, Material, Mesh, NO_COLOR, NO_NORMAL, NO_UV, Part, check_memory};
 use crate::geometry::place::{transformed_normal, world_normal_from_object};
 use crate::geometry::spec::AnimationSpec;
-use crate::geometry::texture::{Images, ImagesRead, Texels, Texture, Wrap, decode};
+use crate::geometry::texture::{Images, ImagesRead};
 use crate::input::{Error, Loading, Result};
 use pose::Pose;
-use source::{FileAccess, Found, Source};
+use source::{FileAccess, Source};
 
 /// Where the files that a glTF file names may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,14 +38,17 @@ pub enum Files {
 /// The default scene (or else the first, or else all nodes that are no other's child) is walked depth-first, in
 /// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each. Strips and
 /// fans become triangles as the glTF specification lists them; lines and points are skipped. The base colour
-/// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`; where a material
-/// is masked there is a surface from its cutoff on, and where it is blended from an opacity of one half on; without an image everywhere.
-/// `COLOR_0` is the vertices' colour, by which the diffuse colour is multiplied. It is as rough, metallic and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the
-/// inverse transpose. Vertices keep the file's order also where a node mirrors them.
+/// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`. A masked material has a
+/// surface where its opacity reaches its cutoff, a blended one where it reaches one half. The opacity is the factor's times the image's; times the
+/// mean of `COLOR_0` at the corners it is judged for whole triangles, which keep their ids where they are left out, as triangles without area.
+/// `COLOR_0` is the vertices' colour, by which the diffuse colour is multiplied. The material is as rough, metallic and emissive as its factors
+/// and `KHR_materials_emissive_strength` say where no image says more, or as `KHR_materials_pbrSpecularGlossiness` says. Transforms are read and
+/// multiplied in f64; normals go by the inverse transpose. Vertices keep the file's order also where a node mirrors them. `EXT_mesh_gpu_instancing`
+/// places a mesh several times; nodes that `KHR_node_visibility` hides are left out, with their children.
 ///
 /// With `animation` the scene is as at a time of one of its animations, with its morph targets and skins. Without it morph targets and
-/// skins are not applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that do not exist are left out, and
-/// listed in [`Mesh::missing`].
+/// skins are not applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that do not exist, and what the file says and
+/// is not drawn, are left out, and listed in [`Mesh::missing`].
 ///
 /// # Errors
 /// [`Error::Input`] naming the file and the accessor, buffer, node or mesh: no glTF 2.0; a required extension
@@ -64,31 +64,20 @@ pub fn load(
     let name = path.display().to_string();
     let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&bytes, FileAccess { folder, files, loading }, images, animation).map_err(|e| e.at(name))
+    let mut mesh = parse(&bytes, FileAccess { folder, files, loading }, images, animation).map_err(|e| e.at(&name))?;
+    mesh.missing.iter_mut().for_each(|missing| missing.why = format!("{name}: {}", missing.why));
+    Ok(mesh)
 }
 
 /// As [`load`], from the file's bytes.
 fn parse(bytes: &[u8], access: FileAccess, images: &Images, animation: Option<&AnimationSpec>) -> Result<Mesh> {
     let source = Source::parse(bytes, access)?;
     let pose = animation.map(|animation| Pose::at(&source, animation)).transpose()?;
-    let mut builder = Builder::new(&source, pose);
+    let mut builder = Builder::new(&source, pose, images.read);
     builder.place_scene()?;
-    builder.hang_images(access, images.read)?;
+    builder.hang_images(access)?;
+    builder.list_unread();
     builder.finish()
-}
-
-/// The node's own transform, in f64.
-fn parent_from_node(node: &Node) -> DMat4 {
-    match node.transform() {
-        Transform::Matrix { matrix } => {
-            DMat4::from_cols_array_2d(&matrix.map_each(|column| column.map_each(f64::from)))
-        }
-        Transform::Decomposed { translation, rotation, scale } => DMat4::from_scale_rotation_translation(
-            DVec3::from(scale.map_each(f64::from)),
-            DQuat::from_array(rotation.map_each(f64::from)).normalize(),
-            DVec3::from(translation.map_each(f64::from)),
-        ),
-    }
 }
 
 /// The nodes to start from, in order.
@@ -133,75 +122,22 @@ struct Builder<'a> {
     source: &'a Source,
     /// The nodes at a time of an animation; `None`: as the file places them.
     pose: Option<Pose>,
+    read: ImagesRead,
     mesh: Mesh,
     default_is_used: bool,
+    /// Number of triangles whose vertices fade within an image, by material.
+    faded: BTreeMap<usize, usize>,
     /// So many vertices need no other look at how much memory is free.
     unchecked_vertices: usize,
 }
 
 impl<'a> Builder<'a> {
-    fn new(source: &'a Source, pose: Option<Pose>) -> Self {
-        let read = |material: gltf::Material| {
-            let pbr = material.pbr_metallic_roughness();
-            let [r, g, b, _] = pbr.base_color_factor();
-            // what images say of these two is not read
-            let has_image = pbr.metallic_roughness_texture().is_some();
-            Material {
-                name: material.name().unwrap_or_default().to_owned(),
-                diffuse: [r, g, b].map_each(|c| c.clamp(0.0, 1.0)),
-                specular: [DIELECTRIC; 3],
-                roughness: pbr.roughness_factor().clamp(0.0, 1.0),
-                metallic: if has_image { 0.0 } else { pbr.metallic_factor().clamp(0.0, 1.0) },
-                emissive: match material.emissive_texture() {
-                    Some(_) => [0.0; 3],
-                    None => material.emissive_factor().map_each(|c| c.clamp(0.0, f32::MAX)),
-                },
-                ..Material::default()
-            }
-        };
-        let materials = source.document.materials().map(read).collect();
+    fn new(source: &'a Source, pose: Option<Pose>, read: ImagesRead) -> Self {
+        let materials =
+            source.document.materials().zip(&source.kept.materials).map(|(m, kept)| look::material(&m, kept)).collect();
         let mesh = Mesh { materials, ..Mesh::default() };
-        Builder { source, pose, mesh, default_is_used: false, unchecked_vertices: 1 << 20 }
-    }
-
-    /// Puts their images on the materials that triangles have, each decoded once.
-    fn hang_images(&mut self, access: FileAccess, read: ImagesRead) -> Result<()> {
-        if read == ImagesRead::None {
-            return Ok(());
-        }
-        let mut decoded = HashMap::new();
-        let mut is_used = vec![false; self.mesh.materials.len() + 1];
-        self.mesh.material_of.iter().for_each(|&m| is_used[m as usize] = true);
-        let mut bare = vec![0; is_used.len()];
-        let triangles = self.mesh.material_of.iter().zip(&self.mesh.corner_uvs);
-        triangles.filter(|(_, corners)| corners.contains(&NO_UV)).for_each(|(&m, _)| bare[m as usize] += 1);
-        let materials = self.source.document.materials().zip(&mut self.mesh.materials).zip(is_used).zip(bare);
-        for (((from, material), _), bare) in materials.filter(|((_, is_used), _)| *is_used) {
-            let Some(info) = from.pbr_metallic_roughness().base_color_texture() else { continue };
-            if let Some(wrong) = &self.source.material_error {
-                return Err(Error::input(format!("{wrong}; texture = false shows none")));
-            }
-            if !read.reads(from.alpha_mode() != AlphaMode::Opaque) {
-                continue;
-            }
-            let texture = read_texture(self.source, access, &from, &info, &mut decoded);
-            match texture.map_err(|e| Error::input(format!("{e}; texture = false shows none")))? {
-                Found::Present(texture) => {
-                    material.texture = Some(texture);
-                    if bare > 0 {
-                        let why = format!("missing at {bare} of its triangles; its own colour is used there");
-                        let what = format!("texture coordinates of material {:?}", material.name);
-                        self.mesh.missing.push(Missing { what, why });
-                    }
-                }
-                Found::Missing(file) => {
-                    let image = info.texture().source().index();
-                    let why = format!("image {image}: the file does not exist; the material's own colour is used");
-                    self.mesh.missing.push(Missing { what: file.display().to_string(), why });
-                }
-            }
-        }
-        Ok(())
+        let (default_is_used, faded, unchecked_vertices) = (false, BTreeMap::new(), 1 << 20);
+        Builder { source, pose, read, mesh, default_is_used, faded, unchecked_vertices }
     }
 
     fn finish(mut self) -> Result<Mesh> {
@@ -211,7 +147,7 @@ impl<'a> Builder<'a> {
         if self.default_is_used {
             // colours of vertices are shown as they are
             let diffuse = if self.mesh.colors.is_empty() { Material::default().diffuse } else { [1.0; 3] };
-            self.mesh.materials.push(Material { diffuse, ..Material::default() });
+            self.mesh.materials.push(Material { diffuse, two_sided: false, ..Material::default() });
         }
         if self.mesh.corner_normals.iter().flatten().all(|&n| n == NO_NORMAL) {
             self.mesh.normals = Vec::new();
@@ -237,19 +173,41 @@ impl<'a> Builder<'a> {
                 let index = node.index();
                 return Err(Error::input(format!("node {index} is reached twice; nodes must form trees")));
             }
-            let own = self.pose.as_ref().map_or_else(|| parent_from_node(&node), |pose| pose.parent_from_node(&node));
+            let kept = &self.source.kept.nodes[node.index()];
+            if kept.is_hidden {
+                continue;
+            }
+            let own = match &self.pose {
+                Some(pose) => pose.parent_from_node(&node),
+                None => kept.local.parent_from_node(),
+            };
             let world_from_node = world_from_parent * own;
             if let Some(mesh) = node.mesh() {
-                let mut placed = Placed::default();
-                for primitive in mesh.primitives() {
-                    self.place_primitive(&node, &primitive, world_from_node, &mut placed).map_err(|e| {
-                        e.at(format!("node {}: mesh {}, primitive {}", node.index(), mesh.index(), primitive.index()))
-                    })?;
+                let at_node = |e: Error| e.at(format!("node {}", node.index()));
+                let instances = match &kept.instances {
+                    Some(instances) => self.source.read_instances(instances).map_err(at_node)?,
+                    None => vec![DMat4::IDENTITY],
+                };
+                for node_from_instance in instances {
+                    let first = self.mesh.triangles.len();
+                    self.place_mesh(&node, &mesh, world_from_node * node_from_instance).map_err(at_node)?;
+                    let name = node.name().or(mesh.name()).unwrap_or_default().to_owned();
+                    let triangles = self.mesh.triangles.len() - first;
+                    self.mesh.parts.extend((triangles > 0).then_some(Part { name, triangles }));
                 }
             }
             let first_child = stack.len();
             stack.extend(node.children().map(|child| (child, world_from_node)));
             stack[first_child..].reverse();
+        }
+        Ok(())
+    }
+
+    fn place_mesh(&mut self, node: &Node, mesh: &gltf::Mesh, world_from_mesh: DMat4) -> Result<()> {
+        let mut placed = Placed::default();
+        for primitive in mesh.primitives() {
+            self.place_primitive(node, &primitive, world_from_mesh, &mut placed)
+                .map_err(|e| e.at(format!("mesh {}, primitive {}", mesh.index(), primitive.index())))?;
         }
         Ok(())
     }
@@ -289,14 +247,24 @@ impl<'a> Builder<'a> {
         };
         let normal_of = |corner: u32| normals.get(corner as usize).copied().unwrap_or(NO_NORMAL);
         self.mesh.corner_normals.extend(triangles.iter().map(|t| t.map_each(normal_of)));
-        self.mesh.triangles.extend(triangles.iter().map(|t| t.map_each(|corner| base + corner)));
+        let colors = self.read_colors(primitive, count)?;
+        let is_there = self.visible(primitive, &triangles, colors.as_deref());
+        let placed = triangles.iter().enumerate().map(|(k, t)| match is_there(k) {
+            true => t.map_each(|corner| base + corner),
+            // without area, so that it keeps its id
+            false => [base + t[0]; 3],
+        });
+        self.mesh.triangles.extend(placed);
         let first_uv = self.place_uvs(primitive, count)?;
         let uv_of = |corner: u32| match first_uv {
             Some(first) if self.mesh.uvs[(first + corner) as usize].is_finite() => first + corner,
             _ => NO_UV,
         };
         self.mesh.corner_uvs.extend(triangles.iter().map(|t| t.map_each(uv_of)));
-        if let Some(first) = self.place_colors(primitive, count)? {
+        if let Some(colors) = colors {
+            let first = self.mesh.colors.len() as u32;
+            let in_range = |c: f32| if c.is_finite() { c.clamp(0.0, 1.0) } else { 1.0 };
+            self.mesh.colors.extend(colors.iter().map(|[r, g, b, _]| [*r, *g, *b].map_each(in_range)));
             self.mesh.corner_colors.resize(self.mesh.triangles.len() - triangles.len(), [NO_COLOR; 3]);
             self.mesh.corner_colors.extend(triangles.iter().map(|t| t.map_each(|corner| first + corner)));
         }
@@ -387,20 +355,17 @@ impl<'a> Builder<'a> {
         Ok(Some(first as u32))
     }
 
-    /// Appends the colours of a primitive's vertices; the index of the first one. Their opacity is left out.
-    fn place_colors(&mut self, primitive: &Primitive, count: u32) -> Result<Option<u32>> {
+    /// The colours of a primitive's vertices, with their opacity.
+    fn read_colors(&self, primitive: &Primitive, count: u32) -> Result<Option<Vec<[f32; 4]>>> {
         let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(None) };
         if accessor.count() != count as usize {
             let colors = accessor.count();
             return Err(Error::input(format!("{colors} colours for {count} positions; give one each")));
         }
-        let first = self.mesh.colors.len();
-        if first.saturating_add(count as usize) >= u32::MAX as usize {
+        if self.mesh.colors.len().saturating_add(count as usize) >= u32::MAX as usize {
             return Err(Error::input("more than 2^32 - 2 colours; split the file"));
         }
-        let in_range = |c: f32| if c.is_finite() { c.clamp(0.0, 1.0) } else { 1.0 };
-        self.mesh.colors.extend(self.source.read_colors(&accessor)?.into_iter().map(|rgb| rgb.map_each(in_range)));
-        Ok(Some(first as u32))
+        self.source.read_colors(&accessor).map(Some)
     }
 
     /// Appends the accessor's normals unless this node has them already; the index of each.
@@ -434,44 +399,6 @@ impl<'a> Builder<'a> {
         }
         Ok(known)
     }
-}
-
-/// The base colour's image, decoded once for all materials.
-fn read_texture(
-    source: &Source,
-    access: FileAccess,
-    material: &gltf::Material,
-    info: &Info,
-    decoded: &mut HashMap<usize, Arc<Texels>>,
-) -> Result<Found<Texture>> {
-    let image = info.texture().source();
-    let texels = match decoded.get(&image.index()) {
-        Some(known) => known.clone(),
-        None => {
-            let at = |e: Error| e.at(format!("image {}", image.index()));
-            let bytes = match source.read_image(&image, access).map_err(|e| at(Error::input(e)))? {
-                Found::Present(bytes) => bytes,
-                Found::Missing(file) => return Ok(Found::Missing(file)),
-            };
-            let texels = decode(&bytes).map_err(at)?;
-            decoded.entry(image.index()).or_insert(Arc::new(texels)).clone()
-        }
-    };
-    let wrap = |mode: WrappingMode| match mode {
-        WrappingMode::Repeat => Wrap::Repeat,
-        WrappingMode::ClampToEdge => Wrap::Clamp,
-        WrappingMode::MirroredRepeat => Wrap::Mirror,
-    };
-    let cutoff = match material.alpha_mode() {
-        AlphaMode::Opaque => None,
-        AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)),
-        AlphaMode::Blend => Some(0.5),
-    };
-    // of the image times the factor
-    let factor = material.pbr_metallic_roughness().base_color_factor()[3];
-    let cutoff = cutoff.map(|least| if factor > 0.0 { (least / factor).min(f32::MAX) } else { f32::MAX });
-    let sampler = info.texture().sampler();
-    Ok(Found::Present(Texture { texels, wrap: [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())], cutoff }))
 }
 
 /// Triangles from the corners of a primitive, in the order and winding of the glTF specification (3.7.2.1).

@@ -2,6 +2,14 @@
 
 use std::borrow::Cow;
 
+/// A text whose lines end in carriage returns alone, as old Macs wrote them, with line feeds instead; any other text as it is.
+pub(super) fn with_line_feeds(text: &[u8]) -> Cow<'_, [u8]> {
+    if text.contains(&b'\n') || !text.contains(&b'\r') {
+        return Cow::Borrowed(text);
+    }
+    Cow::Owned(text.iter().map(|&b| if b == b'\r' { b'\n' } else { b }).collect())
+}
+
 /// Splits `text` into pieces of at least `bytes` bytes (the last one may be shorter), each ending at a line end
 /// that no backslash continues.
 pub(super) fn split_at_line_ends(text: &[u8], bytes: usize) -> Vec<&[u8]> {

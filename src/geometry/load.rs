@@ -1,11 +1,12 @@
 //! Loading the meshes of a scene: read or generated, with their materials, and placed in the world.
 
-use super::mesh::Mesh;
+use super::mesh::{Material, Mesh, Missing, NO_COLOR, Part};
+use super::parts::separate;
 use super::place::STRETCHES;
 use super::spec::{AnimationSpec, MeshSource, MeshSpec, TextureSpec};
 use super::spheres::check_radii;
-use super::texture::{Images, Texture};
-use super::{generate, gltf, heights, obj, place, ply, smooth, stl};
+use super::texture::{Images, ImagesRead, Texture};
+use super::{dae, generate, gltf, heights, obj, off, place, ply, smooth, stl};
 use crate::arrays::MapEach;
 use crate::input::{Error, Loading, Result};
 use std::collections::{HashMap, HashSet};
@@ -24,23 +25,38 @@ pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images, loading: &Loading)
     Ok(placed(load_unplaced(spec, images, loading)?, spec, loading)?.0)
 }
 
-/// A mesh in the world, and its objects: one, or one for each copy, named name#0, name#1 and so on.
-pub(crate) fn placed(mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Result<(Mesh, Vec<Object>)> {
+/// A mesh in the world, and its objects: one, or one for each part with [`MeshSpec::has_parts`]. Each copy has objects of its own, whose names
+/// end in #0, #1 and so on.
+pub(crate) fn placed(mut mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Result<(Mesh, Vec<Object>)> {
     let (name, triangles) = (spec.called(), mesh.triangles.len());
     if mesh.has_spheres() && !spec.keeps_spheres() {
         return Err(Error::input(format!("spheres {name}: the scale {STRETCHES}")));
     }
+    let parts = std::mem::take(&mut mesh.parts);
+    if spec.has_parts {
+        separate(&mut mesh, &parts);
+    }
+    let objects = |name: &str, copy: &str| match spec.has_parts && !parts.is_empty() {
+        true => parts.iter().map(|part| part_object(name, copy, part)).collect(),
+        false => vec![Object { name: format!("{name}{copy}"), triangles }],
+    };
     let mesh = place::place(mesh, spec.scale, spec.rotate, spec.translate);
     let check = |mesh: &Mesh| check_radii(&mesh.radii).map_err(|why| Error::input(format!("spheres {name}: {why}")));
     let Some(places) = &spec.places else {
         check(&mesh)?;
-        return Ok((mesh, vec![Object { name, triangles }]));
+        return Ok((mesh, objects(&name, "")));
     };
     let places = places.load(loading)?;
     let what = if mesh.has_spheres() { "spheres" } else { "mesh" };
     let mesh = place::copies(mesh, &places, loading.limits()).map_err(|e| e.at(format_args!("{what} {name}")))?;
     check(&mesh)?;
-    Ok((mesh, (0..places.len()).map(|k| Object { name: format!("{name}#{k}"), triangles }).collect()))
+    Ok((mesh, (0..places.len()).flat_map(|k| objects(&name, &format!("#{k}"))).collect()))
+}
+
+/// The object of a part, named after the part, or after the mesh if the part has no name.
+fn part_object(mesh: &str, copy: &str, part: &Part) -> Object {
+    let name = if part.name.is_empty() { mesh } else { &part.name };
+    Object { name: format!("{name}{copy}"), triangles: part.triangles }
 }
 
 /// The triangles of a mesh, before they are placed in the world.
@@ -79,7 +95,7 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images, lo
         mesh.clear_colors();
     }
     for material in &mut mesh.materials {
-        material.two_sided = spec.two_sided;
+        material.two_sided = spec.two_sided.unwrap_or(material.two_sided);
         material.diffuse = spec.color.unwrap_or(material.diffuse);
         spec.gloss.apply(material);
         if let Some(pattern) = spec.pattern {
@@ -102,7 +118,34 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images, lo
         }
         mesh.repeat_uvs(repeat.as_vec2());
     }
+    light_unlit(&mut mesh, images.read);
     Ok(mesh)
+}
+
+/// Lets unlit materials of one colour shine with it and reflect nothing, which shows that colour. An image or colours of vertices cannot
+/// shine; these materials are lit as others are, and listed.
+fn light_unlit(mesh: &mut Mesh, read: ImagesRead) {
+    if !mesh.materials.iter().any(|material| material.is_unlit) {
+        return;
+    }
+    let mut is_colored = vec![false; mesh.materials.len()];
+    let colored = mesh.material_of.iter().zip(&mesh.corner_colors).filter(|(_, c)| **c != [NO_COLOR; 3]);
+    colored.for_each(|(material, _)| is_colored[*material as usize] = true);
+    for (material, is_colored) in mesh.materials.iter_mut().zip(is_colored).filter(|(m, _)| m.is_unlit) {
+        if material.texture.is_none() && material.pattern.is_none() && !is_colored {
+            let shines = material.diffuse;
+            let plain = Material {
+                name: std::mem::take(&mut material.name),
+                two_sided: material.two_sided,
+                ..Material::default()
+            };
+            *material = Material { diffuse: [0.0; 3], emissive: shines, ..plain };
+        } else if read == ImagesRead::All {
+            let what = format!("unlit material {:?}", material.name);
+            let why = "it has an image, a pattern or colours of vertices; it is lit as other materials are";
+            mesh.missing.push(Missing { what, why: why.into() });
+        }
+    }
 }
 
 /// `files` and `animation` are of glTF.
@@ -122,10 +165,12 @@ fn load_file(
         "gltf" | "glb" => gltf::load(path, files, images, animation, loading),
         "ply" => ply::load(path, images, loading),
         "stl" => stl::load(path, loading),
+        "off" => off::load(path, loading),
+        "dae" => dae::load(path, loading),
         _ => {
             let name = path.display();
             Err(Error::input(format!(
-                "{name}: unknown kind of mesh file; use .obj, .gltf, .glb, .ply or .stl, or .asc, .png or .tif with heights"
+                "{name}: unknown kind of mesh file; use .obj, .gltf, .glb, .ply, .stl, .off or .dae, or .asc, .png or .tif with heights"
             )))
         }
     }
@@ -164,3 +209,6 @@ pub(crate) fn with_unique_names(objects: impl Iterator<Item = Object>) -> Vec<Ob
     };
     objects.map(|object| Object { name: unique(object.name), ..object }).collect()
 }
+
+#[cfg(test)]
+mod tests;

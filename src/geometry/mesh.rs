@@ -49,9 +49,19 @@ pub struct Mesh {
     pub material_of: Vec<u32>,
     /// Missing files and attributes that its file refers to.
     pub missing: Vec<Missing>,
+    /// Nodes or groups of its file, in the order of their triangles; empty: the file has none, or the mesh is placed.
+    pub parts: Vec<Part>,
 }
 
-/// Something that a mesh file refers to and that does not exist. The mesh is loaded without it.
+/// A node or group of a mesh file: consecutive triangles.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    /// May be empty, and that of several.
+    pub name: String,
+    pub triangles: usize,
+}
+
+/// Something that a mesh file says and that is not drawn, or that it refers to and that does not exist. The mesh is loaded without it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Missing {
     pub what: String,
@@ -100,6 +110,41 @@ impl Mesh {
         };
         let of_spheres = parallel::reduce(0..self.radii.len() as u32, of_sphere, joined);
         of_vertices.into_iter().chain(of_spheres).reduce(joined)
+    }
+
+    /// The corners of the box around all triangles and spheres: [`Mesh::bounds`] without vertices that no triangle has.
+    pub fn drawn_bounds(&self) -> Option<(DVec3, DVec3)> {
+        let of = |(k, t): (usize, &[u32; 3])| {
+            let [a, b, c] = extremes(t.map_each(|i| self.positions[i as usize]), self.radius(k as u32));
+            // triangles that a file's opacity leaves out have one corner
+            let is_seen = t[0] != t[1] || t[1] != t[2] || self.radius(k as u32).is_some();
+            is_seen.then_some((a.min(b).min(c), a.max(b).max(c)))
+        };
+        self.triangles.iter().enumerate().filter_map(of).reduce(joined).or_else(|| self.bounds())
+    }
+
+    /// Number of vertices that no triangle or sphere has.
+    pub fn unused_vertices(&self) -> usize {
+        let mut is_used = vec![false; self.positions.len()];
+        self.triangles.iter().flatten().for_each(|vertex| is_used[*vertex as usize] = true);
+        is_used.iter().filter(|is_used| !**is_used).count()
+    }
+
+    /// Puts vertices that are not finite, and that no triangle has, where another vertex is. Depth cameras write them where they see nothing.
+    ///
+    /// # Errors
+    /// The index of a vertex that is not finite and that a triangle has.
+    pub fn settle_unused(&mut self) -> std::result::Result<(), usize> {
+        if self.positions.iter().all(|p| p.is_finite()) {
+            return Ok(());
+        }
+        let is_finite = |vertex: &u32| self.positions[*vertex as usize].is_finite();
+        if let Some(vertex) = self.triangles.iter().flatten().filter(|v| !is_finite(v)).min() {
+            return Err(*vertex as usize);
+        }
+        let place = self.triangles.first().map_or(DVec3::ZERO, |t| self.positions[t[0] as usize]);
+        self.positions.iter_mut().filter(|p| !p.is_finite()).for_each(|p| *p = place);
+        Ok(())
     }
 
     /// The radius of a sphere; `None` of a triangle.
@@ -203,6 +248,8 @@ pub struct Material {
     pub pattern: Option<Pattern>,
     /// Whether both faces are visible.
     pub two_sided: bool,
+    /// Whether its colour is to be seen as it is, whatever the light.
+    pub is_unlit: bool,
 }
 
 /// Reflectance of a typical dielectric at normal incidence.
@@ -239,6 +286,7 @@ impl Default for Material {
             emissive: black,
             pattern: None,
             two_sided: true,
+            is_unlit: false,
         }
     }
 }

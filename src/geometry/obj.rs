@@ -15,11 +15,11 @@ use std::path::Path;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::geometry::lex;
-use crate::geometry::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_NORMAL, NO_UV};
-use crate::geometry::texture::{Images, ImagesRead};
+use crate::geometry::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_NORMAL, NO_UV, Part};
+use crate::geometry::texture::{Images, ImagesRead, full_color, linear_color};
 use crate::input::{Error, Loading, Result};
 use crate::parallel;
-use chunk::{Chunk, Counts, DanglingIndices, Reader, Texcoords};
+use chunk::{Chunk, Counts, LeftOut, NOT_FINITE, Reader, Texcoords};
 pub use mtl::Mapped;
 
 /// Bytes a chunk has at least (but for the last one): small enough to balance cores, large enough that the cost
@@ -29,8 +29,9 @@ const CHUNK_BYTES: usize = 1 << 20;
 /// Reads an OBJ file and the MTL files it names.
 ///
 /// Faces are fan-triangulated from their first vertex; zero-area triangles stay, so that ids are file order.
-/// `Kd` is linear RGB; a vertex of six numbers has an sRGB colour from 0 to 1, by which it is multiplied. Faces whose material is unknown, or whose `.mtl` file is missing, get
-/// [`Material::default`]. Lines, points, curves, groups and smoothing are skipped. Images of the materials that faces have come from
+/// `Kd` is linear RGB; a vertex of six numbers has an sRGB colour from 0 to 1, by which it is multiplied, or from 0 to 255 where all of the file
+/// are whole numbers. Faces whose material is unknown, or whose `.mtl` file is missing, get
+/// [`Material::default`]. Lines, points, curves and smoothing are skipped; objects, or else groups, are [`Mesh::parts`]. Images of the materials that faces have come from
 /// `images`, and texture coordinates lie as the MTL files' options place them. Images, normals and texture coordinates that do not exist
 /// are left out, and listed in [`Mesh::missing`].
 ///
@@ -61,8 +62,8 @@ pub fn load(path: &Path, images: &mut Images, loading: &Loading) -> Result<Mesh>
 ///
 /// # Errors
 /// [`Error::Input`], always the one of the lowest line: an empty text, no OBJ statements, no faces; a coordinate
-/// that is missing, not a number or not finite; an index that is 0, or a vertex index out of range; a face of fewer than 3
-/// vertices; more than 2^28 triangles. Errors of `load_mtl` are passed on.
+/// that is missing or not a number; a vertex that is not finite and that a face has; an index that is 0, or a vertex index out of range;
+/// more than 2^28 triangles. Errors of `load_mtl` are passed on.
 pub fn parse(
     text: &[u8],
     name: &str,
@@ -80,21 +81,39 @@ fn parse_in_chunks(
     let (chunks, total) = read_chunks(text, name, chunk_bytes, Texcoords::Kept)?;
     let mut missing = missing(&chunks, name);
     let used: BTreeSet<String> = chunks.iter().flat_map(|c| &c.uses).map(|(_, material)| material.clone()).collect();
-    let (mesh, mapped) = assemble(chunks, total, load_mtl)?;
+    let (mut mesh, mapped) = assemble(chunks, total, load_mtl)?;
+    mesh.settle_unused().map_err(|vertex| {
+        let at = line_of_vertex(text, vertex).map_or_else(String::new, |line| format!(":{line}"));
+        Error::input(format!("{name}{at}: {NOT_FINITE}"))
+    })?;
     missing.extend(unknown_materials(&used, &mapped, name));
     Ok((Mesh { missing, ..mesh }, mapped))
 }
 
-/// The normals and texture coordinates that faces refer to and the file does not have.
+/// The line of a vertex, from 1.
+fn line_of_vertex(text: &[u8], vertex: usize) -> Option<usize> {
+    let text = lex::with_line_feeds(text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text));
+    let mut lines = lex::Lines::new(&text).filter(|(_, line)| lex::Tokens::new(line).next() == Some(b"v"));
+    lines.nth(vertex).map(|(number, _)| number + 1)
+}
+
+/// What faces refer to and the file does not have, and what of the file the mesh is made without.
 fn missing(chunks: &[Chunk], name: &str) -> Vec<Missing> {
-    let of = |what: &str, own: fn(&Chunk) -> &DanglingIndices| {
-        let corners: usize = chunks.iter().map(|chunk| own(chunk).corners).sum();
+    // of the noun, `#` is the plural's ending
+    let of = |what: &str, noun: &str, own: fn(&Chunk) -> &LeftOut| {
+        let count: usize = chunks.iter().map(|chunk| own(chunk).count).sum();
         let (line, first) = chunks.iter().find_map(|chunk| own(chunk).first.as_ref())?;
-        let plural = if corners == 1 { "" } else { "s" };
-        let why = format!("missing at {corners} corner{plural} of faces, first in line {line}: {first}");
+        let plural = if count == 1 { "" } else { "s" };
+        let noun = noun.replace('#', plural);
+        let why = format!("missing at {count} {noun}, first in line {line}: {first}");
         Some(Missing { what: format!("{what} of {name}"), why })
     };
-    let all = [of("normals", |c| &c.dangling_normals), of("texture coordinates", |c| &c.dangling_texcoords)];
+    let all = [
+        of("normals", "corner# of faces", |c| &c.dangling_normals),
+        of("texture coordinates", "corner# of faces", |c| &c.dangling_texcoords),
+        of("vertices", "face#", |c| &c.short_faces),
+        of("colours", "vertex line#", |c| &c.wrong_colors),
+    ];
     all.into_iter().flatten().collect()
 }
 
@@ -153,10 +172,7 @@ fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, texcoords: Texcoords
     if text.contains(&0) {
         return Err(Error::input(format!("{name}: is binary, not OBJ text; use an OBJ, glTF or GLB file")));
     }
-    if !text.contains(&b'\n') && text.contains(&b'\r') {
-        let lines = text.iter().map(|&b| if b == b'\r' { b'\n' } else { b }).collect::<Vec<_>>();
-        return read_chunks(&lines, name, chunk_bytes, texcoords);
-    }
+    let text = &*lex::with_line_feeds(text);
 
     // Count, then parse every chunk knowing what lies before it.
     let pieces = lex::split_at_line_ends(text, chunk_bytes);
@@ -205,6 +221,8 @@ fn assemble(
     mesh.materials.extend(mapped.iter().map(|m| m.material.clone()));
     assign_materials(&chunks, &mut mesh.materials, &mut mesh.material_of);
     let with_colors = chunks.iter().any(|c| !c.colors.is_empty());
+    let full = full_color(chunks.iter().flat_map(|c| c.colors.iter().flatten()));
+    mesh.parts = parts(&chunks);
     let with_normals = chunks.iter().any(|c| !c.corner_normals.is_empty());
     let with_uvs = chunks.iter().any(|c| !c.corner_texcoords.is_empty());
     for chunk in chunks {
@@ -222,7 +240,7 @@ fn assemble(
             mesh.corner_uvs.resize(first, [NO_UV; 3]);
         }
         if with_colors {
-            mesh.colors.extend_from_slice(&chunk.colors);
+            mesh.colors.extend(chunk.colors.iter().map(|srgb| linear_color(*srgb, full)));
             mesh.colors.resize(mesh.positions.len(), [1.0; 3]);
         }
         mesh.triangles.extend_from_slice(&chunk.triangles);
@@ -234,6 +252,29 @@ fn assemble(
     drop_unusable_normals(&mut mesh);
     place_uvs(&mut mesh, &mapped);
     Ok((mesh, mapped))
+}
+
+/// The objects of the file (`o`), or its groups (`g`) where it has no objects; empty if it has neither.
+fn parts(chunks: &[Chunk]) -> Vec<Part> {
+    let has_objects = chunks.iter().flat_map(|c| &c.groups).any(|(_, is_object, _)| *is_object);
+    let (mut parts, mut name, mut count) = (Vec::new(), "", 0);
+    for chunk in chunks {
+        let mut first = 0;
+        for (start, _, next) in chunk.groups.iter().filter(|(_, is_object, _)| *is_object == has_objects) {
+            count += start - first;
+            first = *start;
+            if *next != name {
+                parts.extend((count > 0).then(|| Part { name: name.to_owned(), triangles: count }));
+                (name, count) = (next.as_str(), 0);
+            }
+        }
+        count += chunk.triangles.len() - first;
+    }
+    if parts.is_empty() && name.is_empty() {
+        return parts;
+    }
+    parts.extend((count > 0).then(|| Part { name: name.to_owned(), triangles: count }));
+    parts
 }
 
 /// Moves texture coordinates to where their triangles' materials have them in their images; those that are not finite go.

@@ -77,6 +77,7 @@ pub fn copies(mesh: Mesh, places: &[DAffine3], limits: Limits) -> Result<Mesh> {
         colors: mesh.colors,
         materials: mesh.materials,
         missing: mesh.missing,
+        parts: Vec::new(),
     })
 }
 
@@ -301,6 +302,7 @@ mod tests {
             materials: vec![Material::default()],
             material_of: vec![0],
             missing: Vec::new(),
+            parts: Vec::new(),
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod element;
 mod points;
+mod read;
 #[cfg(test)]
 mod tests;
 
@@ -9,11 +10,9 @@ use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_NORMAL, NO_UV, chec
 use super::texture::{Images, ImagesRead, Texture, linear_of_srgb};
 use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
-use element::{Face, STRIP_END, Skipped, Vertex};
+use element::{Face, STRIP_END, Vertex, VertexProperties, read_faces};
 use glam::Vec2;
-use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess, PropertyType};
-use std::io::ErrorKind;
+use read::{Encoding, Header};
 use std::path::Path;
 
 pub use points::load_points;
@@ -21,13 +20,13 @@ pub use points::load_points;
 /// Reads a PLY file. Its faces are fan-triangulated from their first vertex, triangle strips (`tristrips`) cut up; zero-area triangles
 /// stay, so that ids are file order.
 ///
-/// Of vertices `x y z`, `nx ny nz`, `red green blue` and `s t` (or `u v`, `texture_u texture_v`) are read, of faces `vertex_indices` (or
-/// `vertex_index`), `texcoord`, `texnumber` and `red green blue`. Colours are sRGB: floats from 0 to 1, `ushort` from 0 to 65535, other integers from 0 to 255. Images are those of
+/// Of vertices `x y z`, `nx ny nz`, `red green blue` (or `r g b`, `diffuse_red diffuse_green diffuse_blue`) and `s t` (or `u v`, `texture_u
+/// texture_v`) are read, of faces `vertex_indices` (or `vertex_index`), `texcoord`, `texnumber` and such colours. Colours are sRGB: floats from 0 to 1, `ushort` from 0 to 65535, other integers from 0 to 255. Images are those of
 /// the comments `TextureFile`, beside the file. Those that do not exist are left out, and listed in [`Mesh::missing`].
 ///
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if it cannot be read; [`Error::Input`] naming the file, and the line of a text: it is damaged, has no faces or more than 2^28 triangles; a
-/// vertex or colour is not finite, an index has no vertex, a face has fewer than 3; an image exists and cannot be read. [`Error::Work`] if the
+/// vertex or colour that a face has is not finite, an index has no vertex, a face has fewer than 3; an image exists and cannot be read. [`Error::Work`] if the
 /// mesh does not fit the free memory.
 pub fn load(path: &Path, images: &mut Images, loading: &Loading) -> Result<Mesh> {
     let name = path.display().to_string();
@@ -47,9 +46,9 @@ pub fn load(path: &Path, images: &mut Images, loading: &Loading) -> Result<Mesh>
                 continue;
             }
             match images.find(&file, loading)? {
-                Some(texels) => (material.texture, material.diffuse) = (Some(Texture::new(texels)), [1.0; 3]),
-                None => {
-                    let why = format!("{name}: the file does not exist; a plain colour is used");
+                Ok(texels) => (material.texture, material.diffuse) = (Some(Texture::new(texels)), [1.0; 3]),
+                Err(absent) => {
+                    let why = format!("{name}: {absent}; a plain colour is used");
                     mesh.missing.push(Missing { what: file.display().to_string(), why });
                 }
             }
@@ -81,58 +80,21 @@ enum Wrong {
     Memory(Error),
 }
 
-fn first_line(text: &str) -> &str {
-    text.lines().next().unwrap_or_default().trim_end_matches('.')
-}
-
-/// What a header says that is none.
-fn wrong_header(e: &ParseError) -> Wrong {
-    match e.line() {
-        Some(line) => Wrong::Line(line, "this is no line of a PLY header; write the file again".into()),
-        None => Wrong::File("its header has no end, or is no text; write the file again".into()),
-    }
-}
-
-/// What is wrong with an element of a text, or of a binary file, which has no lines.
-fn wrong_element(e: &ParseError, name: &str, encoding: Encoding) -> Wrong {
-    let text = e.to_string();
-    if e.kind() == ErrorKind::UnexpectedEof {
-        return Wrong::File(format!("ends within its {name} elements; is it cut short?"));
-    }
-    match e.line() {
-        Some(line) if encoding == Encoding::Ascii => {
-            let what =
-                "this is no line of the numbers that its header says (digits on both sides of a point, and no nan)";
-            Wrong::Line(line, format!("{what}; it is one of its {name} elements"))
-        }
-        _ => Wrong::File(format!("its {name} elements cannot be read: {}", first_line(&text))),
-    }
-}
-
 /// The mesh, and the names of its images.
 fn parse(bytes: &[u8], limits: Limits) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
-    let mut reader = Reader::new(bytes);
-    let header = first(bytes, &mut reader)?;
+    let (header, mut body) = Header::parse(bytes)?;
     check_sizes(&header, bytes.len(), limits)?;
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     let mut has = Attributes::default();
-    for (name, element) in &header.elements {
-        match name.as_str() {
+    for element in &header.elements {
+        match element.name.as_str() {
             "vertex" => {
-                if let Some(axis) = ["x", "y", "z"].into_iter().find(|axis| !is_number(element, axis)) {
-                    return Err(Wrong::File(format!(
-                        "its vertices have no number {axis}; export them with x, y and z"
-                    )));
-                }
-                has = Attributes::of(element);
-                vertices = read::<Vertex>(&mut reader, element, &header)?;
+                let properties = VertexProperties::of(element)?;
+                has = Attributes::of(&properties);
+                vertices = properties.read(&mut body, element)?;
             }
-            "face" | "tristrips" => {
-                let mut own = read::<Face>(&mut reader, element, &header)?;
-                own.iter_mut().for_each(|face| face.is_strip = name == "tristrips");
-                faces.extend(own);
-            }
-            _ => drop(read::<Skipped>(&mut reader, element, &header)?),
+            "face" | "tristrips" => read_faces(&mut body, element, &mut faces)?,
+            _ => body.read(element, &mut |_| Ok(()))?,
         }
     }
     let triangles: usize = faces.iter().map(|face| face.corners.len().saturating_sub(2)).sum();
@@ -152,40 +114,19 @@ fn parse(bytes: &[u8], limits: Limits) -> std::result::Result<(Mesh, Vec<String>
     Ok((assemble(&vertices, &faces, has, textures.len())?, textures))
 }
 
-/// The header, at the beginning.
-fn first(bytes: &[u8], reader: &mut Reader<&[u8]>) -> std::result::Result<Header, Wrong> {
-    if !bytes.starts_with(b"ply") {
-        return Err(Wrong::File("is no PLY file: it does not begin with the line ply".into()));
-    }
-    Parser::<Skipped>::new().read_header(reader).map_err(|e| wrong_header(&e))
-}
-
-fn read<E: PropertyAccess>(
-    reader: &mut Reader<&[u8]>,
-    element: &ElementDef,
-    header: &Header,
-) -> std::result::Result<Vec<E>, Wrong> {
-    let read = Parser::<E>::new().read_payload_for_element(reader, element, header);
-    read.map_err(|e| wrong_element(&e, &element.name, header.encoding))
-}
-
 /// Refuses what a header promises beyond the file's bytes, or beyond memory.
 fn check_sizes(header: &Header, bytes: usize, limits: Limits) -> std::result::Result<(), Wrong> {
-    let count = |name: &str| header.elements.get(name).map_or(0, |e| e.count);
-    for (name, element) in &header.elements {
+    for element in &header.elements {
         // an element of a text is a line; a binary one may have no property, and no bytes
         let is_empty = element.properties.is_empty() && header.encoding != Encoding::Ascii;
         if element.count > bytes || is_empty && element.count > 0 {
-            let (count, plural) = (element.count, if element.count == 1 { "" } else { "s" });
+            let (name, count, plural) = (&element.name, element.count, if element.count == 1 { "" } else { "s" });
             return Err(Wrong::File(format!("its header says {count} {name}{plural}, in a file of {bytes} bytes")));
         }
     }
-    let (vertices, faces) = (count("vertex") as u64, (count("face") + count("tristrips")) as u64);
+    let vertices = header.count("vertex") as u64;
+    let faces = header.count("face").saturating_add(header.count("tristrips")) as u64;
     check_memory(limits, (faces, vertices), format_args!("{faces} faces"), "use fewer").map_err(Wrong::Memory)
-}
-
-fn is_number(element: &ElementDef, name: &str) -> bool {
-    element.properties.get(name).is_some_and(|property| matches!(property.data_type, PropertyType::Scalar(_)))
 }
 
 /// What vertices have beside their places.
@@ -197,26 +138,18 @@ struct Attributes {
 }
 
 impl Attributes {
-    fn of(element: &ElementDef) -> Attributes {
-        let has = |names: &[&str]| names.iter().all(|name| element.properties.contains_key(*name));
+    fn of(properties: &VertexProperties) -> Attributes {
         Attributes {
-            normals: has(&["nx", "ny", "nz"]),
-            colors: has(&["red", "green", "blue"]),
-            uvs: has(&["s", "t"]) || has(&["u", "v"]) || has(&["texture_u", "texture_v"]),
+            normals: properties.normal.is_some(),
+            colors: properties.color.is_some(),
+            uvs: properties.uv.is_some(),
         }
     }
 }
 
 /// Makes a mesh of what was read.
 fn assemble(vertices: &[Vertex], faces: &[Face], has: Attributes, textures: usize) -> std::result::Result<Mesh, Wrong> {
-    let mut mesh = Mesh::default();
-    for (k, vertex) in vertices.iter().enumerate() {
-        if !vertex.position.is_finite() {
-            let [x, y, z] = vertex.position.to_array();
-            return Err(Wrong::File(format!("vertex {k} lies at ({x}, {y}, {z}); use finite numbers")));
-        }
-        mesh.positions.push(vertex.position);
-    }
+    let mut mesh = Mesh { positions: vertices.iter().map(|v| v.position).collect(), ..Mesh::default() };
     // of faces goes before of vertices
     let colors_of_faces = faces.iter().any(|f| f.color.is_some());
     let uvs_of_faces = faces.iter().any(|f| !f.texcoords.is_empty());
@@ -252,9 +185,18 @@ fn assemble(vertices: &[Vertex], faces: &[Face], has: Attributes, textures: usiz
     if mesh.triangles.is_empty() {
         return Err(Wrong::File("has no triangles; render points as spheres, by [[spheres]]".into()));
     }
+    mesh.settle_unused().map_err(|k| {
+        let [x, y, z] = vertices[k].position.to_array();
+        Wrong::File(format!("vertex {k} lies at ({x}, {y}, {z}); use finite numbers"))
+    })?;
     if has.colors && !colors_of_faces {
-        let color = |(k, v): (usize, &Vertex)| linear(v.color, || format!("vertex {k}"));
-        mesh.colors = vertices.iter().enumerate().map(color).collect::<std::result::Result<_, _>>()?;
+        let mut is_used = vec![false; vertices.len()];
+        mesh.triangles.iter().flatten().for_each(|k| is_used[*k as usize] = true);
+        let color = |((k, v), is_used): ((usize, &Vertex), bool)| match is_used {
+            true => linear(v.color, || format!("vertex {k}")),
+            false => Ok([1.0; 3]),
+        };
+        mesh.colors = vertices.iter().enumerate().zip(is_used).map(color).collect::<std::result::Result<_, _>>()?;
         mesh.corner_colors.clone_from(&mesh.triangles);
     }
     if has.uvs && !uvs_of_faces {

@@ -30,8 +30,10 @@ pub struct MeshSpec {
     pub scale: DVec3,
     /// Copies of the mesh, each with one of these transforms after the other three; `None`: no copies.
     pub places: Option<Places>,
-    /// Both faces are visible.
-    pub two_sided: bool,
+    /// Both faces are visible; `None`: as its file says.
+    pub two_sided: Option<bool>,
+    /// The nodes or groups of its file are objects with names of their own.
+    pub has_parts: bool,
     /// Corners without a normal get vertex normals.
     pub smooth: bool,
     /// Linear RGB in [0, 1] for the whole mesh, without the images and colours of its file; `None` keeps the source's materials.
@@ -85,7 +87,7 @@ pub enum TextureSpec {
     LeftOut,
     /// This one on all of it, times the mesh's `color`.
     Image {
-        /// A PNG, JPEG or Radiance picture, already relative to the working directory.
+        /// An image file, already relative to the working directory.
         file: PathBuf,
         /// Number of repetitions over texture coordinates from 0 to 1.
         repeat: DVec2,
@@ -96,7 +98,7 @@ pub enum TextureSpec {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeshSource {
-    /// An .obj, .gltf, .glb, .ply or .stl file, already relative to the working directory.
+    /// An .obj, .gltf, .glb, .ply, .stl, .off or .dae file, already relative to the working directory.
     File(PathBuf),
     /// On the way from one such file to another of the same triangles, and the share of that way.
     Between([PathBuf; 2], f64),
@@ -119,7 +121,8 @@ impl MeshSpec {
             rotate: DVec3::ZERO,
             scale: DVec3::ONE,
             places: None,
-            two_sided: true,
+            two_sided: Some(true),
+            has_parts: false,
             smooth: false,
             outside_files: false,
             animation: None,
@@ -211,7 +214,8 @@ fn read_keys(table: &Table, source: MeshSource) -> Result<MeshSpec> {
         rotate: table.or("rotate", DVec3::ZERO, Field::vec3)?,
         scale: table.or("scale", DVec3::ONE, read_scale)?,
         places: table.optional("places", Places::read)?,
-        two_sided: table.or("two_sided", true, Field::boolean)?,
+        two_sided: table.or("two_sided", Some(true), read_sides)?,
+        has_parts: table.or("objects", false, read_objects)?,
         smooth: table.or("smooth", false, Field::boolean)?,
         color: table.optional("color", Field::color)?,
         texture: table.or("texture", TextureSpec::OfFile, read_texture)?,
@@ -225,6 +229,29 @@ fn read_keys(table: &Table, source: MeshSource) -> Result<MeshSpec> {
         outside_files: table.or("outside_files", false, Field::boolean)?,
         animation: read_animation(table)?,
     })
+}
+
+/// `true`, `false`, or "file" for what the file says.
+fn read_sides(field: &Field) -> Result<Option<bool>> {
+    match &field.node().value {
+        Value::Text(text) if text == "file" => Ok(None),
+        Value::Text(_) => Err(field.error("expected true, false or \"file\", which takes what the file says")),
+        _ => field.boolean().map(Some),
+    }
+}
+
+/// "one" for a mesh that is one object, "file" for an object each of the file's nodes or groups.
+fn read_objects(field: &Field) -> Result<bool> {
+    match field.text()? {
+        "one" => Ok(false),
+        "file" => Ok(true),
+        other => {
+            let other = quote(other);
+            Err(field.error(format_args!(
+                "{other} is neither \"one\" nor \"file\", which makes an object of each node or group"
+            )))
+        }
+    }
 }
 
 fn read_animation(table: &Table) -> Result<Option<AnimationSpec>> {
@@ -265,14 +292,14 @@ fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
     match (table.get("file"), table.get("builtin")) {
         (Some(_), Some(builtin)) => Err(builtin.error("a mesh has either a file or a builtin; remove one of the two")),
         (Some(file), None) if file.is_table() => {
-            allow(table, "file", &[&["outside_files"], more].concat())?;
+            allow(table, "file", &[&["outside_files", "objects"], more].concat())?;
             read_between(&file)
         }
         (Some(file), None) => {
             let path = file.path()?;
             if !is_height_image(&path) {
-                let of_gltf = ["outside_files", "animation", "animation_time"];
-                allow(table, "file", &[&of_gltf[..], more].concat())?;
+                let of_files = ["objects", "outside_files", "animation", "animation_time"];
+                allow(table, "file", &[&of_files[..], more].concat())?;
                 return Ok(MeshSource::File(path));
             }
             allow(table, "file", &[&["height_scale", "cell"], more].concat())?;
@@ -290,6 +317,7 @@ fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
                 "file",
                 &[
                     "builtin",
+                    "objects",
                     "outside_files",
                     "animation",
                     "animation_time",

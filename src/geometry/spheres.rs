@@ -1,9 +1,10 @@
 //! Spheres of a scene file: where they are, how large, and in which colour; from lists, .npy arrays, point files and PLY files.
 
-use super::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
+use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, check_memory};
 use super::ply;
+use super::texture::{full_color, linear_color};
 use crate::arrays::MapEach;
-use crate::image::{read_npy_columns, read_npy_rows, read_points};
+use crate::image::{read_npy_columns, read_npy_rows, read_text_points};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Limits, Loading, Result};
 use glam::DVec3;
@@ -44,6 +45,8 @@ pub struct Points {
     pub radii: Option<Vec<f64>>,
     /// Linear RGB in [0, 1].
     pub colors: Option<Vec<[f32; 3]>>,
+    /// What the source says and the spheres do not have.
+    pub missing: Vec<Missing>,
 }
 
 /// The keys of spheres that those of meshes do not have.
@@ -109,8 +112,9 @@ impl SpheresSpec {
                 Some(read_npy_rows::<3>(path, loading)?.into_iter().map(|c| c.map_each(|x| x as f32)).collect())
             }
         };
-        spheres_of(points.centres, radii, colors, loading.limits())
-            .map_err(|why| Error::input(format!("spheres {called}: {why}")))
+        let mesh = spheres_of(points.centres, radii, colors, loading.limits())
+            .map_err(|why| Error::input(format!("spheres {called}: {why}")))?;
+        Ok(Mesh { missing: points.missing, ..mesh })
     }
 
     /// The file's name without folder and extension.
@@ -130,7 +134,7 @@ fn given(list: &[Given], default: Option<f64>) -> Result<Points> {
         })
     };
     let radii = list.iter().enumerate().map(radius).collect::<Result<_>>()?;
-    Ok(Points { centres: list.iter().map(|(centre, _)| *centre).collect(), radii: Some(radii), colors: None })
+    Ok(Points { centres: list.iter().map(|(centre, _)| *centre).collect(), radii: Some(radii), ..Points::default() })
 }
 
 fn load_points(path: &std::path::Path, loading: &Loading) -> Result<Points> {
@@ -143,15 +147,30 @@ fn load_points(path: &std::path::Path, loading: &Loading) -> Result<Points> {
             Ok(Points {
                 centres: rows().map(|row| DVec3::new(row[0], row[1], row[2])).collect(),
                 radii: (columns == 4).then(|| rows().map(|row| row[3]).collect()),
-                colors: None,
+                ..Points::default()
             })
         }
-        "csv" | "txt" | "xyz" => Ok(Points { centres: read_points(path, loading)?, ..Points::default() }),
+        "csv" | "txt" | "xyz" => {
+            let text = read_text_points(path, loading)?;
+            let colors = text.triples.as_deref().and_then(linear_colors);
+            let left_out = (text.has_more() && colors.is_none()).then(|| Missing {
+                what: format!("columns of {}", path.display()),
+                why: "behind x y z they are no colours, which are from 0 to 1 or whole numbers to 255".into(),
+            });
+            Ok(Points { centres: text.points, radii: None, colors, missing: left_out.into_iter().collect() })
+        }
         _ => {
             let name = path.display();
             Err(Error::input(format!("{name}: unknown kind of file for spheres; use .ply, .npy, .csv, .txt or .xyz")))
         }
     }
+}
+
+/// Linear light of sRGB colours from 0 to 1, or from 0 to 255 where all numbers are whole and one is above 1; `None` if they are no colours.
+fn linear_colors(srgb: &[[f64; 3]]) -> Option<Vec<[f32; 3]>> {
+    let full = full_color(srgb.iter().flatten());
+    let is_color = !srgb.is_empty() && srgb.iter().flatten().all(|c| (0.0..=full).contains(c));
+    is_color.then(|| srgb.iter().map(|rgb| linear_color(*rgb, full)).collect())
 }
 
 /// Radii that are numbers in f32 too.
@@ -241,6 +260,23 @@ mod tests {
         assert_eq!((mesh.colors_of(1), mesh.materials[0].diffuse), ([[0.0, 1.0, 0.0]; 3], [1.0; 3]));
         assert_eq!(mesh.bounds(), Some((DVec3::new(-1.0, -4.25, -2.0), DVec3::new(3.0, 2.0, 2.0))));
         assert!(spheres_of(Vec::new(), Vec::new(), None, Limits::default()).unwrap().bounds().is_none());
+    }
+
+    #[test]
+    fn text_has_colours_from_the_fourth_column_on() {
+        let of = |text: &str| {
+            let dir = tempfile::tempdir().unwrap();
+            let file = dir.path().join("p.xyz");
+            std::fs::write(&file, text).unwrap();
+            let spec = SpheresSpec { source: SpheresSource::File(file), radius: Some(1.0), colors: None };
+            spec.load("p", &Loading::default()).unwrap()
+        };
+        let bytes = of("1 2 3 255 0 0\n1 2 4 0 255 0\n");
+        assert_eq!((bytes.colors, bytes.missing.len()), (vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], 0));
+        // normals
+        let normals = of("1 2 3 0 0 -1\n");
+        assert_eq!((normals.colors.len(), normals.missing.len()), (0, 1));
+        assert!(normals.missing[0].why.contains("no colours"));
     }
 
     #[test]

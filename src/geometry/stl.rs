@@ -1,6 +1,6 @@
 //! STL: triangles alone, binary or text. Neither says which it is: <https://en.wikipedia.org/wiki/STL_(file_format)>.
 
-use super::lex::{Lines, Tokens, parse_f64, quoted};
+use super::lex::{Lines, Tokens, parse_f64, quoted, with_line_feeds};
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
 use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
@@ -93,7 +93,7 @@ fn read_binary(bytes: &[u8], name: &str) -> Result<Vec<[DVec3; 3]>> {
 
 fn read_text(bytes: &[u8], name: &str) -> Result<Vec<[DVec3; 3]>> {
     let (mut triangles, mut corners) = (Vec::new(), Vec::new());
-    for (number, line) in Lines::new(bytes) {
+    for (number, line) in Lines::new(&with_line_feeds(bytes)) {
         let wrong = |text: String| Error::input(format!("{name}:{}: {text}", number + 1));
         let mut tokens = Tokens::new(&line);
         match tokens.next().unwrap_or_default().to_ascii_lowercase().as_slice() {
@@ -154,6 +154,8 @@ mod tests {
             assert_eq!(mesh.triangles, [[0, 1, 2], [1, 2, 3]]);
             assert_eq!(mesh.positions[3], DVec3::new(0.5, 2.0, 3.0));
         }
+        let old = TEXT.replace('\n', "\r");
+        assert_eq!(parse(old.as_bytes(), "a.stl", Limits::default()).unwrap().triangles, [[0, 1, 2], [1, 2, 3]]);
         // some programs append their own
         let longer = [binary(b"solid", &triangles), vec![1, 2, 3]].concat();
         assert_eq!(parse(&longer, "a.stl", Limits::default()).unwrap().triangles.len(), 2);

@@ -5,11 +5,14 @@ use crate::input::{Error, Limits, Loading, Result};
 use crate::parallel;
 use glam::DVec2;
 use half::f16;
-use image::{DynamicImage, ImageError, ImageReader};
+use image::{DynamicImage, ImageBuffer, ImageError, ImageFormat, ImageReader};
 use std::collections::HashMap;
+use std::fmt;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
+use tiff::decoder::DecodingResult;
+use tiff::{ColorType, TiffError};
 
 /// Texels of an image, row 0 on top.
 #[derive(Debug, PartialEq)]
@@ -189,33 +192,76 @@ impl Images {
         Images { read, ..Images::default() }
     }
 
-    /// The texels of a PNG, JPEG or Radiance file.
+    /// The texels of an image file: PNG, JPEG, Radiance, WebP, BMP, TGA, TIFF or GIF.
     ///
     /// # Errors
-    /// [`Error::Missing`] or [`Error::Read`] where it cannot be read, [`Error::Input`] naming the file where it is neither.
+    /// [`Error::Missing`] or [`Error::Read`] where it cannot be read, [`Error::Input`] naming the file where it is none of these.
     pub fn load(&mut self, path: &Path, loading: &Loading) -> Result<Arc<Texels>> {
-        let missing = || Error::unreadable(path, "the file does not exist");
-        self.find(path, loading)?.ok_or_else(missing)
+        self.find(path, loading)?.map_err(|absent| match absent {
+            Absent::NoFile => Error::unreadable(path, absent),
+            Absent::Format(_) => Error::input(format!("{}: {absent}; save it as PNG", path.display())),
+        })
     }
 
-    /// As [`Images::load`]; `None` if the file does not exist.
+    /// As [`Images::load`], or why a mesh is shown without the image.
     ///
     /// # Errors
     /// [`Error::Missing`] or [`Error::Read`] if it exists and cannot be read, [`Error::Input`] naming the file if it is no image.
-    pub fn find(&mut self, path: &Path, loading: &Loading) -> Result<Option<Arc<Texels>>> {
+    pub fn find(&mut self, path: &Path, loading: &Loading) -> Result<std::result::Result<Arc<Texels>, Absent>> {
         if let Some(known) = self.known.get(path) {
             loading.note(path);
-            return Ok(Some(known.clone()));
+            return Ok(Ok(known.clone()));
         }
         let bytes = match loading.read(path) {
             Ok(bytes) => bytes,
-            Err(e) if is_missing(&e) => return Ok(None),
+            Err(e) if is_missing(&e) => return Ok(Err(Absent::NoFile)),
             Err(e) => return Err(Error::unreadable(path, e)),
         };
-        let texels = Arc::new(decode(&bytes).map_err(|e| e.at(path.display()))?);
+        if let Some(format) = unread_format(&bytes) {
+            return Ok(Err(Absent::Format(format)));
+        }
+        let is_tga = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
+        let image = match is_tga {
+            // its bytes do not tell it
+            true => decoded_as(&bytes, Some(ImageFormat::Tga)),
+            false => decoded(&bytes),
+        };
+        let texels = Arc::new(texels_of(image.map_err(|e| e.at(path.display()))?));
         self.known.insert(path.to_owned(), texels.clone());
-        Ok(Some(texels))
+        Ok(Ok(texels))
     }
+}
+
+/// Why an image is not there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Absent {
+    NoFile,
+    /// It is an image of a kind that is not read.
+    Format(&'static str),
+}
+
+impl fmt::Display for Absent {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Absent::NoFile => f.write_str("the file does not exist"),
+            Absent::Format(format) => write!(f, "{format} images are not read"),
+        }
+    }
+}
+
+/// The kind of an image that models have and that is not read.
+pub fn unread_format(bytes: &[u8]) -> Option<&'static str> {
+    const FORMATS: [(usize, &[u8], &str); 8] = [
+        (0, b"\xABKTX 20\xBB", "KTX2"),
+        (0, b"\xABKTX 11\xBB", "KTX"),
+        (0, b"DDS ", "DDS"),
+        (0, b"8BPS", "PSD"),
+        (0, b"\x76\x2F\x31\x01", "OpenEXR"),
+        (4, b"ftypavif", "AVIF"),
+        (4, b"ftyphei", "HEIF"),
+        (4, b"jP  \r\n", "JPEG 2000"),
+    ];
+    FORMATS.iter().find(|(at, magic, _)| bytes.get(*at..).is_some_and(|b| b.starts_with(magic))).map(|f| f.2)
 }
 
 /// Whether the error means that the file does not exist.
@@ -223,12 +269,15 @@ pub fn is_missing(e: &std::io::Error) -> bool {
     matches!(e.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory)
 }
 
-/// The texels of a PNG or JPEG, whose colours are sRGB (IEC 61966-2-1), or of a Radiance picture, which are linear light.
+/// The texels of an image, whose colours are sRGB (IEC 61966-2-1), or of a Radiance picture, which are linear light.
 ///
 /// # Errors
-/// [`Error::Input`] if it is neither, damaged, or too large for memory.
+/// [`Error::Input`] if it is none that is read, damaged, or too large for memory.
 pub fn decode(bytes: &[u8]) -> Result<Texels> {
-    let image = decoded(bytes)?;
+    decoded(bytes).map(texels_of)
+}
+
+fn texels_of(image: DynamicImage) -> Texels {
     let (width, height) = (image.width(), image.height());
     let rgba = match image {
         DynamicImage::ImageLuma16(_)
@@ -254,7 +303,7 @@ pub fn decode(bytes: &[u8]) -> Result<Texels> {
             parallel::map(image.into_rgba8().as_chunks::<4>().0, pixel)
         }
     };
-    Ok(Texels { width, height, rgba })
+    Texels { width, height, rgba }
 }
 
 /// The pixels of such a file as they are stored, one at least.
@@ -262,8 +311,22 @@ pub fn decode(bytes: &[u8]) -> Result<Texels> {
 /// # Errors
 /// Those of [`decode`].
 pub fn decoded(bytes: &[u8]) -> Result<DynamicImage> {
-    let wrong = |e: String| Error::input(format!("is no PNG, JPEG or HDR that can be read: {e}"));
-    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?;
+    decoded_as(bytes, None)
+}
+
+/// Begins the line of an error.
+const NO_IMAGE: &str = "is no PNG, JPEG or HDR, nor WebP, BMP, TGA, TIFF or GIF, that can be read";
+
+/// As [`decoded`], from the bytes of a format; `None`: the one that they tell.
+fn decoded_as(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage> {
+    let wrong = |e: String| Error::input(format!("{NO_IMAGE}: {e}"));
+    if format.is_none() && (bytes.starts_with(b"II*\0") || bytes.starts_with(b"MM\0*")) {
+        return decoded_tiff(bytes).map_err(wrong);
+    }
+    let reader = match format {
+        Some(format) => ImageReader::with_format(Cursor::new(bytes), format),
+        None => ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?,
+    };
     let image = reader.decode().map_err(|e| match e {
         ImageError::Limits(_) => {
             let most = image::Limits::default().max_alloc.unwrap_or(u64::MAX) >> 20;
@@ -275,6 +338,44 @@ pub fn decoded(bytes: &[u8]) -> Result<DynamicImage> {
     })?;
     if image.width() == 0 || image.height() == 0 {
         return Err(Error::input("is an image without pixels"));
+    }
+    Ok(image)
+}
+
+/// The first image of a TIFF of 8 or 16 bits a sample.
+fn decoded_tiff(bytes: &[u8]) -> std::result::Result<DynamicImage, String> {
+    let wrong = |e: TiffError| e.to_string();
+    let mut tiff = tiff::decoder::Decoder::new(Cursor::new(bytes)).map_err(wrong)?;
+    let (width, height) = tiff.dimensions().map_err(wrong)?;
+    let color = tiff.colortype().map_err(wrong)?;
+    let samples = tiff.read_image().map_err(wrong)?;
+    let image = match (samples, color) {
+        (DecodingResult::U8(s), ColorType::Gray(8)) => {
+            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageLuma8)
+        }
+        (DecodingResult::U8(s), ColorType::GrayA(8)) => {
+            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageLumaA8)
+        }
+        (DecodingResult::U8(s), ColorType::RGB(8)) => {
+            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgb8)
+        }
+        (DecodingResult::U8(s), ColorType::RGBA(8)) => {
+            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgba8)
+        }
+        (DecodingResult::U16(s), ColorType::Gray(16)) => {
+            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageLuma16)
+        }
+        (DecodingResult::U16(s), ColorType::RGB(16)) => {
+            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgb16)
+        }
+        (DecodingResult::U16(s), ColorType::RGBA(16)) => {
+            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgba16)
+        }
+        (_, other) => return Err(format!("its samples are {other:?}; 8 or 16 bits of grey or RGB are read")),
+    };
+    let image = image.ok_or("it has fewer samples than pixels")?;
+    if width == 0 || height == 0 {
+        return Err("it has no pixels".into());
     }
     Ok(image)
 }
@@ -319,6 +420,21 @@ fn tables() -> &'static [[f16; 256]; 2] {
 
 pub(super) fn linear_of_srgb(v: f64) -> f64 {
     if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The value of a full colour in a file that does not say it: 255 where all values are whole numbers and one is above 1, else 1. NaN stands
+/// for no colour.
+pub(super) fn full_color<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> f64 {
+    let is_bytes = values.clone().any(|c| *c > 1.0) && values.filter(|c| !c.is_nan()).all(|c| c.fract() == 0.0);
+    if is_bytes { 255.0 } else { 1.0 }
+}
+
+/// Linear light of an sRGB colour from 0 to `full`; white where it is not finite.
+pub(super) fn linear_color(srgb: [f64; 3], full: f64) -> [f32; 3] {
+    match srgb.iter().all(|c| c.is_finite()) {
+        true => srgb.map_each(|c| linear_of_srgb((c / full).clamp(0.0, 1.0)) as f32),
+        false => [1.0; 3],
+    }
 }
 
 fn srgb_of_linear(v: f64) -> f64 {
@@ -422,7 +538,7 @@ mod tests {
     fn what_is_no_image_says_so() {
         for bytes in [&b""[..], b"GIF89a", b"\x89PNG\r\n\x1a\nxx"] {
             let message = decode(bytes).unwrap_err().to_string();
-            assert!(message.starts_with("is no PNG, JPEG or HDR that can be read: "), "{message}");
+            assert!(message.starts_with(NO_IMAGE), "{message}");
             assert!(!message.contains('\n'));
         }
     }

@@ -18,7 +18,7 @@ pub fn read_points(path: &Path, loading: &Loading) -> Result<Vec<DVec3>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     let points = match extension.as_deref() {
         Some("npy") => read_npy(path, loading),
-        Some("csv" | "txt" | "xyz") => read_text(path, loading),
+        Some("csv" | "txt" | "xyz") => read_text(path, loading).and_then(|text| text.only_points()),
         _ => Err("points are read from .npy, .csv, .txt or .xyz files only".into()),
     };
     points.map_err(|why| Error::input(format!("{}: {why}", path.display())))
@@ -36,27 +36,72 @@ fn read_npy(path: &Path, loading: &Loading) -> std::result::Result<Vec<DVec3>, S
     }
 }
 
-fn read_text(path: &Path, loading: &Loading) -> std::result::Result<Vec<DVec3>, String> {
+/// Points of a text, with what each line has behind them.
+pub struct TextPoints {
+    pub points: Vec<DVec3>,
+    /// The fourth to sixth number of each line; `None` where a line has fewer or other words.
+    pub triples: Option<Vec<[f64; 3]>>,
+    /// The first line that has more than three columns, from 1.
+    wide_line: Option<(usize, String)>,
+}
+
+impl TextPoints {
+    /// Whether lines have more than three columns.
+    pub fn has_more(&self) -> bool {
+        self.wide_line.is_some()
+    }
+
+    fn only_points(self) -> std::result::Result<Vec<DVec3>, String> {
+        match self.wide_line {
+            Some((number, line)) => Err(not_three(number, &line)),
+            None => Ok(self.points),
+        }
+    }
+}
+
+fn not_three(number: usize, line: &str) -> String {
+    format!("line {number}: {line:.40?} is not three finite numbers, as 1.5 2 -3")
+}
+
+/// Reads text as [`read_points`] does, with more columns than three: programs write colours, normals and intensities behind x y z. A first line
+/// that begins with `//` is skipped, too.
+///
+/// # Errors
+/// Those of [`read_points`].
+pub fn read_text_points(path: &Path, loading: &Loading) -> Result<TextPoints> {
+    read_text(path, loading).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+}
+
+fn read_text(path: &Path, loading: &Loading) -> std::result::Result<TextPoints, String> {
     let bytes = open(path, loading)?.metadata().map_err(|e| e.to_string())?.len();
     if bytes > MAX_TEXT {
         return Err(format!("{bytes} bytes are over the limit of {MAX_TEXT}; use .npy"));
     }
     let text = std::fs::read_to_string(path).map_err(|e| format!("cannot be read: {e}; write plain text"))?;
     let lines = text.trim_start_matches('\u{feff}').lines().enumerate().map(|(k, line)| (k + 1, line.trim()));
-    let mut points = Vec::new();
+    let mut read = TextPoints { points: Vec::new(), triples: Some(Vec::new()), wide_line: None };
     let mut first = true;
     for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
         let is_part = |c: char| c == ',' || c == ';' || c.is_whitespace();
         let values: Vec<Option<f64>> = line.split(is_part).filter(|v| !v.is_empty()).map(|v| v.parse().ok()).collect();
-        let names = first && values.iter().all(Option::is_none);
+        let names = first && (values.iter().all(Option::is_none) || line.starts_with("//"));
         first = false;
         match values[..] {
             _ if names => {}
-            [Some(x), Some(y), Some(z)] if DVec3::new(x, y, z).is_finite() => points.push(DVec3::new(x, y, z)),
-            _ => return Err(format!("line {number}: {line:.40?} is not three finite numbers, as 1.5 2 -3")),
+            [Some(x), Some(y), Some(z), ref more @ ..] if DVec3::new(x, y, z).is_finite() => {
+                read.points.push(DVec3::new(x, y, z));
+                if !more.is_empty() && read.wide_line.is_none() {
+                    read.wide_line = Some((number, line.to_owned()));
+                }
+                match (more, &mut read.triples) {
+                    ([Some(a), Some(b), Some(c), ..], Some(triples)) => triples.push([*a, *b, *c]),
+                    _ => read.triples = None,
+                }
+            }
+            _ => return Err(not_three(number, line)),
         }
     }
-    Ok(points)
+    Ok(read)
 }
 
 #[cfg(test)]
@@ -78,6 +123,23 @@ mod tests {
             assert_eq!(read("p.csv", text).unwrap(), expected, "{text:?}");
         }
         assert!(read("p.txt", "").unwrap().is_empty());
+    }
+
+    #[test]
+    fn columns_behind_the_points() {
+        let read = |text: &str| {
+            let dir = tempfile::tempdir().unwrap();
+            let path = dir.path().join("p.xyz");
+            std::fs::write(&path, text).unwrap();
+            read_text_points(&path, &Loading::default())
+        };
+        let colored = read("//X Y Z R G B I\n1 2 3 0.5 0 1 9\n4 5 6 0 0 0 8\n").unwrap();
+        assert_eq!(colored.points, [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)]);
+        assert_eq!(colored.triples, Some(vec![[0.5, 0.0, 1.0], [0.0; 3]]));
+        let with_names = read("x,y,z,intensity\n1,2,3,40\n2,2,3,tree").unwrap();
+        assert_eq!((with_names.points.len(), with_names.triples.is_none(), with_names.has_more()), (2, true, true));
+        assert!(!read("1 2 3").unwrap().has_more());
+        assert!(read("1 2 3 4\n1 nan 3 4").err().unwrap().to_string().contains("line 2"));
     }
 
     #[test]

@@ -93,7 +93,8 @@ impl Model {
         let name = Path::new(file).file_name().map_or(file.into(), |n| n.to_string_lossy()).into_owned();
         let (table, (centre, radius)) = match of_table(&format!("[[mesh]]\nfile = {read_from}\n")) {
             Ok(scene) => {
-                (format!("[[mesh]]\nfile = {shown}{}", up.told()), ball(scene.bounds()).ok_or_else(|| nothing(path))?)
+                let bounds = scene.mesh.drawn_bounds();
+                (format!("[[mesh]]\nfile = {shown}{}", up.told()), ball(bounds).ok_or_else(|| nothing(path))?)
             }
             Err(of_mesh) => {
                 // a file of points is no mesh; anything else is told as a mesh

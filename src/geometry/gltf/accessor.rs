@@ -1,13 +1,14 @@
 //! Typed reading of buffers: every range is checked before it is read.
 
 use crate::arrays::MapEach;
-use glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DMat4, DQuat, DVec2, DVec3, DVec4};
 use gltf::Accessor;
 use gltf::accessor::sparse::{IndexType, Sparse};
 use gltf::accessor::{DataType, Dimensions};
 use gltf::buffer::View;
 
 use super::MAX_TRIANGLES;
+use super::json::Instances;
 use super::source::Source;
 use crate::input::{Error, Result};
 
@@ -77,17 +78,49 @@ impl Source {
         Ok(values.chunks_exact(2).map(|v| DVec2::new(v[0], v[1])).collect())
     }
 
-    /// The accessor's colours, without their opacity.
+    /// The accessor's colours with their opacity, which is 1 where they have none.
     ///
     /// # Errors
     /// As [`Source::read_vectors`].
-    pub(super) fn read_colors(&self, accessor: &Accessor) -> Result<Vec<[f32; 3]>> {
+    pub(super) fn read_colors(&self, accessor: &Accessor) -> Result<Vec<[f32; 4]>> {
         if !matches!(accessor.dimensions(), Dimensions::Vec3 | Dimensions::Vec4) {
             return Err(at(accessor, "must hold vectors of 3 or 4 as colours; export it again".into()));
         }
         let values = self.read(accessor).map_err(|message| at(accessor, message))?;
         let components = accessor.dimensions().multiplicity();
-        Ok(values.chunks_exact(components).map(|v| [v[0], v[1], v[2]].map_each(|c| c as f32)).collect())
+        let color = |v: &[f64]| [v[0], v[1], v[2], v.get(3).copied().unwrap_or(1.0)].map_each(|c| c as f32);
+        Ok(values.chunks_exact(components).map(color).collect())
+    }
+
+    /// The transforms of `EXT_mesh_gpu_instancing`, each of translation, rotation and scale where there is one.
+    ///
+    /// # Errors
+    /// [`Error::Input`]: an accessor does not exist, has another shape, or has another number of values than the others.
+    pub(super) fn read_instances(&self, instances: &Instances) -> Result<Vec<DMat4>> {
+        let find = |index: usize| {
+            let accessor = self.document.accessors().nth(index);
+            accessor.ok_or_else(|| Error::input(format!("its instances have accessor {index}, which does not exist")))
+        };
+        let vectors = |index: Option<usize>| index.map(|k| self.read_vectors(&find(k)?)).transpose();
+        let (translations, scales) = (vectors(instances.translation)?, vectors(instances.scale)?);
+        let rotations = instances.rotation.map(|k| self.read_fours(&find(k)?)).transpose()?;
+        let counts =
+            [translations.as_ref().map(Vec::len), scales.as_ref().map(Vec::len), rotations.as_ref().map(Vec::len)];
+        let count = counts.iter().flatten().copied().max().unwrap_or(0);
+        if counts.iter().flatten().any(|other| *other != count) || count > MAX_TRIANGLES {
+            return Err(Error::input(format!(
+                "its {count} instances have lists of different lengths, or are over 2^28"
+            )));
+        }
+        let of = |k: usize| {
+            let rotation = rotations.as_ref().map_or(DQuat::IDENTITY, |r| DQuat::from_vec4(r[k]).normalize());
+            DMat4::from_scale_rotation_translation(
+                scales.as_ref().map_or(DVec3::ONE, |s| s[k]),
+                rotation,
+                translations.as_ref().map_or(DVec3::ZERO, |t| t[k]),
+            )
+        };
+        Ok((0..count).map(of).collect())
     }
 
     /// The accessor's indices, each below `limit`.
@@ -119,10 +152,8 @@ impl Source {
                 let elements = self.elements(&view, &run)?;
                 elements.flat_map(|e| e.chunks_exact(kind.size()).map(|c| component(kind, c))).collect()
             }
-            None if accessor.sparse().is_none() => {
-                return Err("has no buffer view; if its mesh is compressed, export it without".into());
-            }
             None if count > 3 * MAX_TRIANGLES => return Err(format!("{count} elements are too many; split the file")),
+            // zeros (glTF specification 5.1.1)
             None => {
                 let bytes = 8 * count as u64 * components as u64;
                 let what = format_args!("{count} elements");

@@ -1,15 +1,13 @@
 //! A document at a time of one of its animations: where its nodes are, and how its vertices are moved by morph targets and skins.
 
-use super::parent_from_node;
+use super::json::{Local, NodeParts};
 use super::source::Source;
-use crate::arrays::MapEach;
 use crate::geometry::spec::AnimationSpec;
 use crate::input::{Error, Result};
 use glam::{DMat4, DQuat, DVec3, DVec4};
 use gltf::animation::{Channel, Interpolation, Property};
 use gltf::json::Root;
 use gltf::json::validation::Checked;
-use gltf::scene::Transform;
 use gltf::{Node, Primitive, Semantic, Skin};
 
 /// Nodes and weights at a time.
@@ -23,34 +21,14 @@ pub(super) struct Pose {
 
 /// The values of a node that animations change.
 #[derive(Clone)]
-struct Local {
-    translation: DVec3,
-    rotation: DQuat,
-    scale: DVec3,
-    /// Of a node with a matrix, which nothing changes.
-    matrix: Option<DMat4>,
+struct Posed {
+    local: Local,
     weights: Vec<f64>,
 }
 
-impl Local {
-    fn of(node: &Node) -> Local {
-        let weights = node.weights().or_else(|| node.mesh()?.weights()).unwrap_or_default();
-        let weights = weights.iter().map(|w| f64::from(*w)).collect();
-        let (translation, rotation, scale) = match node.transform() {
-            Transform::Decomposed { translation, rotation, scale } => (
-                DVec3::from(translation.map_each(f64::from)),
-                DQuat::from_array(rotation.map_each(f64::from)).normalize(),
-                DVec3::from(scale.map_each(f64::from)),
-            ),
-            Transform::Matrix { .. } => (DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE),
-        };
-        let matrix = matches!(node.transform(), Transform::Matrix { .. }).then(|| parent_from_node(node));
-        Local { translation, rotation, scale, matrix, weights }
-    }
-
-    fn parent_from_node(&self) -> DMat4 {
-        let placed = || DMat4::from_scale_rotation_translation(self.scale, self.rotation, self.translation);
-        self.matrix.unwrap_or_else(placed)
+impl Posed {
+    fn of(parts: &NodeParts) -> Posed {
+        Posed { local: parts.local, weights: parts.weights.clone().unwrap_or_default() }
     }
 }
 
@@ -62,7 +40,7 @@ impl Pose {
     pub fn at(source: &Source, animation: &AnimationSpec) -> Result<Pose> {
         let document = &source.document;
         check_indices(document.as_json())?;
-        let mut locals: Vec<Local> = document.nodes().map(|node| Local::of(&node)).collect();
+        let mut posed: Vec<Posed> = source.kept.nodes.iter().map(Posed::of).collect();
         let count = document.animations().len();
         let is_asked = |a: &gltf::Animation| match animation.name.parse::<usize>() {
             Ok(index) => a.index() == index || a.name() == Some(&animation.name),
@@ -87,11 +65,11 @@ impl Pose {
                     "its interpolation is none of LINEAR, STEP and CUBICSPLINE; export it again",
                 )));
             }
-            apply(source, &channel, animation.time, &mut locals[channel.target().node().index()]).map_err(at)?;
+            apply(source, &channel, animation.time, &mut posed[channel.target().node().index()]).map_err(at)?;
         }
-        let parent_from_node: Vec<DMat4> = locals.iter().map(Local::parent_from_node).collect();
+        let parent_from_node: Vec<DMat4> = posed.iter().map(|node| node.local.parent_from_node()).collect();
         let world_from_node = world_from_nodes(source, &parent_from_node)?;
-        Ok(Pose { parent_from_node, world_from_node, weights: locals.into_iter().map(|l| l.weights).collect() })
+        Ok(Pose { parent_from_node, world_from_node, weights: posed.into_iter().map(|node| node.weights).collect() })
     }
 
     pub fn parent_from_node(&self, node: &Node) -> DMat4 {
@@ -226,7 +204,7 @@ fn world_from_nodes(source: &Source, parent_from_node: &[DMat4]) -> Result<Vec<D
 }
 
 /// Sets what a channel says of its node at a time.
-fn apply(source: &Source, channel: &Channel, time: f64, local: &mut Local) -> Result<()> {
+fn apply(source: &Source, channel: &Channel, time: f64, posed: &mut Posed) -> Result<()> {
     let sampler = channel.sampler();
     let times = source.read_scalars(&sampler.input())?;
     let values = source.read_numbers(&sampler.output())?;
@@ -247,11 +225,16 @@ fn apply(source: &Source, channel: &Channel, time: f64, local: &mut Local) -> Re
     let keys = Keys { times: &times, values: &values, width, interpolation: sampler.interpolation() };
     let is_rotation = channel.target().property() == Property::Rotation;
     let value = keys.at(time, is_rotation);
+    if channel.target().property() == Property::MorphTargetWeights {
+        posed.weights = value;
+        return Ok(());
+    }
+    // the specification has no animations of nodes with a matrix
+    let Local::Parts { translation, rotation, scale } = &mut posed.local else { return Ok(()) };
     match channel.target().property() {
-        Property::Translation => local.translation = DVec3::new(value[0], value[1], value[2]),
-        Property::Scale => local.scale = DVec3::new(value[0], value[1], value[2]),
-        Property::Rotation => local.rotation = DQuat::from_xyzw(value[0], value[1], value[2], value[3]).normalize(),
-        Property::MorphTargetWeights => local.weights = value,
+        Property::Translation => *translation = DVec3::new(value[0], value[1], value[2]),
+        Property::Scale => *scale = DVec3::new(value[0], value[1], value[2]),
+        _ => *rotation = DQuat::from_xyzw(value[0], value[1], value[2], value[3]).normalize(),
     }
     Ok(())
 }

@@ -10,6 +10,7 @@ use gltf::json::{Path as JsonPath, Root};
 use gltf::{Document, buffer};
 
 use super::Files;
+use super::json::{self, Kept};
 use crate::geometry::texture::is_missing;
 use crate::input::{Error, Limits, Loading, Result};
 use serde_json::Value as Json;
@@ -32,6 +33,8 @@ pub(super) enum Found<T> {
 /// A document whose indices are valid, and its buffers, each at least as long as it says.
 pub(super) struct Source {
     pub document: Document,
+    /// What the document holds beyond the crate's types.
+    pub kept: Kept,
     pub buffers: Vec<Arc<Vec<u8>>>,
     /// What is wrong with its materials, which not every reader uses.
     pub material_error: Option<Error>,
@@ -47,7 +50,11 @@ impl Source {
         if json.is_empty() {
             return Err(Error::input("is empty; a glTF 2.0 file is needed"));
         }
-        let root = read_root(json).map_err(|e| Error::input(format!("is not glTF 2.0: {e}")))?;
+        let wrong = |e| Error::input(format!("is not glTF 2.0: {e}"));
+        let mut json: Json = serde_json::from_slice(json).map_err(wrong)?;
+        json::prepare(&mut json);
+        let kept = Kept::of(&json)?;
+        let root: Root = serde_json::from_value(json).map_err(wrong)?;
         let material_error = check_root(&root)?;
         let document = Document::from_json_without_validation(root);
         let (mut buffers, mut known) = (Vec::new(), HashMap::new());
@@ -57,7 +64,7 @@ impl Source {
             buffers.push(bytes);
         }
         drop(known);
-        Ok(Source { document, buffers, material_error, limits: access.loading.limits() })
+        Ok(Source { document, kept, buffers, material_error, limits: access.loading.limits() })
     }
 
     /// The bytes of an image's file.
@@ -85,21 +92,7 @@ impl Source {
 }
 
 /// The extension by which animations move other things than nodes.
-const POINTERS: &str = "KHR_animation_pointer";
-
-/// The document, without channels of animations that move no node: the crate wants one in each.
-fn read_root(json: &[u8]) -> std::result::Result<Root, gltf::json::Error> {
-    if !json.windows(POINTERS.len()).any(|part| part == POINTERS.as_bytes()) {
-        return Root::from_slice(json);
-    }
-    let mut root: Json = gltf::json::deserialize::from_slice(json)?;
-    for animation in root.get_mut("animations").and_then(Json::as_array_mut).into_iter().flatten() {
-        if let Some(channels) = animation.get_mut("channels").and_then(Json::as_array_mut) {
-            channels.retain(|channel| channel["target"].get("node").is_some());
-        }
-    }
-    gltf::json::deserialize::from_value(root)
-}
+pub(super) const POINTERS: &str = "KHR_animation_pointer";
 
 /// The JSON and BIN chunks of a GLB file; chunks of other types are skipped.
 fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
@@ -125,7 +118,12 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
             b"BIN\0" if binary.is_none() => binary = Some(chunk),
             _ => {}
         }
+        // Some programs do not pad a chunk, others leave the padding out of its size.
+        let unpadded = at + 8 + size;
         at += 8 + size.next_multiple_of(4);
+        if bytes.get(unpadded + 4..unpadded + 8).is_some_and(|kind| matches!(kind, b"JSON" | b"BIN\0")) {
+            at = unpadded;
+        }
     }
     let json = json.ok_or_else(|| Error::input("GLB has no JSON chunk; export it again"))?;
     Ok((json, binary))
@@ -152,9 +150,9 @@ fn check_root(root: &Root) -> Result<Option<Error>> {
             material = Some((path, wrong));
             return;
         }
-        // The required minimum and maximum of positions are often left out, and are not needed.
-        let is_bound = wrong == Wrong::Missing && (path.ends_with(".min") || path.ends_with(".max"));
-        if is_read && !is_bound && first.is_none() {
+        // The required minimum and maximum of positions are often left out, and are not needed; an accessor without a buffer view holds zeros.
+        let is_needless = [".min", ".max", ".bufferView"].iter().any(|end| path.ends_with(end));
+        if is_read && !(wrong == Wrong::Missing && is_needless) && first.is_none() {
             first = Some((path, wrong));
         }
     });
@@ -194,9 +192,11 @@ fn reason(wrong: Wrong) -> &'static str {
 fn keeps_triangles(extension: &str) -> bool {
     const PREFIXES: [&str; 6] =
         ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"];
-    const NAMES: [&str; 4] =
-        ["KHR_mesh_quantization", POINTERS, "MSFT_texture_dds", "MSFT_packing_normalRoughnessMetallic"];
-    NAMES.contains(&extension) || PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
+    const NAMES: [&str; 2] = ["MSFT_texture_dds", "MSFT_packing_normalRoughnessMetallic"];
+    /// Is passed over where its data is there uncompressed, too; a file that requires it has no other.
+    const COMPRESSIONS: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+    let is_handled = NAMES.contains(&extension) || json::is_read(extension);
+    is_handled && !COMPRESSIONS.contains(&extension) || PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
 }
 
 /// The buffer's bytes. A file is read once: `known` holds the bytes by URI.

@@ -4,7 +4,6 @@ use glam::{DVec2, DVec3, Vec3};
 
 use crate::geometry::lex::{Lines, Tokens, parse_f64, parse_i64, quoted};
 use crate::geometry::mesh::{NO_NORMAL, NO_UV};
-use crate::geometry::texture::linear_of_srgb;
 use crate::input::{Error, Result};
 
 /// How many lines and vertex statements a stretch of text has.
@@ -54,8 +53,8 @@ pub(super) struct Chunk {
     pub normals: Vec<Vec3>,
     pub triangles: Vec<[u32; 3]>,
     pub texcoords: Vec<DVec2>,
-    /// Linear RGB of its first positions, as far as the last that has one; white where one has none.
-    pub colors: Vec<[f32; 3]>,
+    /// sRGB of its first positions as the file has it, as far as the last that has one; NaN where one has none.
+    pub colors: Vec<[f64; 3]>,
     /// As far as the last triangle that has texture coordinates; the rest have none.
     pub corner_texcoords: Vec<[u32; 3]>,
     /// As far as the last triangle that has a normal; the rest have none.
@@ -64,15 +63,21 @@ pub(super) struct Chunk {
     pub uses: Vec<(usize, String)>,
     /// The rest of each `mtllib` line.
     pub libraries: Vec<String>,
-    pub dangling_normals: DanglingIndices,
-    pub dangling_texcoords: DanglingIndices,
+    /// `o` and `g` lines: the first triangle of the chunk each is for, whether it is an `o` line, and the name.
+    pub groups: Vec<(usize, bool, String)>,
+    /// Corners of faces whose index is out of range.
+    pub dangling_normals: LeftOut,
+    pub dangling_texcoords: LeftOut,
+    /// Faces of fewer than three vertices.
+    pub short_faces: LeftOut,
+    /// Colours that are not finite.
+    pub wrong_colors: LeftOut,
 }
 
-/// Indices in faces that are out of range.
+/// Parts of a chunk that the mesh is made without.
 #[derive(Debug, Default)]
-pub(super) struct DanglingIndices {
-    /// How many corners have one.
-    pub corners: usize,
+pub(super) struct LeftOut {
+    pub count: usize,
     /// The line of the first one, from 1, and what is wrong.
     pub first: Option<(usize, String)>,
 }
@@ -131,12 +136,17 @@ impl<'a> Reader<'a> {
         match tokens.next().unwrap_or_default() {
             b"v" => {
                 let position = read_vector(tokens.clone())?;
-                if !position.is_finite() {
-                    return Err("vertex coordinate is not finite; use finite numbers".into());
+                // others may be vertices that no face has
+                if !position.is_finite() && self.texcoords == Texcoords::Needed {
+                    return Err(NOT_FINITE.into());
                 }
                 if let Some(color) = read_color(tokens)? {
-                    self.chunk.colors.resize(self.chunk.positions.len(), [1.0; 3]);
-                    self.chunk.colors.push(color);
+                    let is_finite = color.iter().all(|c| c.is_finite());
+                    if !is_finite {
+                        self.chunk.wrong_colors.add(self.line, "it is not finite".into());
+                    }
+                    self.chunk.colors.resize(self.chunk.positions.len(), NO_SRGB);
+                    self.chunk.colors.push(if is_finite { color } else { NO_SRGB });
                 }
                 self.chunk.positions.push(position);
             }
@@ -150,6 +160,7 @@ impl<'a> Reader<'a> {
             }
             b"f" | b"fo" => self.read_face(tokens)?,
             b"usemtl" => self.chunk.uses.push((self.chunk.triangles.len(), tokens.name())),
+            key @ (b"o" | b"g") => self.chunk.groups.push((self.chunk.triangles.len(), key == b"o", tokens.name())),
             b"mtllib" => self.chunk.libraries.push(tokens.name()),
             _ => {}
         }
@@ -163,8 +174,9 @@ impl<'a> Reader<'a> {
             corners.push(self.read_corner(token)?);
         }
         if corners.len() < 3 {
-            let count = corners.len();
-            return Err(format!("face has {count} of at least 3 vertices; complete it or use l or p lines"));
+            self.chunk.short_faces.add(self.line, format!("face has {} of at least 3 vertices", corners.len()));
+            self.corners = corners;
+            return Ok(());
         }
         let (p0, n0, t0) = corners[0];
         for pair in corners.windows(2).skip(1) {
@@ -213,9 +225,9 @@ impl<'a> Reader<'a> {
     }
 }
 
-impl DanglingIndices {
+impl LeftOut {
     fn add(&mut self, line: usize, what: String) {
-        self.corners += 1;
+        self.count += 1;
         self.first.get_or_insert((line, what));
     }
 }
@@ -248,15 +260,19 @@ fn resolve(
     Ok(u32::try_from(from_zero).map_err(|_| format!("face's {what} index {index} is too large")))
 }
 
-/// Of a vertex of six numbers or more the last three of six: an sRGB colour from 0 to 1. Four numbers are a place and a weight.
-fn read_color(tokens: Tokens) -> std::result::Result<Option<[f32; 3]>, String> {
+/// What is wrong with a vertex.
+pub(super) const NOT_FINITE: &str = "vertex coordinate is not finite; use finite numbers";
+
+/// The colour of a vertex without one.
+const NO_SRGB: [f64; 3] = [f64::NAN; 3];
+
+/// The last three of a vertex's first six numbers: an sRGB colour, which may be NaN. Four numbers are a place and a weight.
+fn read_color(tokens: Tokens) -> std::result::Result<Option<[f64; 3]>, String> {
     let mut own = tokens.skip(3);
     let (Some(r), Some(g), Some(b)) = (own.next(), own.next(), own.next()) else { return Ok(None) };
     let mut color = [0.0; 3];
-    for (linear, token) in color.iter_mut().zip([r, g, b]) {
-        let number = parse_f64(token).filter(|c| c.is_finite());
-        let srgb = number.ok_or_else(|| format!("colour {} is not a finite number", quoted(token)))?;
-        *linear = linear_of_srgb(srgb.clamp(0.0, 1.0)) as f32;
+    for (value, token) in color.iter_mut().zip([r, g, b]) {
+        *value = parse_f64(token).ok_or_else(|| format!("colour {} is not a number", quoted(token)))?;
     }
     Ok(Some(color))
 }

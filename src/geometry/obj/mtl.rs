@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use glam::Vec2;
 
-use crate::geometry::lex::{Lines, Tokens, parse_f64, quoted};
+use crate::geometry::lex::{Lines, Tokens, parse_f64, quoted, with_line_feeds};
 use crate::geometry::mesh::{Material, Missing};
-use crate::geometry::texture::{Texels, Texture, Wrap, with_opacity};
+use crate::geometry::texture::{Absent, Texels, Texture, Wrap, with_opacity};
 use crate::input::{Error, Limits, Loading, Result};
 
 /// A material, and the images on it, which are not loaded yet.
@@ -71,25 +71,27 @@ impl Mapped {
         Material { diffuse, ..self.material.clone() }
     }
 
-    /// The material with its images, from `find_image`. Those that do not exist, for which it returns `None`, are added to `missing`.
+    /// The material with its images, from `find_image`. Those for which it says why they are not there are added to `missing`.
     ///
     /// # Errors
     /// [`Error::Input`] naming the line: those of `find_image`; a mask with another `-s` or `-clamp` than the image.
     pub fn with_images(
         &self,
-        mut find_image: impl FnMut(&Path) -> Result<Option<Arc<Texels>>>,
+        mut find_image: impl FnMut(&Path) -> Result<std::result::Result<Arc<Texels>, Absent>>,
         missing: &mut Vec<Missing>,
         limits: Limits,
     ) -> Result<Material> {
         let mut find = |map: Option<&Map>, instead: &str| -> Result<Option<Arc<Texels>>> {
             let Some(map) = map else { return Ok(None) };
             let wrong = |e| Error::input(format!("{}: {e}; texture = false shows none", map.line));
-            let found = find_image(&map.image).map_err(wrong)?;
-            if found.is_none() {
-                let why = format!("{}: the file does not exist; {instead}", map.line);
-                missing.push(Missing { what: map.image.display().to_string(), why });
+            match find_image(&map.image).map_err(wrong)? {
+                Ok(texels) => Ok(Some(texels)),
+                Err(absent) => {
+                    let why = format!("{}: {absent}; {instead}", map.line);
+                    missing.push(Missing { what: map.image.display().to_string(), why });
+                    Ok(None)
+                }
             }
-            Ok(found)
         };
         let colours = find(self.map.as_ref(), "the material's own colour is used")?;
         let opacity = find(self.mask.as_ref(), "nothing is masked")?;
@@ -169,18 +171,16 @@ pub(super) fn load(folder: &Path, libraries: &[&str], loading: &Loading) -> Resu
 /// # Errors
 /// [`Error::Input`] naming `file` and the line.
 pub(super) fn parse(text: &[u8], file: &Path) -> Result<Vec<Mapped>> {
-    let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
+    let text = with_line_feeds(text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text));
     let mut materials: Vec<ParsedMaterial> = Vec::new();
-    for (number, line) in Lines::new(text) {
+    for (number, line) in Lines::new(&text) {
         let at = format!("{}:{}", file.display(), number + 1);
         let wrong = |message: String| Error::input(format!("{at}: {message}"));
         let mut tokens = Tokens::new(&line);
         match tokens.next().unwrap_or_default() {
             b"newmtl" => {
+                // may be empty, as Blender writes it
                 let name = tokens.name();
-                if name.is_empty() {
-                    return Err(wrong("newmtl without a name; give one".into()));
-                }
                 materials.push(ParsedMaterial { name, ..ParsedMaterial::default() });
             }
             key @ (b"Kd" | b"Ks" | b"Ke" | b"Ns" | b"illum" | b"map_Kd" | b"map_d") => {
@@ -314,6 +314,9 @@ mod tests {
         let materials = parse(text, Path::new("a.mtl")).unwrap();
         let found: Vec<_> = materials.iter().map(|m| (m.material.name.as_str(), m.material.diffuse)).collect();
         assert_eq!(found, [("red wall", [0.5, 0.25, 1.0]), ("g", [0.5; 3]), ("s", [0.8; 3])]);
+        // Blender writes a material without a name
+        let unnamed = parse(b"newmtl\rKd 0.5 0.25 0\r", Path::new("a.mtl")).unwrap();
+        assert_eq!((unnamed[0].material.name.as_str(), unnamed[0].material.diffuse), ("", [0.5, 0.25, 0.0]));
     }
 
     #[test]
@@ -325,7 +328,7 @@ mod tests {
         let mut asked = Vec::new();
         let mut find = |image: &Path| {
             asked.push(image.to_owned());
-            Ok(Some(grey(0.25)))
+            Ok(Ok(grey(0.25)))
         };
         let materials: Vec<_> =
             read.iter().map(|m| m.with_images(&mut find, &mut Vec::new(), Limits::default()).unwrap()).collect();
@@ -351,8 +354,8 @@ mod tests {
             Arc::new(Texels { width: greys.len() as u32, height: 1, rgba })
         };
         let image = |path: &Path| match path == Path::new("c.png") {
-            true => Ok(Some(row(&[0.25]))),
-            false => Ok(Some(row(&[0.0, 0.0, 1.0, 1.0]))),
+            true => Ok(Ok(row(&[0.25]))),
+            false => Ok(Ok(row(&[0.0, 0.0, 1.0, 1.0]))),
         };
         let texels = read[0].with_images(image, &mut Vec::new(), Limits::default()).unwrap().texture.unwrap().texels;
         let seen: Vec<_> = texels.rgba.iter().map(|t| [t[0].to_f32(), t[3].to_f32()]).collect();
@@ -370,7 +373,7 @@ mod tests {
         let grey = || Arc::new(Texels { width: 1, height: 1, rgba: vec![[half::f16::from_f32(0.25); 4]] });
         let with = |material: usize, there: &[&str]| {
             let mut missing = Vec::new();
-            let find = |image: &Path| Ok(there.iter().any(|t| image == Path::new(t)).then(grey));
+            let find = |image: &Path| Ok(there.iter().any(|t| image == Path::new(t)).then(grey).ok_or(Absent::NoFile));
             let material = read[material].with_images(find, &mut missing, Limits::default()).unwrap();
             let texture = material.texture.as_ref().map(|t| (t.texels.rgba[0].map(half::f16::to_f32), t.cutoff));
             (
@@ -392,7 +395,6 @@ mod tests {
     fn malformed_text_names_file_and_line() {
         for (text, expected) in [
             ("Kd 1 1 1", "a.mtl:1: Kd before"),
-            ("newmtl\n", "a.mtl:1: newmtl without"),
             ("newmtl a\n\nKd 1 1", "a.mtl:3: Kd has 2 of 3"),
             ("newmtl a\nKd 1 x 1", "a.mtl:2: Kd value \"x\" is not"),
             ("newmtl a\nKd 1 nan 1", "a.mtl:2: Kd value \"nan\" is not"),

@@ -84,11 +84,9 @@ fn wrong_text_names_file_line_and_remedy() {
         ("v 1 2", "cow.obj:5: has 2 of 3 coordinates"),
         ("v 1 2 # 3", "cow.obj:5: has 2 of 3 coordinates"),
         ("v 1 x 2", "cow.obj:5: coordinate \"x\" is not a number"),
-        ("v 1 nan 2", "cow.obj:5: vertex coordinate is not finite"),
-        ("v 1 1e999 2", "cow.obj:5: vertex coordinate is not finite"),
+        ("v 1 nan 2\nf 1 2 5", "cow.obj:5: vertex coordinate is not finite"),
+        ("v 1 1e999 2\nf 5 2 1", "cow.obj:5: vertex coordinate is not finite"),
         ("vn 1 2", "cow.obj:5: has 2 of 3 coordinates"),
-        ("f 1 2", "cow.obj:5: face has 2 of at least 3 vertices"),
-        ("f", "cow.obj:5: face has 0 of at least 3 vertices"),
         ("f 0 1 2", "cow.obj:5: face's vertex index is 0; indices start at 1"),
         ("f 1 2 5", "cow.obj:5: face's vertex index 5 out of range; 1 to 4 exist"),
         ("f 1 2 -5", "cow.obj:5: face's vertex index -5 out of range; -1 to -4 exist up to here"),
@@ -399,11 +397,54 @@ fn vertices_of_six_numbers_have_colours() {
     assert!((mesh.colors[1][0] - 0.214).abs() < 0.001 && mesh.colors[1][2] == 1.0, "{:?}", mesh.colors);
     assert_eq!(mesh.materials[0].diffuse, [1.0; 3]);
     assert!(parse_text(&format!("{QUAD}f 1 2 3")).unwrap().colors.is_empty());
-    assert!(message_of("v 0 0 0 1 x 0").contains("cow.obj:1: colour \"x\" is not a finite number"));
+    assert!(message_of("v 0 0 0 1 x 0").contains("cow.obj:1: colour \"x\" is not a number"));
     // chunk by chunk
     let lines: String = (0..40).map(|k| format!("v {k} 0 0{}\n", if k % 3 == 0 { " 0 1 0" } else { "" })).collect();
     let text = format!("{lines}f 1 2 3\nf 4 5 40");
     let read = |bytes| parse_in_chunks(text.as_bytes(), "cow.obj", bytes, |_| Ok(Vec::new())).unwrap().0;
     assert_eq!(read(10).colors, read(CHUNK_BYTES).colors);
     assert_eq!(read(10).colors[39], [0.0, 1.0, 0.0]);
+}
+
+/// Depth cameras and exporters write parts that are of no use; the rest is read.
+#[test]
+fn what_no_face_has_may_be_wrong() {
+    let mesh = parse_text(&format!("{QUAD}v nan nan inf\nf 1 2\nf\nf 1 2 3\n")).unwrap();
+    assert_eq!((&mesh.triangles[..], mesh.positions[4]), (&[[0, 1, 2]][..], mesh.positions[0]));
+    let [missing] = &mesh.missing[..] else { panic!("{:?}", mesh.missing) };
+    assert_eq!(missing.what, "vertices of cow.obj");
+    assert_eq!(missing.why, "missing at 2 faces, first in line 6: face has 2 of at least 3 vertices");
+    let mesh = parse_text("v 0 0 0 nan nan nan\nv 1 0 0 1 0 0\nv 0 1 0 0 1 0\nf 1 2 3").unwrap();
+    assert_eq!(mesh.colors, [[1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    assert_eq!(mesh.missing[0].why, "missing at 1 vertex line, first in line 1: it is not finite");
+}
+
+#[test]
+fn colours_of_bytes_are_told_by_their_size() {
+    let of = |colors: [&str; 3]| {
+        let [a, b, c] = colors;
+        parse_text(&format!("v 0 0 0 {a}\nv 1 0 0 {b}\nv 0 1 0 {c}\nf 1 2 3")).unwrap().colors
+    };
+    // 188 of 255 is half of the light, to within half a step of a byte: 2.4 / 255 * 0.5 / 0.74 of it
+    let bytes = of(["255 0 188", "0 255 0", "1 1 1"]);
+    assert!((bytes[0][2] - 0.5).abs() < 0.0032, "{bytes:?}");
+    assert_eq!(bytes[..2].iter().map(|c| c[0]).collect::<Vec<_>>(), [1.0, 0.0]);
+    // one that is not whole: light over 1 is cut
+    assert_eq!(of(["255 0 0.5", "0 1 0", "1 1 1"])[0][..2], [1.0, 0.0]);
+    assert_eq!(of(["1 0 0", "0 1 0", "1 1 1"])[2], [1.0; 3]);
+}
+
+#[test]
+fn objects_or_else_groups_are_parts() {
+    let parts = |text: &str| {
+        let mesh = parse_text(&format!("{QUAD}{text}")).unwrap();
+        mesh.parts.into_iter().map(|part| (part.name, part.triangles)).collect::<Vec<_>>()
+    };
+    let named = |list: &[(&str, usize)]| list.iter().map(|(n, k)| ((*n).to_owned(), *k)).collect::<Vec<_>>();
+    assert_eq!(parts("f 1 2 3\n"), []);
+    assert_eq!(
+        parts("f 1 2 3\ng a b\nf 1 2 3 4\ng a b\nf 1 2 4\ng c\ng d\nf 1 2 3"),
+        named(&[("", 1), ("a b", 3), ("d", 1)])
+    );
+    assert_eq!(parts("o x\ng a\nf 1 2 3\ng b\nf 1 2 3\no y\nf 1 2 3"), named(&[("x", 2), ("y", 1)]));
 }

@@ -1,7 +1,9 @@
-//! Vertices and faces of a PLY file, as its reader fills them in.
+//! Vertices and faces of a PLY file.
 
+use super::Wrong;
+use super::read::{Body, Element, Kind, Row};
+use crate::arrays::MapEach;
 use glam::{DVec2, DVec3};
-use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 
 /// Ends a part of a triangle strip.
 pub(super) const STRIP_END: i64 = -1;
@@ -29,104 +31,88 @@ pub(super) struct Face {
     pub is_strip: bool,
 }
 
-/// An element that is not used.
-pub(super) struct Skipped;
+/// Properties that are a colour.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Color {
+    properties: [usize; 3],
+    /// The value of a full colour.
+    full: f64,
+}
 
-impl PropertyAccess for Skipped {
-    fn new() -> Skipped {
-        Skipped
+impl Color {
+    pub fn of(element: &Element) -> Option<Color> {
+        const NAMES: [[&str; 3]; 3] =
+            [["red", "green", "blue"], ["r", "g", "b"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
+        let properties = element.numbers(&NAMES)?;
+        Some(Color { properties, full: element.properties[properties[0]].kind.full_color() })
+    }
+
+    /// sRGB, from 0 to 1.
+    pub fn at(&self, row: &Row) -> [f64; 3] {
+        row.numbers(self.properties).map_each(|c| c / self.full)
     }
 }
 
-impl PropertyAccess for Vertex {
-    fn new() -> Vertex {
-        Vertex::default()
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let Some(value) = number(&property) else { return PropertyAccessResult::Ignored };
-        let place = match name {
-            "x" => &mut self.position.x,
-            "y" => &mut self.position.y,
-            "z" => &mut self.position.z,
-            "nx" => &mut self.normal.x,
-            "ny" => &mut self.normal.y,
-            "nz" => &mut self.normal.z,
-            "s" | "u" | "texture_u" => &mut self.uv.x,
-            "t" | "v" | "texture_v" => &mut self.uv.y,
-            _ => return set_color(&mut self.color, name, &property),
-        };
-        *place = value;
-        PropertyAccessResult::Set
-    }
+/// Properties of vertices, by their numbers.
+#[derive(Debug)]
+pub(super) struct VertexProperties {
+    position: [usize; 3],
+    pub normal: Option<[usize; 3]>,
+    pub color: Option<Color>,
+    pub uv: Option<[usize; 2]>,
 }
 
-impl PropertyAccess for Face {
-    fn new() -> Face {
-        Face::default()
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        match name {
-            "vertex_indices" | "vertex_index" => self.corners = integers(property).unwrap_or_default(),
-            "texcoord" => self.texcoords = floats(property).unwrap_or_default(),
-            "texnumber" => self.texture = number(&property).map_or(0, |n| n as i64),
-            "red" | "green" | "blue" => return set_color(self.color.get_or_insert_default(), name, &property),
-            _ => return PropertyAccessResult::Ignored,
+impl VertexProperties {
+    /// # Errors
+    /// There is no position.
+    pub fn of(element: &Element) -> Result<VertexProperties, Wrong> {
+        if let Some(axis) = ["x", "y", "z"].into_iter().find(|axis| element.number(axis).is_none()) {
+            return Err(Wrong::File(format!("its vertices have no number {axis}; export them with x, y and z")));
         }
-        PropertyAccessResult::Set
+        let position = element.numbers(&[["x", "y", "z"]]);
+        Ok(VertexProperties {
+            position: position.unwrap_or_default(),
+            normal: element.numbers(&[["nx", "ny", "nz"]]),
+            color: Color::of(element),
+            uv: element.numbers(&[["s", "t"], ["u", "v"], ["texture_u", "texture_v"]]),
+        })
+    }
+
+    pub fn position(&self, row: &Row) -> DVec3 {
+        row.numbers(self.position).into()
+    }
+
+    pub fn read(&self, body: &mut Body, element: &Element) -> Result<Vec<Vertex>, Wrong> {
+        let mut vertices = Vec::with_capacity(element.count);
+        body.read(element, &mut |row| {
+            vertices.push(Vertex {
+                position: self.position(row),
+                normal: self.normal.map_or(DVec3::ZERO, |normal| row.numbers(normal).into()),
+                color: self.color.map_or([0.0; 3], |color| color.at(row)),
+                uv: self.uv.map_or(DVec2::ZERO, |uv| row.numbers(uv).into()),
+            });
+            Ok(())
+        })?;
+        Ok(vertices)
     }
 }
 
-pub(super) fn set_color(color: &mut [f64; 3], name: &str, property: &Property) -> PropertyAccessResult {
-    let place = ["red", "green", "blue"].iter().position(|own| *own == name);
-    let (Some(place), Some(value)) = (place, number(property)) else { return PropertyAccessResult::Ignored };
-    color[place] = value / full(property);
-    PropertyAccessResult::Set
-}
-
-/// The value of a full colour.
-fn full(property: &Property) -> f64 {
-    match property {
-        Property::Float(_) | Property::Double(_) => 1.0,
-        Property::UShort(_) => 65535.0,
-        _ => 255.0,
-    }
-}
-
-pub(super) fn number(property: &Property) -> Option<f64> {
-    Some(match property {
-        Property::Char(v) => (*v).into(),
-        Property::UChar(v) => (*v).into(),
-        Property::Short(v) => (*v).into(),
-        Property::UShort(v) => (*v).into(),
-        Property::Int(v) => (*v).into(),
-        Property::UInt(v) => (*v).into(),
-        Property::Float(v) => (*v).into(),
-        Property::Double(v) => *v,
-        _ => return None,
+/// Appends the faces, or strips, of an element.
+pub(super) fn read_faces(body: &mut Body, element: &Element, faces: &mut Vec<Face>) -> Result<(), Wrong> {
+    let is_strip = element.name == "tristrips";
+    let is_whole = |list: &usize| !matches!(element.properties[*list].kind, Kind::F32 | Kind::F64);
+    let corners = element.list("vertex_indices").or(element.list("vertex_index")).filter(is_whole);
+    let (texcoords, texture) = (element.list("texcoord"), element.number("texnumber"));
+    let color = Color::of(element);
+    faces.reserve(element.count);
+    body.read(element, &mut |row| {
+        faces.push(Face {
+            corners: corners.map_or_else(Vec::new, |list| row.list(list).iter().map(|k| *k as i64).collect()),
+            texcoords: texcoords.map_or_else(Vec::new, |list| row.list(list).to_vec()),
+            color: color.map(|color| color.at(row)),
+            texture: texture.map_or(0, |k| row.number(k) as i64),
+            is_strip,
+        });
+        Ok(())
     })
-}
-
-fn integers(property: Property) -> Option<Vec<i64>> {
-    fn wide<T: Into<i64>>(list: Vec<T>) -> Option<Vec<i64>> {
-        Some(list.into_iter().map(Into::into).collect())
-    }
-    match property {
-        Property::ListChar(list) => wide(list),
-        Property::ListUChar(list) => wide(list),
-        Property::ListShort(list) => wide(list),
-        Property::ListUShort(list) => wide(list),
-        Property::ListInt(list) => wide(list),
-        Property::ListUInt(list) => wide(list),
-        _ => None,
-    }
-}
-
-fn floats(property: Property) -> Option<Vec<f64>> {
-    match property {
-        Property::ListFloat(list) => Some(list.into_iter().map(f64::from).collect()),
-        Property::ListDouble(list) => Some(list),
-        _ => None,
-    }
 }

@@ -1,43 +1,14 @@
 //! Vertices of a PLY file as points: faces are left out.
 
-use super::element::{Skipped, number, set_color};
-use super::{Wrong, check_sizes, first, linear, read, read_file};
+use super::element::VertexProperties;
+use super::read::Header;
+use super::{Wrong, check_sizes, linear, read_file};
 use crate::geometry::spheres::Points;
 use crate::input::{Limits, Loading, Result};
-use glam::DVec3;
-use ply_rs_bw::parser::Reader;
-use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 use std::path::Path;
 
 /// Names of the property that is a radius; the second is that of CloudCompare's scalar fields.
-const RADIUS: [&str; 2] = ["radius", "scalar_radius"];
-
-#[derive(Default)]
-struct Point {
-    place: DVec3,
-    radius: f64,
-    /// sRGB, from 0 to 1.
-    color: [f64; 3],
-}
-
-impl PropertyAccess for Point {
-    fn new() -> Point {
-        Point::default()
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let Some(value) = number(&property) else { return PropertyAccessResult::Ignored };
-        let place = match name {
-            "x" => &mut self.place.x,
-            "y" => &mut self.place.y,
-            "z" => &mut self.place.z,
-            name if RADIUS.contains(&name) => &mut self.radius,
-            _ => return set_color(&mut self.color, name, &property),
-        };
-        *place = value;
-        PropertyAccessResult::Set
-    }
-}
+const RADIUS: [[&str; 1]; 2] = [["radius"], ["scalar_radius"]];
 
 /// The vertices of a PLY file, with their radii and colours if it has them.
 ///
@@ -48,34 +19,34 @@ pub fn load_points(path: &Path, loading: &Loading) -> Result<Points> {
 }
 
 fn parse(bytes: &[u8], limits: Limits) -> std::result::Result<Points, Wrong> {
-    let mut reader = Reader::new(bytes);
-    let header = first(bytes, &mut reader)?;
+    let (header, mut body) = Header::parse(bytes)?;
     check_sizes(&header, bytes.len(), limits)?;
-    let Some(vertex) = header.elements.get("vertex") else {
+    let Some(place) = header.elements.iter().position(|e| e.name == "vertex") else {
         return Err(Wrong::File("has no vertices, of which spheres are made".into()));
     };
-    let has = |name: &str| vertex.properties.contains_key(name);
-    if let Some(name) = ["x", "y", "z"].into_iter().find(|name| !has(name)) {
-        return Err(Wrong::File(format!("its vertices have no {name}")));
+    // what comes after the vertices is not needed
+    let (vertex, before) = (&header.elements[place], &header.elements[..place]);
+    for element in before {
+        body.read(element, &mut |_| Ok(()))?;
     }
-    let has_radii = RADIUS.into_iter().any(has);
-    let has_colors = ["red", "green", "blue"].into_iter().all(has);
-    let mut points = Vec::new();
-    for (name, element) in &header.elements {
-        match name.as_str() {
-            "vertex" => points = read::<Point>(&mut reader, element, &header)?,
-            _ => drop(read::<Skipped>(&mut reader, element, &header)?),
+    let properties = VertexProperties::of(vertex)?;
+    let radius = vertex.numbers(&RADIUS);
+    let mut points = Points {
+        centres: Vec::with_capacity(vertex.count),
+        radii: radius.map(|_| Vec::with_capacity(vertex.count)),
+        colors: properties.color.map(|_| Vec::with_capacity(vertex.count)),
+        missing: Vec::new(),
+    };
+    body.read(vertex, &mut |row| {
+        let number = points.centres.len();
+        points.centres.push(properties.position(row));
+        if let (Some(radii), Some(radius)) = (&mut points.radii, radius) {
+            radii.extend(row.numbers(radius));
         }
-        if name == "vertex" {
-            // what comes after them is not needed
-            break;
+        if let (Some(colors), Some(color)) = (&mut points.colors, properties.color) {
+            colors.push(linear(color.at(row), || format!("vertex {number}"))?);
         }
-    }
-    let color = |(k, point): (usize, &Point)| linear(point.color, || format!("vertex {k}"));
-    let colors = has_colors.then(|| points.iter().enumerate().map(color).collect::<std::result::Result<Vec<_>, _>>());
-    Ok(Points {
-        colors: colors.transpose()?,
-        radii: has_radii.then(|| points.iter().map(|point| point.radius).collect()),
-        centres: points.iter().map(|point| point.place).collect(),
-    })
+        Ok(())
+    })?;
+    Ok(points)
 }

@@ -149,3 +149,51 @@ fn what_is_wrong_is_said_in_a_line() {
     let header = "property list uchar float texcoord\n";
     fails(&text("", [""; 5], header, ["6 0 0 0 0 0 0", "6 0 0 0 0 0 0"]), "face 0 has a texcoord of 6 numbers");
 }
+
+/// Rhinoceros ends lines with carriage returns, others write blanks and tabs, Blender 2.47 a line of no keyword.
+#[test]
+fn headers_of_other_programs() {
+    let expected = mesh(plain().as_bytes());
+    let returns = plain().replace('\n', "\r");
+    let blanks =
+        plain().replace("element vertex", "\telement \t vertex ").replace("property double y", " property  double\ty ");
+    let created = plain().replace("comment by hand", "Created by a program, source file: ");
+    let points = plain().replace("1 1 0.1", "1. +1 .1").replace("2 0 -5e-1", "\t2  0 -.5 ");
+    for text in [returns, blanks, created, plain().replace('\n', "\r\n"), points] {
+        assert_eq!(mesh(text.as_bytes()), expected, "{text:?}");
+    }
+}
+
+/// Binary data begin behind the last line end of a header, whatever ends lines.
+#[test]
+fn binary_data_begin_behind_the_header() {
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty uchar x\nproperty uchar y\nproperty uchar z\n\
+                  element face 1\nproperty list uchar uchar vertex_indices\nend_header\n";
+    // the first coordinate is that of a line feed
+    let data = [10, 13, 0, 1, 0, 0, 0, 1, 0, 3, 0, 1, 2];
+    for header in [header.to_owned(), header.replace('\n', "\r"), header.replace('\n', "\r\n")] {
+        let mesh = mesh(&[header.as_bytes(), &data].concat());
+        assert_eq!((mesh.positions[0], mesh.triangles), (DVec3::new(10.0, 13.0, 0.0), vec![[0, 1, 2]]));
+    }
+}
+
+#[test]
+fn what_no_face_has_may_be_nan() {
+    let colors = "property float red\nproperty float green\nproperty float blue\n";
+    let text = text(colors, ["0 0 1", "0 1 0", "1 0 0", "nan nan nan", "1 1 1"], "", [""; 2])
+        .replace("4 0 1 2 3", "3 0 1 2")
+        .replace("0 1 0 nan", "nan nan nan nan");
+    let mesh = mesh(text.as_bytes());
+    assert_eq!((mesh.positions[3], mesh.colors[3]), (mesh.positions[0], [1.0; 3]));
+    let used = parsed(text.replace("3 1 4 2", "3 1 3 2").as_bytes()).unwrap_err();
+    assert!(used.contains("vertex 3 lies at (NaN, NaN, NaN)"), "{used}");
+}
+
+#[test]
+fn colours_have_other_names_too() {
+    for names in [["r", "g", "b"], ["diffuse_red", "diffuse_green", "diffuse_blue"]] {
+        let header: String = names.iter().map(|name| format!("property uchar {name}\n")).collect();
+        let mesh = mesh(text(&header, ["255 0 0", "0 0 0", "0 255 0", "0 0 0", "9 9 9"], "", [""; 2]).as_bytes());
+        assert_eq!((mesh.colors[0], mesh.colors[2]), ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]));
+    }
+}

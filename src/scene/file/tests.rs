@@ -81,11 +81,11 @@ fn reads_every_key() {
     let spot = &scene.meshes[0];
     assert_eq!(spot.source, MeshSource::File("dir/spot.obj".into()));
     assert_eq!((spot.translate, spot.rotate), (DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.0, 90.0, 0.0)));
-    assert_eq!((spot.scale, spot.two_sided, spot.color), (DVec3::splat(2.0), false, Some([1.0, 0.0, 0.0])));
+    assert_eq!((spot.scale, spot.two_sided, spot.color), (DVec3::splat(2.0), Some(false), Some([1.0, 0.0, 0.0])));
     let city = &scene.meshes[1];
     let source = Builtin::City { seed: u64::MAX, blocks: Some(8), triangles: 15_000 };
     assert_eq!(city.source, MeshSource::Builtin(source));
-    assert_eq!((city.scale, city.two_sided, city.color), (DVec3::new(1.0, 2.0, 3.0), true, None));
+    assert_eq!((city.scale, city.two_sided, city.color), (DVec3::new(1.0, 2.0, 3.0), Some(true), None));
     assert_eq!(scene.lights, [Light::distant(DVec3::new(-1.0, -2.0, -1.0))]);
     assert_eq!(scene.camera.t_range, [-1.0, f64::INFINITY]);
     let (eye, target, up) = (DVec3::new(0.0, 1.0, 5.0), DVec3::ZERO, DVec3::Y);

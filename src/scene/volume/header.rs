@@ -5,7 +5,7 @@ use super::SIDE_MAX;
 use super::load::{Numbers, RawGrid, read_numbers};
 use super::spec::Placement;
 use crate::image::NumberType;
-use crate::input::{Error, Loading, Result, files};
+use crate::input::{Error, Limits, Loading, Result, files};
 use flate2::read::{GzDecoder, ZlibDecoder};
 use glam::DVec3;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
@@ -71,11 +71,20 @@ pub fn read_headed(path: &Path, loading: &Loading) -> Result<Numbers> {
     let (grid, limits) = (&header.grid, loading.limits());
     let values = match header.packing {
         Packing::None => read_numbers(&mut data, grid, limits),
-        Packing::Gzip => read_numbers(&mut GzDecoder::new(data), grid, limits),
-        Packing::Zlib => read_numbers(&mut ZlibDecoder::new(data), grid, limits),
+        Packing::Gzip => read_packed(&mut GzDecoder::new(data), grid, limits),
+        Packing::Zlib => read_packed(&mut ZlibDecoder::new(data), grid, limits),
     };
     let values = values.map_err(|e| e.at(path.display()))?;
     Ok(Numbers { shape: header.grid.shape, values, placement: header.placement })
+}
+
+/// Reads numbers from a decoder, and on to where it compares its checksum, which lies behind them.
+fn read_packed(decoder: &mut impl Read, grid: &RawGrid, limits: Limits) -> Result<Vec<f32>> {
+    let values = read_numbers(decoder, grid, limits)?;
+    match decoder.read(&mut [0]) {
+        Ok(_) => Ok(values),
+        Err(e) => Err(Error::input(format!("the end of the numbers: {e}; is the file cut short or damaged?"))),
+    }
 }
 
 /// The next line without its end; `None` after the last one, or where a header is over its limit.
@@ -299,6 +308,25 @@ mod tests {
         ] {
             let Numbers { shape, values, .. } = read(name, &header, &behind).unwrap();
             assert_eq!((shape, values), ([2, 3, 4], NUMBERS.map(f32::from).to_vec()), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_checksum_that_is_cut_or_wrong_is_noticed() {
+        let gzip = packed(GzEncoder::new(&bytes(false)[..], Compression::default()));
+        let zlib = packed(ZlibEncoder::new(&bytes(false)[..], Compression::default()));
+        let nrrd = format!("{NRRD}encoding: gzip\nendian: little\n\n");
+        let meta = format!("{META}CompressedData = True\nElementDataFile = LOCAL\n");
+        // a trailer is a checksum of four bytes, and of gzip the length in four more
+        for (name, header, packed, trailer) in [("a.nrrd", nrrd, gzip, 8), ("a.mha", meta, zlib, 4)] {
+            read(name, &header, &packed).unwrap();
+            for cut in 1..=trailer {
+                let error = read(name, &header, &packed[..packed.len() - cut]).err().unwrap().to_string();
+                assert!(error.contains("cut short or damaged") && !error.contains('\n'), "{name}, {cut}: {error}");
+            }
+            let mut wrong = packed.clone();
+            wrong[packed.len() - trailer] ^= 1;
+            assert!(read(name, &header, &wrong).is_err(), "{name}");
         }
     }
 

@@ -400,7 +400,7 @@ pub struct SplatArgs {
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Describe this model (.obj, .gltf, .glb, .ply, .stl; .asc, .png, .tif with heights), scene (.toml, .json) or volume (.nrrd, .nhdr,
+    /// Describe this model (.obj, .gltf, .glb, .ply, .stl, .off, .dae; .asc, .png, .tif with heights), scene (.toml, .json) or volume (.nrrd, .nhdr,
     /// .mha, .mhd, .npy) instead of the adapters
     pub file: Option<PathBuf>,
     /// Print JSON
@@ -464,7 +464,7 @@ pub struct NewArgs {
     /// What you want: a name of --list
     #[arg(required_unless_present = "list")]
     pub task: Option<String>,
-    /// The model, .obj, .ply, .stl, .gltf or .glb; or points, .ply, .npy, .csv or .xyz [default: the built-in teapot]
+    /// The model, .obj, .ply, .stl, .off, .dae, .gltf or .glb; or points, .ply, .npy, .csv or .xyz [default: the built-in teapot]
     #[arg(long, value_name = "FILE")]
     pub mesh: Option<PathBuf>,
     /// The model's axis that points up

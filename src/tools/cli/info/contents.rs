@@ -26,6 +26,9 @@ struct Contents {
     spheres: usize,
     /// Centres of spheres too.
     vertices: usize,
+    /// Those that no triangle has; the bounds are without them.
+    #[serde(skip_serializing_if = "is_zero")]
+    unused_vertices: usize,
     /// Objects of a scene; 1 for a model.
     meshes: usize,
     materials: usize,
@@ -44,7 +47,11 @@ struct Contents {
     bounds: Option<Bounds>,
 }
 
-/// The box around all vertices, in world units.
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
+/// The box around all triangles and spheres, in world units.
 #[derive(Serialize)]
 struct Bounds {
     low: [f64; 3],
@@ -153,6 +160,7 @@ impl Contents {
             triangles: mesh.triangles.len() - mesh.sphere_count(),
             spheres: mesh.sphere_count(),
             vertices: mesh.positions.len(),
+            unused_vertices: mesh.unused_vertices(),
             meshes,
             materials: mesh.materials.len(),
             normals: !mesh.corner_normals.is_empty(),
@@ -160,7 +168,7 @@ impl Contents {
             vertex_colors: !mesh.corner_colors.is_empty(),
             camera: None,
             heights: None,
-            bounds: mesh.bounds().map(|(low, high)| Bounds::of(low, high)),
+            bounds: mesh.drawn_bounds().map(|(low, high)| Bounds::of(low, high)),
         }
     }
 }
@@ -234,7 +242,11 @@ impl fmt::Display for Contents {
         if self.spheres > 0 {
             writeln!(f, "  spheres              {}", self.spheres)?;
         }
-        writeln!(f, "  vertices             {}", self.vertices)?;
+        let unused = match self.unused_vertices {
+            0 => String::new(),
+            count => format!(", {count} of them in no triangle: the bounds are without them"),
+        };
+        writeln!(f, "  vertices             {}{unused}", self.vertices)?;
         writeln!(f, "  meshes               {}", self.meshes)?;
         writeln!(f, "  materials            {}", self.materials)?;
         writeln!(f, "  normals              {}", yes(self.normals))?;

@@ -1,0 +1,333 @@
+//! The header of a PLY file, and its elements as rows of numbers.
+
+use super::Wrong;
+use crate::geometry::lex::parse_f64;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Ascii,
+    Little,
+    Big,
+}
+
+/// The type of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+#[derive(Debug)]
+pub(super) struct Property {
+    pub name: String,
+    pub kind: Kind,
+    /// The type of its length, if it is a list.
+    length: Option<Kind>,
+}
+
+#[derive(Debug)]
+pub(super) struct Element {
+    pub name: String,
+    pub count: usize,
+    pub properties: Vec<Property>,
+}
+
+#[derive(Debug)]
+pub(super) struct Header {
+    pub encoding: Encoding,
+    pub elements: Vec<Element>,
+    pub comments: Vec<String>,
+}
+
+/// The data after a header.
+pub(super) struct Body<'a> {
+    rest: &'a [u8],
+    encoding: Encoding,
+    /// The byte that ends a line of a text.
+    line_end: u8,
+    /// Number of lines read so far.
+    line: usize,
+}
+
+/// The values of one element, by the numbers of its properties.
+#[derive(Debug, Default)]
+pub(super) struct Row {
+    values: Vec<f64>,
+    /// Where each property's values end.
+    ends: Vec<usize>,
+}
+
+impl Kind {
+    fn of(name: &[u8]) -> Option<Kind> {
+        Some(match name {
+            b"char" | b"int8" => Kind::I8,
+            b"uchar" | b"uint8" => Kind::U8,
+            b"short" | b"int16" => Kind::I16,
+            b"ushort" | b"uint16" => Kind::U16,
+            b"int" | b"int32" => Kind::I32,
+            b"uint" | b"uint32" => Kind::U32,
+            b"float" | b"float32" => Kind::F32,
+            b"double" | b"float64" => Kind::F64,
+            _ => return None,
+        })
+    }
+
+    fn bytes(self) -> usize {
+        match self {
+            Kind::I8 | Kind::U8 => 1,
+            Kind::I16 | Kind::U16 => 2,
+            Kind::I32 | Kind::U32 | Kind::F32 => 4,
+            Kind::F64 => 8,
+        }
+    }
+
+    /// The value of so many bytes.
+    fn decode(self, bytes: &[u8], encoding: Encoding) -> f64 {
+        let mut word = [0; 8];
+        word[..bytes.len()].copy_from_slice(bytes);
+        if encoding == Encoding::Big {
+            word[..bytes.len()].reverse();
+        }
+        let [a, b, c, d, ..] = word;
+        match self {
+            Kind::I8 => f64::from(a as i8),
+            Kind::U8 => f64::from(a),
+            Kind::I16 => f64::from(i16::from_le_bytes([a, b])),
+            Kind::U16 => f64::from(u16::from_le_bytes([a, b])),
+            Kind::I32 => f64::from(i32::from_le_bytes([a, b, c, d])),
+            Kind::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
+            Kind::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
+            Kind::F64 => f64::from_le_bytes(word),
+        }
+    }
+
+    /// The value of a token, rounded as its type is; `None` if it is none of this type.
+    fn parse(self, token: &[u8]) -> Option<f64> {
+        let value = parse_f64(token)?;
+        let (least, most) = match self {
+            Kind::F32 => return Some(f64::from(value as f32)),
+            Kind::F64 => return Some(value),
+            Kind::I8 => (i8::MIN.into(), i8::MAX.into()),
+            Kind::U8 => (0.0, u8::MAX.into()),
+            Kind::I16 => (i16::MIN.into(), i16::MAX.into()),
+            Kind::U16 => (0.0, u16::MAX.into()),
+            Kind::I32 => (i32::MIN.into(), i32::MAX.into()),
+            Kind::U32 => (0.0, u32::MAX.into()),
+        };
+        (value.fract() == 0.0 && (least..=most).contains(&value)).then_some(value)
+    }
+
+    /// The value of a full colour.
+    pub fn full_color(self) -> f64 {
+        match self {
+            Kind::F32 | Kind::F64 => 1.0,
+            Kind::U16 => 65535.0,
+            _ => 255.0,
+        }
+    }
+}
+
+impl Element {
+    /// The number of a property that is a number.
+    pub fn number(&self, name: &str) -> Option<usize> {
+        self.properties.iter().position(|p| p.name == name && p.length.is_none())
+    }
+
+    /// The number of a property that is a list.
+    pub fn list(&self, name: &str) -> Option<usize> {
+        self.properties.iter().position(|p| p.name == name && p.length.is_some())
+    }
+
+    /// The numbers of properties by the first set of names that are all there.
+    pub fn numbers<const N: usize>(&self, names: &[[&str; N]]) -> Option<[usize; N]> {
+        names.iter().find_map(|names| {
+            let all: Vec<usize> = names.iter().map_while(|name| self.number(name)).collect();
+            all.try_into().ok()
+        })
+    }
+}
+
+impl Header {
+    /// Reads the header. Lines of no known keyword are skipped: old versions of Blender write some.
+    ///
+    /// # Errors
+    /// The line that is wrong, or the part that the header lacks.
+    pub fn parse(bytes: &[u8]) -> Result<(Header, Body<'_>), Wrong> {
+        if !bytes.starts_with(b"ply") {
+            return Err(Wrong::File("is no PLY file: it does not begin with the line ply".into()));
+        }
+        let end = bytes.iter().position(|b| matches!(b, b'\r' | b'\n')).unwrap_or(0);
+        // lines that end in a carriage return alone
+        let is_cr = bytes[end] == b'\r' && bytes.get(end + 1) != Some(&b'\n');
+        let line_end = if is_cr { b'\r' } else { b'\n' };
+        let mut body = Body { rest: bytes, encoding: Encoding::Ascii, line_end, line: 0 };
+        let mut encoding = None;
+        let (mut elements, mut comments): (Vec<Element>, Vec<String>) = (Vec::new(), Vec::new());
+        loop {
+            let Some(line) = body.next_line() else {
+                return Err(Wrong::File("its header has no end, or is no text; write the file again".into()));
+            };
+            let wrong = || Wrong::Line(body.line, "this is no line of a PLY header; write the file again".into());
+            if body.line == 1 && line.trim_ascii() != b"ply" {
+                return Err(wrong());
+            }
+            let words: Vec<&[u8]> = words(line).collect();
+            match words[..] {
+                [b"end_header"] => break,
+                [b"format", name, ..] => {
+                    encoding = Some(match name {
+                        b"ascii" => Encoding::Ascii,
+                        b"binary_little_endian" => Encoding::Little,
+                        b"binary_big_endian" => Encoding::Big,
+                        _ => return Err(wrong()),
+                    });
+                }
+                [b"element", name, count] => {
+                    let count = std::str::from_utf8(count).ok().and_then(|c| c.parse().ok()).ok_or_else(wrong)?;
+                    elements.push(Element { name: text(name), count, properties: Vec::new() });
+                }
+                [b"property", b"list", length, kind, name] => {
+                    let length = Some(Kind::of(length).ok_or_else(wrong)?);
+                    let kind = Kind::of(kind).ok_or_else(wrong)?;
+                    elements.last_mut().ok_or_else(wrong)?.properties.push(Property { name: text(name), kind, length });
+                }
+                [b"property", kind, name] => {
+                    let kind = Kind::of(kind).ok_or_else(wrong)?;
+                    let property = Property { name: text(name), kind, length: None };
+                    elements.last_mut().ok_or_else(wrong)?.properties.push(property);
+                }
+                [b"format" | b"element" | b"property", ..] => return Err(wrong()),
+                [b"comment", ..] => comments.push(text(&line.trim_ascii()[b"comment".len()..])),
+                _ => {}
+            }
+        }
+        let encoding =
+            encoding.ok_or_else(|| Wrong::File("its header has no line format; write the file again".into()))?;
+        Ok((Header { encoding, elements, comments }, Body { encoding, ..body }))
+    }
+
+    /// Number of elements of a name.
+    pub fn count(&self, name: &str) -> usize {
+        self.elements.iter().filter(|e| e.name == name).map(|e| e.count).fold(0, usize::saturating_add)
+    }
+}
+
+impl<'a> Body<'a> {
+    fn next_line(&mut self) -> Option<&'a [u8]> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        self.line += 1;
+        let end = self.rest.iter().position(|b| *b == self.line_end);
+        let (line, rest) = match end {
+            Some(end) => (&self.rest[..end], &self.rest[end + 1..]),
+            None => (self.rest, &[][..]),
+        };
+        self.rest = rest;
+        Some(line)
+    }
+
+    /// Reads all of an element; `each` takes the rows one by one.
+    ///
+    /// # Errors
+    /// The file ends, a line of a text has other numbers, or an error of `each`.
+    pub fn read(&mut self, element: &Element, each: &mut dyn FnMut(&Row) -> Result<(), Wrong>) -> Result<(), Wrong> {
+        if element.properties.is_empty() {
+            return Ok(());
+        }
+        let mut row = Row::default();
+        for _ in 0..element.count {
+            row.values.clear();
+            row.ends.clear();
+            match self.encoding {
+                Encoding::Ascii => self.read_line(element, &mut row)?,
+                _ => self.read_binary(element, &mut row)?,
+            }
+            each(&row)?;
+        }
+        Ok(())
+    }
+
+    fn read_line(&mut self, element: &Element, row: &mut Row) -> Result<(), Wrong> {
+        let line = loop {
+            let line = self.next_line().ok_or_else(|| cut_short(element))?.trim_ascii();
+            if !line.is_empty() {
+                break line;
+            }
+        };
+        let wrong = || {
+            let name = &element.name;
+            let what = format!("this is no line of the numbers that its header says; it is one of its {name} elements");
+            Wrong::Line(self.line, what)
+        };
+        let mut tokens = words(line);
+        for property in &element.properties {
+            let length = match property.length {
+                // a negative number becomes 0; tokens are left over then
+                Some(kind) => tokens.next().and_then(|token| kind.parse(token)).ok_or_else(wrong)? as usize,
+                None => 1,
+            };
+            for _ in 0..length {
+                row.values.push(tokens.next().and_then(|token| property.kind.parse(token)).ok_or_else(wrong)?);
+            }
+            row.ends.push(row.values.len());
+        }
+        if tokens.next().is_some() { Err(wrong()) } else { Ok(()) }
+    }
+
+    fn read_binary(&mut self, element: &Element, row: &mut Row) -> Result<(), Wrong> {
+        for property in &element.properties {
+            let length = match property.length {
+                Some(kind) => kind.decode(self.take(kind.bytes(), element)?, self.encoding) as usize,
+                None => 1,
+            };
+            let size = property.kind.bytes();
+            let bytes = self.take(length.saturating_mul(size), element)?;
+            row.values.extend(bytes.chunks_exact(size).map(|b| property.kind.decode(b, self.encoding)));
+            row.ends.push(row.values.len());
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, count: usize, element: &Element) -> Result<&'a [u8], Wrong> {
+        let (bytes, rest) = self.rest.split_at_checked(count).ok_or_else(|| cut_short(element))?;
+        self.rest = rest;
+        Ok(bytes)
+    }
+}
+
+impl Row {
+    /// The values of a list.
+    pub fn list(&self, property: usize) -> &[f64] {
+        let start = property.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.values[start..self.ends[property]]
+    }
+
+    /// The value of a property that is a number.
+    pub fn number(&self, property: usize) -> f64 {
+        // a property that is no list has one value
+        self.values[self.ends[property] - 1]
+    }
+
+    pub fn numbers<const N: usize>(&self, properties: [usize; N]) -> [f64; N] {
+        std::array::from_fn(|k| self.number(properties[k]))
+    }
+}
+
+fn cut_short(element: &Element) -> Wrong {
+    Wrong::File(format!("ends within its {} elements; is it cut short?", element.name))
+}
+
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes.trim_ascii()).into_owned()
+}
