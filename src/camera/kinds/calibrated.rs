@@ -1,5 +1,6 @@
 //! `calibrated` and `opencv`: cameras with the intrinsics of a calibration file, of an image of a project, and with a rolling shutter.
 
+mod branches;
 mod brown;
 pub(crate) mod file;
 mod inverse;

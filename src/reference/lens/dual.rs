@@ -51,8 +51,8 @@ impl Mul<Dual> for f64 {
     }
 }
 
-/// The distorted place of the plane's point (x, y); `None` on a pole or beyond.
-pub fn seen(k: &Coefficients, [x, y]: [f64; 2]) -> Option<[Dual; 2]> {
+/// The distorted place of the plane's point (x, y); `None` where g's denominator does not have the sign `side`.
+pub fn seen(k: &Coefficients, side: f64, [x, y]: [f64; 2]) -> Option<[Dual; 2]> {
     let Coefficients { radial, below: [k4, k5, k6], tangential: [p1, p2], prism: [s13, s24], tilt: [tau_x, tau_y] } = k;
     let (x, y) = (Dual([x, 1.0, 0.0]), Dual([y, 0.0, 1.0]));
     let r2 = x * x + y * y;
@@ -64,7 +64,7 @@ pub fn seen(k: &Coefficients, [x, y]: [f64; 2]) -> Option<[Dual; 2]> {
         above = above + *k * power;
     }
     let below = one + *k4 * r2 + *k5 * r4 + *k6 * r6;
-    if below.0[0] <= 0.0 {
+    if below.0[0] * side <= 0.0 {
         return None;
     }
     let gain = above / below;

@@ -1,11 +1,13 @@
-//! Radial models: the radius that is seen at a given one, on the branch from the middle to where the model first stops growing.
+//! Radial models: the radius that is seen at a given one, on the branch from the middle to where the model first stops growing, or on one
+//! behind a pole.
 
+use crate::arrays::MapEach;
 use crate::camera::calibration::Coefficients;
 use std::ops::{Add, Div, Mul};
 
 /// The numbers from the first to the second.
 #[derive(Debug, Clone, Copy)]
-pub struct Range(f64, f64);
+pub struct Range(pub f64, pub f64);
 
 impl Range {
     pub fn at(x: f64) -> Range {
@@ -37,7 +39,7 @@ impl Div for Range {
 }
 
 /// 1 + c1 q + c2 q^2 + ..., and its derivative.
-fn series(c: &[f64], q: Range) -> (Range, Range) {
+pub fn series(c: &[f64], q: Range) -> (Range, Range) {
     let (mut power, mut value, mut slope) = (Range::at(1.0), Range::at(1.0), Range::at(0.0));
     for (n, c) in c.iter().enumerate() {
         slope = slope + Range::at((n + 1) as f64 * c) * power;
@@ -47,19 +49,21 @@ fn series(c: &[f64], q: Range) -> (Range, Range) {
     (value, slope)
 }
 
-/// d(r g)/dr of Brown's radial part at `r`, and a bound on its derivative over [lo, hi]; `None` where there may be a pole.
-pub fn slope(k: &Coefficients, r: f64, [lo, hi]: [f64; 2]) -> Option<[f64; 2]> {
+/// d(r g)/dr of Brown's radial part at `r`, and a bound on its derivative over [lo, hi]; `None` where g's denominator may not have the
+/// sign `side`.
+pub fn slope(k: &Coefficients, side: f64, r: f64, [lo, hi]: [f64; 2]) -> Option<[f64; 2]> {
     // g = 1 + n, n = N / B with N = A - B: A and B nearly cancel in calibrations
     let (mut above, below) = (k.radial, k.below);
     above.iter_mut().zip(below).for_each(|(above, below)| *above -= below);
     let derivatives = |q: Range| {
-        let ((n, dn), (b, db)) = (series(&above, q), series(&below, q));
+        let sided = |(value, slope): (Range, Range)| (Range::at(side) * value, Range::at(side) * slope);
+        let ((n, dn), (b, db)) = (sided(series(&above, q)), sided(series(&below, q)));
         let second = |c: &[f64]| {
             let terms = c.iter().enumerate().skip(1).rev();
-            terms.fold(Range::at(0.0), |sum, (n, c)| sum * q + Range::at(((n + 1) * n) as f64 * c))
+            Range::at(side) * terms.fold(Range::at(0.0), |sum, (n, c)| sum * q + Range::at(((n + 1) * n) as f64 * c))
         };
         let minus = Range::at(-1.0);
-        let n = (n + minus) / b;
+        let n = (n + Range::at(-side)) / b;
         let dn = (dn + minus * n * db) / b;
         let ddn = (second(&above) + Range::at(-2.0) * dn * db + minus * n * second(&below)) / b;
         (n, dn, ddn, b.0 > 0.0)
@@ -73,20 +77,27 @@ pub fn slope(k: &Coefficients, r: f64, [lo, hi]: [f64; 2]) -> Option<[f64; 2]> {
     is_free.then_some([1.0 + (n + Range::at(2.0) * at * dn).0, least.abs().max(most.abs())])
 }
 
-/// The radius that Brown's radial terms show at `radius`.
+/// The sign of d(r g)/dr of Brown's radial part: d(r A / B)/dr = ((A + 2 q A') B - 2 q A B') / B^2. It counts as negative where B may not
+/// have the sign `side`.
+pub fn grows(k: &Coefficients, side: f64, r: Range) -> Range {
+    let q = r * r;
+    let ((a, da), (b, db)) = (series(&k.radial, q), series(&k.below, q));
+    let slope = (a + Range::at(2.0) * q * da) * b + Range::at(-2.0) * q * a * db;
+    let sided = Range::at(side) * b;
+    if sided.0 > 0.0 { slope } else { Range(sided.0, slope.1) }
+}
+
+/// r g of Brown's radial part.
+pub fn place(k: &Coefficients, r: f64) -> f64 {
+    let q = Range::at(r * r);
+    let [above, below] = [&k.radial[..], &k.below].map_each(|c| series(c, q).0.0);
+    r * (above / below)
+}
+
+/// The radius that Brown's radial terms show at `radius`, on the branch of the middle.
 pub fn brown(k: &Coefficients, radius: f64) -> Option<f64> {
-    let (above, below) = (&k.radial, &k.below);
-    // d(r A / B)/dr = ((A + 2 q A') B - 2 q A B') / B^2, while B is over 0
-    let grows = |r: Range| {
-        let q = r * r;
-        let ((a, da), (b, db)) = (series(above, q), series(below, q));
-        let slope = (a + Range::at(2.0) * q * da) * b + Range::at(-2.0) * q * a * db;
-        if b.0 > 0.0 { slope } else { Range(b.0, slope.1) }
-    };
-    let seen = |r: f64| {
-        let q = Range::at(r * r);
-        r * (series(above, q).0 / series(below, q).0).0
-    };
+    let grows = |r: Range| grows(k, 1.0, r);
+    let seen = |r: f64| place(k, r);
     let mut start = 0.0;
     let mut end = 1.0;
     while end < f64::MAX.sqrt() {
@@ -97,6 +108,29 @@ pub fn brown(k: &Coefficients, radius: f64) -> Option<f64> {
         }
     }
     None
+}
+
+/// The radius between two that Brown's radial terms show at `radius`, if they grow from the first to the second, which may be infinite.
+pub fn between(k: &Coefficients, [lo, hi]: [f64; 2], radius: f64) -> Option<f64> {
+    let seen = |r: f64| place(k, r);
+    let mut end = hi.min(f64::max(1.0, 2.0 * lo));
+    while seen(end) < radius && end < hi.min(f64::MAX.sqrt()) {
+        end = hi.min(2.0 * end);
+    }
+    let is_between = seen(lo) <= radius && radius <= seen(end);
+    // a secant would start from a pole
+    is_between.then(|| bisect(|r| seen(r) >= radius, [lo, end]))
+}
+
+/// Where the condition begins to hold in (lo, hi], to the last bit.
+pub fn bisect(holds: impl Fn(f64) -> bool, [mut lo, mut hi]: [f64; 2]) -> f64 {
+    loop {
+        let middle = lo + (hi - lo) / 2.0;
+        if middle <= lo || middle >= hi {
+            return hi;
+        }
+        if holds(middle) { hi = middle } else { lo = middle }
+    }
 }
 
 /// The argument up to `end` at which `seen`, of slope `grows`, first comes to `radius`, while it grows.

@@ -2,9 +2,9 @@
 
 use crate::camera::calibration::{Coefficients, Model, Projection};
 use crate::camera::kinds::calibrated::lens::Lens;
-use crate::reference::lens::{direction, dual};
+use crate::reference::lens::{self, dual};
 use crate::testing::Rng;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// Largest sizes of k1, k2, k3, of k4 to k6, of p1 and p2, of s1 to s4, and of the tilt.
 const KINDS: [[f64; 5]; 7] = [
@@ -42,6 +42,13 @@ fn places() -> impl Iterator<Item = DVec2> {
     (0..24).flat_map(|j| (0..32).map(move |i| DVec2::new(f64::from(i) - 15.4, f64::from(j) - 11.3) / 12.0))
 }
 
+/// Where the direction is seen, x and y with their derivatives, and whether it lies behind a pole.
+fn seen(k: &[f64; 14], d: DVec3) -> ([[f64; 3]; 2], bool) {
+    let on_side = |side: f64| dual::seen(&Coefficients::of_opencv(k), side, [d.x, d.y]);
+    let (place, is_behind) = on_side(1.0).map_or_else(|| (on_side(-1.0), true), |place| (Some(place), false));
+    (place.unwrap().map(|d| d.0), is_behind)
+}
+
 #[test]
 fn both_methods_find_the_same_rays() {
     let mut rng = Rng(11);
@@ -51,15 +58,16 @@ fn both_methods_find_the_same_rays() {
             let k = lens(&mut rng, *sizes);
             let (model, name) = (Model::brown(&k), format!("{kind}, lens {number}: {k:?}"));
             let camera = Lens::new(&model).unwrap();
+            let reference = lens::Lens::new(&model);
             for q in places() {
-                let (a, b) = (camera.direction(q), direction(&model, q));
+                let (a, b) = (camera.direction(q), reference.direction(q));
                 assert_eq!(a.is_some(), b.is_some(), "{name}: {q}: {a:?} {b:?}");
                 let (Some(a), Some(b)) = (a, b) else {
                     without += 1;
                     continue;
                 };
                 with += 1;
-                let [u, v] = dual::seen(&Coefficients::of_opencv(&k), [a.x, a.y]).unwrap().map(|d| d.0);
+                let [u, v] = seen(&k, a).0;
                 let off = DVec2::new(u[0], v[0]).distance(q);
                 // 1e-9 px in a picture of 1000 px are 1e-12; this is under a fiftieth of that
                 assert!(off <= 1e-15 * (1.0 + q.length()) * 16.0, "{name}: {q} is seen off by {off}");
@@ -81,6 +89,68 @@ fn both_methods_find_the_same_rays() {
     assert!(with > 38_000 && without > 11_000, "{with} {without}");
 }
 
+/// Lenses with a pole of the radial part that a zero cancels: a factory's calibration, the same with numerator and denominator exchanged,
+/// and two fits of noisy pictures of a board by OpenCV.
+const CANCELED: [[f64; 8]; 4] = [
+    [-4.093396, 9.190781, 0.001254, -0.001030, -8.917245, -4.187956, 9.556831, -9.303533],
+    [-4.187956, 9.556831, 0.001254, -0.001030, -9.303533, -4.093396, 9.190781, -8.917245],
+    [-0.786736, 0.267539, -0.000870, -0.001802, -0.191839, -0.668827, 0.084596, -0.122923],
+    [0.276439, -1.007178, -0.001603, -0.000955, 0.209220, 0.192727, -1.171442, 0.376356],
+];
+
+#[test]
+fn both_methods_find_the_same_rays_behind_poles_that_cancel() {
+    let mut with = [0, 0];
+    for first in CANCELED {
+        for (tangential, tilt) in [(1.0, 0.0), (0.0, 0.0), (-3.0, 0.0), (1.0, 0.1)] {
+            let mut k = [0.0; 14];
+            k[..8].copy_from_slice(&first);
+            (k[2], k[3], k[12], k[13]) = (tangential * first[2], tangential * first[3], tilt, -0.5 * tilt);
+            let model = Model::brown(&k);
+            let (camera, reference) = (Lens::new(&model).unwrap(), lens::Lens::new(&model));
+            for q in places() {
+                let (a, b) = (camera.direction(q), reference.direction(q));
+                assert_eq!(a.is_some(), b.is_some(), "{k:?}: {q}: {a:?} {b:?}");
+                let (Some(a), Some(b)) = (a, b) else { continue };
+                let ([u, v], is_behind) = seen(&k, a);
+                with[usize::from(is_behind)] += 1;
+                // the rounding of the place, whose terms are a hundred times larger than their sum, over the smallest stretch
+                let determinant = u[1] * v[2] - u[2] * v[1];
+                assert!(DVec2::new(u[0], v[0]).distance(q) <= 1e-13, "{k:?}: {q} from {a}");
+                assert!((a - b).length() <= 1e-12 * (1.0 + determinant.recip()), "{k:?}: {q}: {a} {b}");
+            }
+        }
+    }
+    assert!(with[0] > 3000 && with[1] > 2000, "{with:?}");
+}
+
+/// Random lenses, whose pole and zero are between a thousandth and a billionth of the pole's square apart.
+#[test]
+fn both_methods_find_the_same_rays_behind_random_poles() {
+    let mut rng = Rng(77);
+    let mut behind = 0;
+    for number in 0..120 {
+        let pole = 0.2 + 1.5 * rng.unit();
+        let zero = pole * (1.0 + rng.signed().signum() * 10f64.powf(-3.0 - 6.0 * rng.unit()));
+        let [a1, a2, b1] = [0.4, 0.1, 0.3].map(|size| size * rng.signed());
+        let [p1, p2] = [0.002, 0.002].map(|size| size * rng.signed() * f64::from(number % 2));
+        // A = (1 - q / zero) (1 + a1 q + a2 q^2), B = (1 - q / pole) (1 + b1 q)
+        let k = [a1 - zero.recip(), a2 - a1 / zero, p1, p2, -a2 / zero, b1 - pole.recip(), -b1 / pole];
+        let model = Model::brown(&k);
+        let (camera, reference) = (Lens::new(&model).unwrap(), lens::Lens::new(&model));
+        for place in 0..40 {
+            let q = (0.05 + 1.6 * rng.unit()) * DVec2::from_angle(2.4 * f64::from(place));
+            let (a, b) = (camera.direction(q), reference.direction(q));
+            assert_eq!(a.is_some(), b.is_some(), "{number}: {k:?}: {q}: {a:?} {b:?}");
+            let (Some(a), Some(b)) = (a, b) else { continue };
+            behind += usize::from(a.truncate().length_squared() > pole);
+            // the terms of both polynomials are up to a billion times larger than these near the pole
+            assert!((a - b).length() <= 1e-11, "{number}: {k:?}: {q}: {a} {b}");
+        }
+    }
+    assert!(behind > 1000, "{behind}");
+}
+
 #[test]
 fn both_methods_find_the_same_fisheye() {
     let (mut rng, mut missing) = (Rng(5), 0);
@@ -88,8 +158,9 @@ fn both_methods_find_the_same_fisheye() {
         let k = [0.2, 0.1, 0.05, 0.02].map(|size| size * rng.signed());
         let model = Model::fisheye(&k);
         let camera = Lens::new(&model).unwrap();
+        let reference = lens::Lens::new(&model);
         for q in places().map(|q| 3.0 * q) {
-            let (a, b) = (camera.direction(q), direction(&model, q));
+            let (a, b) = (camera.direction(q), reference.direction(q));
             assert_eq!(a.is_some(), b.is_some(), "{k:?}: {q}: {a:?} {b:?}");
             let (Some(a), Some(b)) = (a, b) else {
                 missing += 1;
@@ -152,8 +223,9 @@ fn both_methods_find_the_same_rays_of_every_projection() {
             let model = Model { projection, distortions: Vec::new() };
             let name = format!("{:?}", model.projection);
             let camera = Lens::new(&model).unwrap();
+            let reference = lens::Lens::new(&model);
             for q in places().map(|q| 2.5 * q) {
-                let (a, b) = (camera.direction(q), direction(&model, q));
+                let (a, b) = (camera.direction(q), reference.direction(q));
                 assert_eq!(a.is_some(), b.is_some(), "{name}: {q}: {a:?} {b:?}");
                 let (Some(a), Some(b)) = (a, b) else {
                     without += 1;
@@ -190,8 +262,9 @@ fn both_methods_find_the_same_rays_through_two_distortions() {
         for distortions in [vec![radial, then], vec![thin_prism]] {
             let model = Model { projection: Projection::Equidistant, distortions };
             let camera = Lens::new(&model).unwrap();
+            let reference = lens::Lens::new(&model);
             for q in places() {
-                let (a, b) = (camera.direction(q), direction(&model, q));
+                let (a, b) = (camera.direction(q), reference.direction(q));
                 assert_eq!(a.is_some(), b.is_some(), "{model:?}: {q}: {a:?} {b:?}");
                 let (Some(a), Some(b)) = (a, b) else { continue };
                 with += 1;
@@ -217,7 +290,7 @@ fn ends_of_branches_are_finite_rays_in_both_methods() {
     ] {
         let model = Model { projection, distortions: Vec::new() };
         let q = DVec2::X * q;
-        for found in [Lens::new(&model).unwrap().direction(q), direction(&model, q)] {
+        for found in [Lens::new(&model).unwrap().direction(q), lens::Lens::new(&model).direction(q)] {
             // at the fold itself a rounding decides whether there is a ray
             assert!(found.is_none_or(|d| (d.length() - 1.0).abs() < 1e-15), "{model:?}: {found:?}");
         }
@@ -231,9 +304,10 @@ fn both_methods_find_rays_thousands_of_focal_lengths_away() {
     k[2] = 1e-8;
     let model = Model::brown(&k);
     let camera = Lens::new(&model).unwrap();
+    let reference = lens::Lens::new(&model);
     for radius in [100.0, 3000.0, 1e5] {
         let q = radius * DVec2::new(0.6, -0.8);
-        let (a, b) = (camera.direction(q), direction(&model, q));
+        let (a, b) = (camera.direction(q), reference.direction(q));
         let (Some(a), Some(b)) = (a, b) else { panic!("{q}: {a:?} {b:?}") };
         // J is almost the identity, so the rays differ by some roundings of the place
         assert!((a - b).length() <= 64.0 * f64::EPSILON * radius, "{q}: {a} {b}");

@@ -3,16 +3,16 @@
 //!
 //! `x'' = x' g + 2 p1 x'y' + p2 (r^2 + 2 x'^2) + s1 r^2 + s2 r^4`, `y'' = y' g + p1 (r^2 + 2 y'^2) + 2 p2 x'y' + s3 r^2 + s4 r^4`,
 //! `g = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)`, then [`Tilt`]. Other models have up to six terms above the
-//! fraction line. [`super::inverse`] inverts it.
+//! fraction line. [`super::inverse`] inverts one branch of it, and [`super::branches`] puts the branches together.
 
 use super::roots;
-use super::tilt::Tilt;
 use crate::camera::calibration::Coefficients;
 use glam::{DMat2, DVec2};
 
+/// The distortion on one branch, without the tilt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Brown {
-    /// Numerator and denominator of g as polynomials of r^2.
+    /// Numerator and denominator of g as polynomials of r^2. The denominator is over 0 on the branch.
     above: [f64; 7],
     below: [f64; 4],
     /// Numbers of `above` that are in use.
@@ -21,12 +21,30 @@ pub struct Brown {
     tangential: [f64; 2],
     /// (s1, s3) and (s2, s4).
     prism: [DVec2; 2],
-    pub(super) tilt: Tilt,
-    /// The radial part r g grows from 0 to here: to its first fold or pole.
-    pub(super) r_max: f64,
-    /// Radius of a disc that the model maps one to one, onto a region that is star-shaped about the middle; see
-    /// [`Brown::injective_radius`].
-    pub(super) injective: f64,
+    /// The radial part r g grows from the first to the second: to a fold or a pole.
+    pub(super) grows: [f64; 2],
+    /// Rays of this branch lie up to here, if it is less.
+    pub(super) r_end: f64,
+    /// A ring, or a disc, that the model maps one to one; see [`Brown::injective_around`].
+    pub(super) injective: Ring,
+}
+
+/// The points at distances from the middle between the first and the second, and a radius of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ring {
+    pub ends: [f64; 2],
+    pub inside: f64,
+}
+
+impl Ring {
+    pub fn is_empty(&self) -> bool {
+        self.ends[0] >= self.ends[1]
+    }
+
+    pub fn holds(&self, p: DVec2) -> bool {
+        let r = p.length();
+        self.ends[0] <= r && r < self.ends[1]
+    }
 }
 
 /// A distorted place, before the tilt.
@@ -47,8 +65,10 @@ impl Seen {
 }
 
 impl Brown {
+    /// The branch of the middle.
+    ///
     /// # Errors
-    /// A coefficient that is not finite or over [`COEFFICIENT_MAX`], or a tilt of 90 degrees or more.
+    /// A coefficient that is not finite or over [`COEFFICIENT_MAX`].
     pub fn new(k: &Coefficients) -> Result<Brown, String> {
         let prism = k.prism.iter().flat_map(|s| [&s.x, &s.y]);
         // NaN is not under the limit
@@ -64,18 +84,36 @@ impl Brown {
             below: [1.0, k.below[0], k.below[1], k.below[2]],
             tangential: k.tangential,
             prism: k.prism,
-            tilt: Tilt::new(k.tilt[0], k.tilt[1])?,
-            r_max: 0.0,
-            injective: 0.0,
+            grows: [0.0; 2],
+            r_end: f64::INFINITY,
+            injective: Ring { ends: [0.0; 2], inside: 0.0 },
         };
         let pole = roots::first(&model.below);
-        model.r_max = roots::first(&model.radial_slope()).min(pole).sqrt();
-        model.injective = model.injective_radius(pole.sqrt());
+        let r_max = roots::first(&model.radial_slope()).min(pole).sqrt();
+        model.grows = [0.0, r_max];
+        model.injective = model.injective_around(0.0, [0.0, pole.sqrt()]);
         Ok(model)
     }
 
-    fn above(&self) -> &[f64] {
+    /// The branch behind the pole at `r_pole`, which ends this one or lies behind its last fold. The branch begins where the radial part
+    /// is 0 and grows, at `r_zero`, or if that is `None` at the fold behind the pole.
+    pub(super) fn behind_pole(&self, r_pole: f64, r_zero: Option<f64>) -> Option<Brown> {
+        let mut model = *self;
+        model.above.iter_mut().chain(&mut model.below).for_each(|c| *c = -*c);
+        let behind = |c: &[f64]| roots::sign_changes(c).into_iter().map(f64::sqrt).filter(|r| *r > r_pole).collect();
+        let (poles, folds): (Vec<f64>, Vec<f64>) = (behind(&model.below), behind(&model.radial_slope()));
+        let r_min = r_zero.or(folds.first().copied())?;
+        let ends = poles.into_iter().chain(folds).filter(|r| *r > r_min);
+        model.grows = [r_min, ends.fold(f64::INFINITY, f64::min)];
+        Some(model)
+    }
+
+    pub(super) fn above(&self) -> &[f64] {
         &self.above[..self.terms]
+    }
+
+    pub(super) fn below(&self) -> &[f64] {
+        &self.below
     }
 
     /// Distortion moves points only towards or away from the middle: no tangential and no prism terms.
@@ -91,22 +129,30 @@ impl Brown {
         difference(&roots::product(&first, &self.below), &minus)
     }
 
-    /// A radius up to which F is one to one and the image of the disc is star-shaped about the middle.
+    /// The widest ring about the circle of radius `r`, within `limits`, that F maps one to one, onto a region that each straight line from
+    /// the middle crosses in one piece. It is empty if there is none.
     ///
     /// Let F = p g + T(p) with T the tangential and prism terms, and J = dF/dp. Then `|dT| <= e = 6 |p12| r + 2 |s13| r + 4 |s24| r^3`
-    /// and `|T| <= r e / 2`. The eigenvalues of J's symmetric part are at least `min(g, d(r g)/dr) - e`. Where that is positive on a
-    /// disc, F is one to one there, because it grows along every chord. `F x dF/dphi` along a circle is at least
-    /// `r^2 (g^2 - 3 g e / 2 - e^2 / 2)`, which is positive where g > 2 e. Then the image of each circle turns around the middle in
-    /// one direction, so the image of the disc is star-shaped. Both conditions hold up to the first root of `A - 2 B e` and of
-    /// `(A + 2 q A') B - 2 q A B' - B^2 e`, polynomials of r.
-    fn injective_radius(&self, pole: f64) -> f64 {
+    /// and `|T| <= r e / 2`. The eigenvalues of J's symmetric part are at least `min(g, d(r g)/dr) - e`; where that is positive, so is det J.
+    /// `F x dF/dphi` along a circle is at least `r^2 (g^2 - 3 g e / 2 - e^2 / 2)`, which is positive where g > 2 e. Then the image of each
+    /// circle turns once around the middle, in one direction, so it crosses each line from the middle once. Along the points of these
+    /// crossings |F| grows with r, as det J is positive. So each place of the line has one preimage at most, and those of neighbours
+    /// are neighbours. Both conditions hold between roots of `A - 2 B e` and of `(A + 2 q A') B - 2 q A B' - B^2 e`, polynomials of r.
+    pub(super) fn injective_around(&self, r: f64, limits: [f64; 2]) -> Ring {
         let of_r = |c: &[f64]| c.iter().flat_map(|c| [*c, 0.0]).collect::<Vec<_>>();
         let [p, s] = [6.0 * self.tangential_size() + 2.0 * self.prism[0].length(), 4.0 * self.prism[1].length()];
         let (below, e) = (of_r(&self.below), [0.0, p, 0.0, s]);
         let less = roots::product(&below, &e);
         let star_shaped = difference(&of_r(self.above()), &less.iter().map(|c| 2.0 * c).collect::<Vec<_>>());
         let one_to_one = difference(&of_r(&self.radial_slope()), &roots::product(&below, &less));
-        roots::first(&star_shaped).min(roots::first(&one_to_one)).min(pole)
+        let holds = roots::value(&star_shaped, r) > 0.0 && roots::value(&one_to_one, r) > 0.0;
+        let is_inside = limits[0] <= r && r < limits[1];
+        if !(holds && is_inside) {
+            return Ring { ends: [r, r], inside: r };
+        }
+        let ends = roots::sign_changes(&star_shaped).into_iter().chain(roots::sign_changes(&one_to_one));
+        let ends = ends.fold(limits, |[lo, hi], end| if end <= r { [end.max(lo), hi] } else { [lo, end.min(hi)] });
+        Ring { ends, inside: r }
     }
 
     fn tangential_size(&self) -> f64 {
@@ -118,6 +164,11 @@ impl Brown {
         let slope = |c: &[f64]| slope(c, q);
         let (a, b) = (roots::value(self.above(), q), roots::value(&self.below, q));
         (a / b, (slope(self.above()) - a / b * slope(&self.below)) / b, b)
+    }
+
+    /// Where the radial part alone shows `p`.
+    pub(super) fn radial_place(&self, p: DVec2) -> DVec2 {
+        p * self.gain(p.length_squared()).0
     }
 
     /// The distorted place of `p`, before the tilt.
@@ -180,7 +231,7 @@ impl Brown {
         (6.0 * most * size(dn) + bent, 4.0 * most * q.1 * size(ddn))
     }
 
-    /// r in [0, r_max] with r g = `rd`; `None`: the branch does not reach that far.
+    /// r between the ends of [`Brown::grows`] with r g = `rd`; `None`: the branch does not reach there.
     pub(super) fn radial_inverse(&self, rd: f64) -> Option<f64> {
         // r g >= rd is r A - rd B >= 0, which has no pole
         let f = |r: f64| {
@@ -190,14 +241,15 @@ impl Brown {
             (r * a - rd * roots::value(&self.below, q), a + da - rd * 2.0 * r * slope(&self.below, q))
         };
         // the end of the branch, or some r with r g >= rd
-        let mut hi = self.r_max;
+        let [lo, mut hi] = self.grows;
         if hi == f64::INFINITY {
-            hi = rd.max(1.0);
+            hi = rd.max(1.0).max(2.0 * lo);
             while f(hi).0 < 0.0 {
                 hi *= 2.0;
             }
         }
-        (f(hi).0 >= 0.0).then(|| roots::in_bracket(rd, hi, f))
+        let is_between = f(lo).0 <= 0.0 && f(hi).0 >= 0.0;
+        is_between.then(|| lo + roots::in_bracket(rd - lo, hi - lo, |beyond| f(lo + beyond)))
     }
 }
 

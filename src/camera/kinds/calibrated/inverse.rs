@@ -1,12 +1,14 @@
-//! The inverse of [`Brown`]: the ray of a distorted place, on the branch of the middle.
+//! The inverse of [`Brown`]: the ray of a distorted place, on one branch. First of the branch of the middle:
 //!
 //! The inverse of a distortion has several branches, which meet at folds (det dF/dp = 0) and poles. The rule: follow the straight line
 //! from the middle, where the axis is seen, to the place. Its preimage starts at the axis and ends at the place's ray; if it
 //! meets a fold or a pole first, the place has no ray. So a place has at most one ray, and neighbours on one side of a fold have
 //! neighbouring rays. A point is seen if the line from its distorted place back to the middle ends at the axis. For a radial lens
-//! this is the branch from the middle outward to the first fold or pole. A tilt maps lines to lines and is undone first.
+//! this is the branch from the middle outward to the first fold or pole.
+//!
+//! On a branch behind a pole, the line is followed from the ring that the branch maps one to one, inward or outward.
 
-use super::brown::{Brown, Seen};
+use super::brown::{Brown, Ring, Seen};
 use glam::DVec2;
 
 /// Most Newton steps. Within [`KANTOROVICH`] each doubles the digits, starting from two.
@@ -24,34 +26,54 @@ const FOLD: f64 = 1.0 / (1u64 << 22) as f64;
 const LINE_STEPS: usize = 1 << 15;
 
 impl Brown {
-    /// The point of the plane whose distorted place is `q`.
-    pub fn undistorted(&self, q: DVec2) -> Option<DVec2> {
-        let q = self.tilt.back(q)?;
-        if q == DVec2::ZERO {
-            return Some(q);
-        }
+    /// The point of the branch whose distorted place is `q`, which is not the middle.
+    pub(super) fn inverse(&self, q: DVec2) -> Option<DVec2> {
         let r = self.radial_inverse(q.length());
-        if self.is_radial() {
-            return r.map(|r| q * (r / q.length()));
-        }
         let guess = r.map(|r| q * (r / q.length()));
-        guess
-            .and_then(|p| self.newton(p, q))
-            .filter(|p| self.is_on_branch(*p))
-            .or_else(|| self.follow(DVec2::ZERO, q, |_| false))
+        let found = match self.is_radial() {
+            true => guess,
+            false => guess
+                .and_then(|p| self.newton(p, q))
+                .filter(|p| self.is_on_branch(*p))
+                .or_else(|| self.follow(self.start(q), q, |_| false)),
+        };
+        found.filter(|p| p.length() <= self.r_end)
     }
 
-    /// The distorted place of a point of the plane; `None` if it is not seen.
-    pub fn distorted(&self, p: DVec2) -> Option<DVec2> {
-        let sees = if self.is_radial() { p.length() < self.r_max } else { self.is_on_branch(p) };
-        self.tilt.onto(sees.then(|| self.seen(p).place)?)
+    /// The branch shows the point, as far as it is concerned.
+    pub(super) fn sees(&self, p: DVec2) -> bool {
+        let r = p.length();
+        match self.is_radial() {
+            true => self.grows[0] <= r && r < self.grows[1] && r <= self.r_end,
+            false => r <= self.r_end && self.is_on_branch(p),
+        }
     }
 
-    /// The preimage of the line from the distorted place of `p` to the middle leads from `p` to the axis.
+    /// A point of the ring, or disc, that is seen on the line from the middle to `q`.
+    fn start(&self, q: DVec2) -> DVec2 {
+        let Ring { ends, inside } = self.injective;
+        if ends[0] == 0.0 {
+            return DVec2::ZERO;
+        }
+        // the line meets the image of a circle of the ring once; the image is almost a circle, so its angles are almost those of the circle
+        let mut p = inside * q.normalize();
+        let mut rest = f64::INFINITY;
+        loop {
+            let off = self.seen(p).place.angle_to(q);
+            // rounding keeps it from coming nearer
+            if off.abs() >= 0.5 * rest {
+                return p;
+            }
+            (p, rest) = (DVec2::from_angle(off).rotate(p), off.abs());
+        }
+    }
+
+    /// The preimage of the line through the middle and the distorted place of `p` leads from `p` to the ring, or disc, that is mapped one to
+    /// one and is part of the branch.
     fn is_on_branch(&self, p: DVec2) -> bool {
-        // the image of this disc holds all of its lines to the middle
-        let is_near = |p: DVec2| p.length() < self.injective;
-        is_near(p) || self.follow(p, DVec2::ZERO, is_near).is_some_and(is_near)
+        let ring = self.injective;
+        let end = if p.length() < ring.ends[0] { 2.0 * self.seen(p).place } else { DVec2::ZERO };
+        ring.holds(p) || self.follow(p, end, |p| ring.holds(p)).is_some_and(|p| ring.holds(p))
     }
 
     /// Follows from `p` the preimage of the straight line from its distorted place to `end`, up to the end or until `is_enough`. `None` if
@@ -119,8 +141,13 @@ impl Brown {
 mod tests {
     use super::*;
     use crate::camera::calibration::Coefficients;
+    use crate::camera::kinds::calibrated::branches::Distortion;
 
-    fn brown(k: &[f64]) -> Brown {
+    fn brown(k: &[f64]) -> Distortion {
+        Distortion::new(&Coefficients::of_opencv(k)).unwrap()
+    }
+
+    fn middle(k: &[f64]) -> Brown {
         Brown::new(&Coefficients::of_opencv(k)).unwrap()
     }
 
@@ -136,11 +163,11 @@ mod tests {
             &[0.0, 0.0, 0.0, 0.0, 0.0, -0.25],
             &[-0.3, 0.1, 1e-3, -2e-3, 0.0, 0.1, 0.0, 0.0, 3e-3, -1e-3, 2e-3, 1e-3, 0.05, -0.02],
         ] {
-            let model = brown(k);
-            let far = model.r_max.min(1.5);
+            let (model, branch) = (brown(k), middle(k));
+            let far = branch.grows[1].min(1.5);
             for (i, j) in (-20..=20).flat_map(|i| (-20..=20).map(move |j| (i, j))) {
                 let p = DVec2::new(f64::from(i), f64::from(j)) / 20.0 * far;
-                let seen = model.seen(p);
+                let seen = branch.seen(p);
                 if p.length() >= 0.97 * far || seen.slope.determinant() <= 0.05 {
                     continue;
                 }
@@ -148,7 +175,7 @@ mod tests {
                 let found = model.undistorted(q).unwrap_or_else(|| panic!("{k:?}: nothing at {q}, seen from {p}"));
                 // the rounding of the place, and of a tilt, over the smallest stretch: at least the determinant over the columns' lengths
                 let stretch = seen.slope.determinant() / (seen.slope.x_axis.length() + seen.slope.y_axis.length());
-                let tolerance = 4.0 * (model.rounding(p) + f64::EPSILON * (1.0 + q.length())) / stretch;
+                let tolerance = 4.0 * (branch.rounding(p) + f64::EPSILON * (1.0 + q.length())) / stretch;
                 assert!((found - p).length() <= tolerance, "{k:?}: {found}, not {p}, off {}", (found - p).length());
             }
         }
@@ -157,14 +184,14 @@ mod tests {
     #[test]
     fn nothing_is_seen_beyond_the_fold() {
         // r - r^3 is largest at r = 1 / sqrt(3), 2 / (3 sqrt(3)) there
-        let barrel = brown(&[-1.0]);
-        assert!((barrel.r_max - 3f64.sqrt().recip()).abs() < 1e-15);
+        let (barrel, fold) = (brown(&[-1.0]), middle(&[-1.0]).grows[1]);
+        assert!((fold - 3f64.sqrt().recip()).abs() < 1e-15);
         let edge = 2.0 / (3.0 * 3f64.sqrt());
         assert!(barrel.undistorted(DVec2::X * (edge + 1e-9)).is_none());
         let inside = barrel.undistorted(DVec2::X * (edge - 1e-9)).unwrap();
-        assert!(inside.x < barrel.r_max && inside.x > barrel.r_max - 1e-4);
-        assert!(barrel.distorted(DVec2::X * (barrel.r_max - 1e-9)).is_some());
-        assert!(barrel.distorted(DVec2::X * (barrel.r_max + 1e-9)).is_none());
+        assert!(inside.x < fold && inside.x > fold - 1e-4);
+        assert!(barrel.distorted(DVec2::X * (fold - 1e-9)).is_some());
+        assert!(barrel.distorted(DVec2::X * (fold + 1e-9)).is_none());
         // tangential terms move the fold by some 2 p r
         let bent = brown(&[-1.0, 0.0, 1e-3, 1e-3]);
         assert!(bent.undistorted(DVec2::X * (edge + 0.1)).is_none());
@@ -198,15 +225,16 @@ mod tests {
             (&[0.0, 0.0, 0.0, 0.0, 0.0, -0.5, 0.0625], 2.0),
             (&[0.0, 0.0, 1e-4, -1e-4, 0.0, -0.08, -0.04, -0.002], 1.954_059_124_772_246_5),
         ] {
-            let model = brown(k);
-            assert!((model.r_max - pole).abs() < 1e-7, "{k:?}: {}", model.r_max);
+            let (model, branch) = (brown(k), middle(k));
+            let end = branch.grows[1];
+            assert!((end - pole).abs() < 1e-7, "{k:?}: {end}");
             for q in [1e-9, 0.0125, 0.3, 1.0, 10.0, 1e4, 1e9] {
                 let q = DVec2::new(0.6, -0.8) * q;
                 let p = model.undistorted(q).unwrap_or_else(|| panic!("{k:?}: {q}"));
-                assert!(p.length() < model.r_max && p.dot(q) > 0.0, "{k:?}: {q} is {p}");
+                assert!(p.length() < end && p.dot(q) > 0.0, "{k:?}: {q} is {p}");
                 // the ray's own rounding moves the place by the slope times that: q^2 near a pole, q^1.5 near a double one
                 let tolerance = 8.0 * f64::EPSILON * (q.length() + q.length_squared());
-                assert!((model.seen(p).place - q).length() <= tolerance, "{k:?}: {q} is {p}");
+                assert!((branch.seen(p).place - q).length() <= tolerance, "{k:?}: {q} is {p}");
             }
             assert!(model.distorted(DVec2::X * 1.001 * pole).is_none(), "{k:?}");
         }
@@ -220,15 +248,15 @@ mod tests {
             &[-0.4095, 0.0777, -0.0080, 0.0038],
             &[0.1, 0.0, 0.1, 0.1, 0.0, 0.0, 0.0, 0.0, 0.05, 0.05],
         ] {
-            let model = brown(k);
+            let model = middle(k);
             for n in 0..64 {
                 for share in [0.1, 0.5, 0.9, 0.999] {
-                    let p = DVec2::from_angle(f64::from(n)) * model.injective.min(2.0) * share;
+                    let p = DVec2::from_angle(f64::from(n)) * model.injective.ends[1].min(2.0) * share;
                     let led = model.follow(DVec2::ZERO, model.seen(p).place, |_| false).unwrap();
                     assert!((led - p).length() < 1e-9, "{k:?}: {p}, led to {led}");
                 }
             }
         }
-        assert!(brown(&[-0.28, 0.09, 1.2e-3, -8e-4]).injective > 1.2);
+        assert!(middle(&[-0.28, 0.09, 1.2e-3, -8e-4]).injective.ends[1] > 1.2);
     }
 }

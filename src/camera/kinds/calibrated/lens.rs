@@ -2,7 +2,7 @@
 //!
 //! OpenCV's own frame: x right, y down, z forward.
 
-use super::brown::Brown;
+use super::branches::Distortion;
 use crate::camera::calibration::{Model, Projection};
 use glam::{DVec2, DVec3};
 
@@ -12,15 +12,15 @@ pub struct Lens {
     projection: Projection,
     /// Of the projection's polynomial; see [`Projection::end`].
     end: f64,
-    distortions: Vec<Brown>,
+    distortions: Vec<Distortion>,
 }
 
 impl Lens {
     /// # Errors
-    /// See [`Projection::check`] and [`Brown::new`].
+    /// See [`Projection::check`] and [`Distortion::new`].
     pub fn new(model: &Model) -> Result<Lens, String> {
         model.projection.check()?;
-        let distortions = model.distortions.iter().map(Brown::new).collect::<Result<_, _>>()?;
+        let distortions = model.distortions.iter().map(Distortion::new).collect::<Result<_, _>>()?;
         Ok(Lens { projection: model.projection.clone(), end: model.projection.end(), distortions })
     }
 

@@ -71,7 +71,7 @@ pub fn first(c: &[f64]) -> f64 {
 }
 
 /// All places over 0 where the sign changes, ascending: between two neighbouring extrema there is one at most.
-fn sign_changes(c: &[f64]) -> Vec<f64> {
+pub fn sign_changes(c: &[f64]) -> Vec<f64> {
     let degree = c.iter().rposition(|c| *c != 0.0).unwrap_or(0);
     if degree == 0 {
         return Vec::new();
