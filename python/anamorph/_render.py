@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import threading
 import warnings
 from collections.abc import Iterable, Sequence
 from types import TracebackType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +25,11 @@ NO_DRIVER = (
     "A driver for the CPU is far faster (Debian, Ubuntu: apt-get install mesa-vulkan-drivers)"
 )
 
+FORKED = (
+    "this process was forked from one that had opened a device, which not every driver survives; start processes by "
+    'multiprocessing.get_context("spawn"), or open the first renderer in them'
+)
+
 
 class Renderer:
     """A device with a scene on it: what does not change from image to image stays there.
@@ -34,6 +40,9 @@ class Renderer:
             reference renders, in float64 on the CPU, slowly.
         reference: render by the reference in any case.
 
+    A renderer can be pickled, with its scene and camera. In another process, forked or not, it opens a device of that process at its first
+    use there.
+
     Raises:
         ValueError: there is no such adapter.
         RuntimeError: the adapter cannot be used.
@@ -41,14 +50,38 @@ class Renderer:
 
     scene: Scene | None
     camera: Camera | None
+    _device: _native.Renderer
+    #: The process that opened the device; 0: none has.
+    _process: int
 
     def __init__(self, scene: Scene | None = None, adapter: str | None = None, reference: bool = False) -> None:
-        with quiet_window_system():
-            self._native = _native.Renderer(adapter, reference)
+        self._named, self._reference = adapter, reference
         self.scene = scene
         self.camera = None
-        if self.adapter is None and not reference:
-            warnings.warn(NO_DRIVER, RuntimeWarning, stacklevel=2)
+        self._process = 0
+        self._open(stacklevel=3)
+
+    @property
+    def _native(self) -> _native.Renderer:
+        """The device of this process."""
+        if self._process != os.getpid():
+            self._open(stacklevel=4)
+        return self._device
+
+    def _open(self, stacklevel: int) -> None:
+        try:
+            with quiet_window_system():
+                self._device = _native.Renderer(self._named, self._reference)
+        except RuntimeError as error:
+            if self._process == 0:
+                raise
+            raise RuntimeError(f"{error}; {FORKED}") from None
+        self._process = os.getpid()
+        if self._device.adapter is None and not self._reference:
+            warnings.warn(NO_DRIVER, RuntimeWarning, stacklevel=stacklevel)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**{name: value for name, value in self.__dict__.items() if name != "_device"}, "_process": 0}
 
     @property
     def adapter(self) -> str | None:
@@ -185,6 +218,16 @@ def _wanted(camera: _native.Camera, channels: Sequence[str] | None) -> tuple[lis
 
 _default: Renderer | None = None
 _opening = threading.Lock()
+
+
+def _forked() -> None:
+    """Another thread of the parent may have held the lock; it is not in this process."""
+    global _opening
+    _opening = threading.Lock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forked)
 
 
 def _renderer() -> Renderer:

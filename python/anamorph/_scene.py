@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._mesh import Mesh, look, nodes
+from ._record import Record
 from ._values import Numbers, Path, Value, array, as_array, as_numbers, assignment, table
 
 if TYPE_CHECKING:
@@ -21,12 +22,31 @@ class Scene:
     """Triangles with materials and lights; one that was loaded from a file has a camera, too.
 
     A new scene is empty and is lit by a headlight, which shines along each pixel's ray.
+
+    A scene can be pickled, as for worker processes: it keeps the calls that made it, with a copy of each array that it was given, and the
+    other process makes them again. Files are then read again: they must be there, and unchanged. Of moves, updates and pictures only the
+    last of each object is kept.
     """
 
     _native: _native.Scene
+    _record: Record
 
     def __init__(self) -> None:
         self._native = _native.Scene()
+        self._record = Record()
+
+    def _do(self, method: str, *arguments: Any) -> None:
+        """Changes the scene by a method of the native one, and notes the call."""
+        getattr(self._native, method)(*arguments)
+        self._record.add(method, *arguments)
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {name: value for name, value in self.__dict__.items() if name != "_native"}
+        return {**kept, "_record": self._record.copy()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._native = self._record.replay()
 
     @staticmethod
     def load(path: Path, overrides: Mapping[str, Value] | None = None, frame: float = 0) -> Scene:
@@ -41,16 +61,18 @@ class Scene:
             ValueError: one line with the file, the line and the key.
             OSError: a file cannot be read; ``FileNotFoundError`` if it does not exist.
         """
-        scene = Scene.__new__(Scene)
+        scene = Scene()
         changes = [assignment(key, value) for key, value in (overrides or {}).items()]
         scene._native = _native.Scene.load(os.fspath(path), changes, frame)
+        scene._record.add("load", os.path.abspath(path), changes, frame)
         return scene
 
     @staticmethod
     def parse(text: str, folder: Path = ".") -> Scene:
         """A scene from the text of a scene file in TOML, whose relative paths start from ``folder``."""
-        scene = Scene.__new__(Scene)
+        scene = Scene()
         scene._native = _native.Scene.parse(text, os.fspath(folder))
+        scene._record.add("parse", text, os.path.abspath(folder))
         return scene
 
     def add(self, mesh: Any, texture: Numbers | Path | Mapping[str, Value] | bool | None = None, **keys: Value) -> None:
@@ -77,7 +99,7 @@ class Scene:
         if isinstance(mesh, (str, os.PathLike)):
             if image is not None:
                 raise TypeError("texture: the mesh of a file takes an image's file, not an array; make a Mesh of arrays")
-            self._native.add_table(table({"file": os.path.abspath(mesh), **keys}), os.getcwd())
+            self._do("add_table", table({"file": os.path.abspath(mesh), **keys}), os.getcwd())
             return
         if hasattr(mesh, "graph") and hasattr(mesh, "geometry"):
             for name, part, matrix in nodes(mesh):
@@ -94,13 +116,13 @@ class Scene:
         if image is None and own.colors is None and keys.get("texture") is None and keys.get("color") is None:
             image, color = look(like)
             keys = {**keys, "color": color}
-        self._native.add_arrays(
-            own.vertices, own.faces, own.normals, own.uvs, own.colors, own.name, table(keys), os.getcwd(), image
+        self._do(
+            "add_arrays", own.vertices, own.faces, own.normals, own.uvs, own.colors, own.name, table(keys), os.getcwd(), image
         )
 
     def add_builtin(self, name: str, **keys: Value) -> None:
         """Adds a generated mesh: ``teapot``, ``icosphere``, ``box``, ``plane``, ``city`` and others, with the keys of ``[[mesh]]``."""
-        self._native.add_table(table({"builtin": name, **keys}), os.getcwd())
+        self._do("add_table", table({"builtin": name, **keys}), os.getcwd())
 
     def throw(self, image: Path, camera: Camera | Mapping[str, Value], **keys: Value) -> int:
         """Throws a camera's picture onto the surfaces of the scene, back along the rays of the camera that took it.
@@ -122,7 +144,7 @@ class Scene:
         number = self._native.projector_light_count
         taken_by = camera if isinstance(camera, Mapping) else {"kind": camera.kind, **camera.keys}
         own = table({"image": os.path.abspath(image), "camera": taken_by, **keys})
-        self._native.add_projector_light(own, os.getcwd())
+        self._do("add_projector_light", own, os.getcwd())
         return number
 
     def show(self, number: int, picture: Numbers) -> None:
@@ -135,7 +157,7 @@ class Scene:
         Raises:
             ValueError: there is no such picture, or the array is wrong. The scene is unchanged.
         """
-        self._native.set_picture(number, _image(picture, "picture"))
+        self._do("set_picture", number, _image(picture, "picture"))
 
     def add_spheres(
         self, centers: Numbers, radii: Numbers | float, colors: Numbers | None = None, name: str = "spheres", **keys: Value
@@ -158,8 +180,8 @@ class Scene:
         if sizes.shape not in ((), (len(places),)):
             raise ValueError(f"radii: one number, or {len(places)} of shape ({len(places)},), are needed, not {sizes.shape}")
         own = None if colors is None else array(colors, np.float32, 3, "colors")
-        self._native.add_spheres(
-            places, np.broadcast_to(sizes, (len(places),)).tolist(), own, name, table(keys), os.getcwd()
+        self._do(
+            "add_spheres", places, np.broadcast_to(sizes, (len(places),)).tolist(), own, name, table(keys), os.getcwd()
         )
 
     def move(self, mesh: str, matrix: Numbers) -> None:
@@ -177,7 +199,7 @@ class Scene:
             raise ValueError(f"matrix: an affine matrix of shape (3, 4) or (4, 4) is needed, not {rows.shape}")
         if rows.shape == (4, 4) and rows[3].tolist() != [0, 0, 0, 1]:
             raise ValueError(f"matrix: its last row must be 0, 0, 0, 1, not {rows[3].tolist()}")
-        self._native.move_object(mesh, rows[:3].tolist())
+        self._do("move_object", mesh, rows[:3].tolist())
 
     def update(self, mesh: str, vertices: Numbers) -> None:
         """Gives an object other vertices; later moves start from these. Its normals are dropped: it is shaded flat.
@@ -192,7 +214,7 @@ class Scene:
         rows = as_numbers(vertices, np.float64)
         if rows.ndim != 2 or rows.shape[1] != 3:
             raise ValueError(f"vertices: an array of shape (N, 3) is needed, not {rows.shape}")
-        self._native.set_vertices(mesh, rows)
+        self._do("set_vertices", mesh, rows)
 
     def animate(self, mesh: str, times: Numbers, vertices: Numbers) -> None:
         """Lets an object move while an image is taken: each pixel sees it where it is at the pixel's own time.
@@ -213,7 +235,7 @@ class Scene:
         moments = as_numbers(times, np.float64)
         if moments.ndim != 1 or steps.ndim != 3 or steps.shape[0] != len(moments) or steps.shape[2] != 3:
             raise ValueError(f"times of shape (K,) and vertices of shape (K, N, 3) are needed, not {moments.shape} and {steps.shape}")
-        self._native.animate(mesh, moments.tolist(), steps)
+        self._do("animate", mesh, moments.tolist(), steps)
 
     def expose(
         self, line_time: float = 0, line_order: str = "down", times: Numbers | None = None, shutter: float = 0
@@ -232,7 +254,7 @@ class Scene:
         table = None if times is None else as_numbers(times, np.float64)
         if table is not None and table.ndim != 2:
             raise ValueError(f"times: an array of shape (H, W) is needed, not {table.shape}")
-        self._native.set_exposure(line_time, line_order, table, shutter)
+        self._do("set_exposure", line_time, line_order, table, shutter)
 
     def set_volume(self, values: Numbers | None, **keys: Value) -> None:
         """Gives the scene a volume, in place of one that it has: a grid of numbers in space that glow and absorb light.
@@ -248,7 +270,7 @@ class Scene:
         grid = None if values is None else as_numbers(values, np.float32)
         if grid is not None and grid.ndim != 3:
             raise ValueError(f"values: an array of shape (Z, Y, X) is needed, not {grid.shape}")
-        self._native.set_volume(grid, table(keys), os.getcwd())
+        self._do("set_volume", grid, table(keys), os.getcwd())
 
     @property
     def camera(self) -> Camera | None:

@@ -1,4 +1,4 @@
-"""A PyTorch data set of rendered views: depth, ids and the camera of each, made when they are asked for.
+"""A PyTorch data set of rendered views: depth, ids and the camera of each, made by worker processes when they are asked for.
 
     python views.py
 """
@@ -11,12 +11,6 @@ import anamorph as am
 import numpy as np
 import torch
 from torch.utils.data import DataLoader, Dataset
-
-parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-parser.add_argument("--views", type=int, default=64)
-parser.add_argument("--side", type=int, default=96)
-arguments = parser.parse_args()
-
 
 class Views(Dataset):  # type: ignore[type-arg]
     """Fisheye views from a ball around a mesh."""
@@ -42,8 +36,18 @@ class Views(Dataset):  # type: ignore[type-arg]
         }
 
 
-scene = am.Scene()
-scene.add_builtin("teapot")
-loader = DataLoader(Views(scene, arguments.views, arguments.side), batch_size=16, shuffle=True)
-covered = sum(int(torch.isfinite(batch["depth"]).sum()) for batch in loader)
-print(f"{arguments.views} views, {covered / arguments.views / arguments.side**2:.1%} of their pixels show the object")
+# processes that are spawned import this file
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--views", type=int, default=64)
+    parser.add_argument("--side", type=int, default=96)
+    parser.add_argument("--workers", type=int, default=2)
+    arguments = parser.parse_args()
+    scene = am.Scene()
+    scene.add_builtin("teapot")
+    views = Views(scene, arguments.views, arguments.side)
+    # the renderer is pickled; each worker opens a device of its own
+    start = "spawn" if arguments.workers else None
+    loader = DataLoader(views, batch_size=16, shuffle=True, num_workers=arguments.workers, multiprocessing_context=start)
+    covered = sum(int(torch.isfinite(batch["depth"]).sum()) for batch in loader)
+    print(f"{arguments.views} views, {covered / arguments.views / arguments.side**2:.1%} of their pixels show the object")

@@ -1,6 +1,6 @@
 //! Rendering to arrays.
 
-use crate::calls::run;
+use crate::calls::{Opener, run};
 use crate::camera::Camera;
 use crate::frame::{Planes, channels, planes};
 use crate::scene::Scene;
@@ -14,6 +14,15 @@ use std::sync::{Arc, Mutex, MutexGuard};
 pub struct Renderer {
     renderer: Arc<Mutex<anamorph::Renderer>>,
     adapter: Option<String>,
+    opener: Opener,
+}
+
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        if self.opener.is_parent() {
+            std::mem::forget(self.renderer.clone());
+        }
+    }
 }
 
 #[pymethods]
@@ -28,7 +37,7 @@ impl Renderer {
         };
         let renderer = run(py, open)?;
         let adapter = renderer.adapter().map(str::to_owned);
-        Ok(Renderer { renderer: Arc::new(Mutex::new(renderer)), adapter })
+        Ok(Renderer { renderer: Arc::new(Mutex::new(renderer)), adapter, opener: Opener::this_process() })
     }
 
     /// The adapter's name; `None`: the reference renders.

@@ -1,6 +1,6 @@
 //! Scenes, and meshes from arrays.
 
-use crate::calls::{python_error, run};
+use crate::calls::{finish, run};
 use anamorph::{Caster, Exposure, LineOrder, Mesh};
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
@@ -54,12 +54,11 @@ impl Scene {
         py: Python<'_>,
         make: impl FnOnce() -> anamorph::Result<anamorph::Placed> + Send + 'static,
     ) -> PyResult<()> {
-        let placed = run(py, make)?;
-        let add = || {
-            let mut scene = self.scene.lock().unwrap_or_else(PoisonError::into_inner);
+        let (placed, scene) = (run(py, make)?, self.scene.clone());
+        finish(py, move || {
+            let mut scene = scene.lock().unwrap_or_else(PoisonError::into_inner);
             Arc::make_mut(&mut scene).add_placed(placed)
-        };
-        py.detach(add).map_err(python_error)
+        })
     }
 
     fn change(
@@ -263,8 +262,9 @@ impl Scene {
     }
 
     #[getter]
-    fn bounds(&self) -> Option<[[f64; 3]; 2]> {
-        self.now().bounds()
+    fn bounds(&self, py: Python<'_>) -> PyResult<Option<[[f64; 3]; 2]>> {
+        let scene = self.now();
+        run(py, move || Ok(scene.bounds()))
     }
 
     #[getter]

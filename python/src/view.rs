@@ -1,6 +1,6 @@
 //! A page in the browser.
 
-use crate::calls::run;
+use crate::calls::{Opener, run};
 use crate::scene::Scene;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -12,12 +12,25 @@ pub struct Viewer {
     viewer: Mutex<Option<anamorph::Viewer>>,
     #[pyo3(get)]
     address: String,
+    opener: Opener,
+}
+
+impl Drop for Viewer {
+    fn drop(&mut self) {
+        if self.opener.is_parent() {
+            std::mem::forget(self.take());
+        }
+    }
 }
 
 impl Viewer {
     fn of(viewer: anamorph::Viewer) -> Viewer {
         let address = viewer.address().to_owned();
-        Viewer { viewer: Mutex::new(Some(viewer)), address }
+        Viewer { viewer: Mutex::new(Some(viewer)), address, opener: Opener::this_process() }
+    }
+
+    fn take(&self) -> Option<anamorph::Viewer> {
+        self.viewer.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 }
 
@@ -46,7 +59,11 @@ impl Viewer {
     }
 
     fn close(&self, py: Python<'_>) {
-        let viewer = self.viewer.lock().unwrap_or_else(PoisonError::into_inner).take();
-        py.detach(|| drop(viewer));
+        let viewer = self.take();
+        if self.opener.is_parent() {
+            std::mem::forget(viewer);
+        } else {
+            py.detach(|| drop(viewer));
+        }
     }
 }

@@ -241,35 +241,6 @@ def sized() -> am.Scene:
     return am.Scene.parse("image = { width = 50, height = 30 }\ncamera = { kind = 'pinhole', eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }")
 
 
-def test_a_forked_process_says_why_it_cannot() -> None:
-    text = """
-import os, sys, warnings, anamorph as am
-warnings.simplefilter("ignore")
-scene = am.Scene()
-if os.fork() == 0:
-    try:
-        am.Scene()
-        scene.add_builtin("teapot", level=2)
-    except RuntimeError as error:
-        print(error, flush=True)
-    os._exit(0)
-os.wait()
-print(scene.objects)
-"""
-    out = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=60)
-    assert out.stdout.splitlines()[-1] == "[]" and out.returncode == 0, out
-    forked = out.stdout.splitlines()[:-1]
-    # nothing that takes threads had been called before the fork
-    assert forked == [], out
-    out = subprocess.run(
-        [sys.executable, "-c", text.replace("scene = am.Scene()", "scene = am.Scene(); scene.add_builtin('teapot', level=2)", 1)],
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-    assert "was forked from one that had called anamorph" in out.stdout and "teapot" in out.stdout.splitlines()[-1], out
-
-
 @pytest.mark.parametrize("size", [(0, 8), (8, 0), (-1, 8), (2**32, 8), (70_000, 2), (8,), (8, 8, 8), "88", (8.5, 8)])
 def test_a_wrong_size_is_a_value_error(size, square, pinhole):
     calls = [
