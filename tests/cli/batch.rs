@@ -487,6 +487,46 @@ impl Drop for Mounted {
     }
 }
 
+/// Without a cluster the driver renders on this machine, and passes on the events of all shards. A small stand-in takes the place of Ray.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_ray_driver_needs_no_cluster_and_passes_events_on() {
+    use std::process::Command;
+    if !Command::new("python3").arg("--version").output().is_ok_and(|o| o.status.success()) {
+        println!("skipped: no python3 on this machine");
+        return;
+    }
+    let place = Place::new();
+    place.write("jobs.toml", JOBS);
+    place.works(&["batch", "--write-driver", "driver.py"]);
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new("python3");
+        command.args(["driver.py", "jobs.toml", "--shards", "3", "--anamorph", env!("CARGO_BIN_EXE_anamorph")]);
+        command.args(arguments).current_dir(place.path());
+        command.env("PYTHONPATH", concat!(env!("CARGO_MANIFEST_DIR"), "/tests/ray/stub"));
+        let ran = command.output().unwrap();
+        let [out, err] = [ran.stdout, ran.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        (out, err, ran.status.code())
+    };
+    let (out, err, code) = run(&["--progress", "json"]);
+    let here = "note: no Ray cluster runs here; this machine renders alone\n";
+    let gathered = format!("{}: 11 frames\n", place.path().join("jobs.toml").display());
+    assert_eq!((err, code), (format!("{here}{gathered}"), Some(0)));
+    let events: Vec<serde_json::Value> = out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let count = |kind: &str| events.iter().filter(|event| event["event"] == kind).count();
+    assert_eq!((count("start"), count("done"), count("end")), (3, 11, 3), "{out}");
+    let shards: std::collections::BTreeSet<u64> = events.iter().filter_map(|event| event["shard"].as_u64()).collect();
+    assert_eq!(shards, [1, 2, 3].into());
+    // all is done before
+    let (out, err, code) = run(&[]);
+    assert_eq!((err.as_str(), code), (here, Some(0)), "{out}");
+    assert_eq!(out.lines().filter(|line| line.contains(": 0 done, ")).count(), 3, "{out}");
+    // a cluster that is named must be there
+    let (_, err, code) = run(&["--address", "10.0.0.1:9"]);
+    let refused = "error: --address 10.0.0.1:9: Could not find any running Ray instance. Please specify one.\n";
+    assert_eq!((err.as_str(), code), (refused, Some(2)));
+}
+
 /// A list on a cluster of two nodes, of which one is killed with a shard half done: all files are those of one machine.
 #[cfg(target_os = "linux")]
 #[test]
