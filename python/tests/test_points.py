@@ -55,3 +55,24 @@ def test_splats_are_the_nearest_points(camera):
         assert (other.point == splat.point).all() and (other.t == splat.t).all() and other.colors is None
     with pytest.raises(ValueError, match="4000 points"):
         am.splat(camera, points, colors[1:], size=SIZE)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 3), (3, 3), (5, 1)])
+@pytest.mark.parametrize(
+    "camera",
+    [
+        am.camera.fisheye(eye=[0.3, 0, 4], target=[0, 0, 0], fov=180),
+        # half a pixel of a column is half a turn
+        am.camera.fisheye(eye=[0.3, 0, 4], target=[0, 0, 0], fov=360),
+        am.camera.panini(eye=[0.3, 0, 4], target=[0, 0, 0], fov=120),
+        am.camera.sphere(eye=[0.3, 0, 4], target=[0, 0, 0]),
+        am.camera.cylinder(eye=[0.3, 0, 4], target=[0, 0, 0]),
+    ],
+    ids=lambda camera: f"{camera.kind}-{camera.keys.get('fov')}",
+)
+def test_the_point_on_the_axis_is_seen_in_images_of_few_pixels(camera, size):
+    for device in (None, ""):
+        found = am.project_many(camera, [[0, 0, 0]], size=size, device=device)
+        # places that are closer than 1e-6 px are one
+        assert found.degenerate.tolist() == [0] and np.abs(found.images - np.array(size) / 2).max() < 1e-6, found
+        assert len(found.t) == 1

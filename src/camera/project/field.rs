@@ -129,7 +129,7 @@ impl<'a> Search<'a> {
             return;
         }
         let nets = nets(self.field, at, side);
-        if nets.iter().any(|n| n.rays.iter().all(|r| is_nothing(point, r))) {
+        if is_eye(point, &nets) {
             shown.degenerate = Some(Degenerate::Eye);
             return;
         }
@@ -177,6 +177,14 @@ impl<'a> Search<'a> {
             shown.found.push(Found { place: place.clamp(self.start, self.end()), t, piece: 0 });
         }
     }
+}
+
+/// All rays of a square meet in the point. A lone ray that does is no sign of that: it may be the one that shows the point.
+fn is_eye(point: DVec3, nets: &[Net]) -> bool {
+    let mut rays = nets.iter().flat_map(|n| &n.rays);
+    let first = nets.first().map(|n| n.rays[0]);
+    let is_other = |r: &Ray| first.is_some_and(|f| f.origin != r.origin || f.direction != r.direction);
+    rays.clone().any(is_other) && rays.all(|r| is_nothing(point, r))
 }
 
 fn is_nothing(point: DVec3, r: &Ray) -> bool {

@@ -41,7 +41,11 @@ const RESIDUAL_PX: f64 = 1e-7;
 /// Damping of a step against the square of the slopes: keeps directions without any slope still.
 const DAMPING: f64 = 1e-12;
 
-/// Moving half a pixel moves what is seen by less than this of its size: the place is one of a whole curve. Far above
+/// How far a place is moved to see whether it is one of a whole curve, px. Half a pixel alone may be half a turn, after which the ray looks
+/// exactly backwards: from the axis of a full turn in one pixel.
+const MOVED_PX: [f64; 4] = [0.5, -0.5, 0.25, -0.25];
+
+/// Such a move changes what is seen by less than this of its size: the place is one of a whole curve. Far above
 /// rounding, far under any pixel's footprint.
 const STILL: f64 = 1e-12;
 
@@ -128,8 +132,7 @@ fn degenerate(volume: &impl Volume, place: DVec2, t: f64, slopes: [DVec3; 2]) ->
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
     let (across, least) = (DVec2::from_angle(angle), DVec2::from_angle(angle).perp());
     let still = |direction: DVec2| {
-        let moves =
-            [0.5, -0.5].map_each(|s| volume.at(place + s * direction, t).map(|(x, _)| beside(x - here).length()));
+        let moves = MOVED_PX.map_each(|s| volume.at(place + s * direction, t).map(|(x, _)| beside(x - here).length()));
         let moved = moves.iter().flatten().fold(0.0_f64, |m, v| m.max(*v));
         moved <= STILL * volume.size(place, t) && moves.iter().any(Option::is_some)
     };
