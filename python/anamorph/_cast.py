@@ -93,7 +93,8 @@ class RayCaster:
     def __init__(self, scene: Any) -> None:
         if not isinstance(scene, Scene):
             mesh, scene = scene, Scene()
-            scene.add(mesh)
+            # rays see no colours, so that none can be left out
+            scene.add(mesh, color=[1, 1, 1])
         self.scene = scene
 
     def intersects_first(self, ray_origins: Numbers, ray_directions: Numbers) -> Ints:

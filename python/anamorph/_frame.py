@@ -13,8 +13,16 @@ import numpy.typing as npt
 from . import _native
 from ._values import Path
 
-#: The id of what is not there, in channels of ids.
-NO_ID = 0xFFFFFFFF
+
+
+class _NoId(int):
+    """``NO_ID``, 4294967295 (0xFFFFFFFF): the id where nothing is hit, in channels of ids such as ``triangle.id``.
+
+    ``frame.ids == am.NO_ID`` finds the pixels that show nothing. Of hits of :func:`anamorph.cast`, which are signed, it is -1 instead.
+    """
+
+
+NO_ID: int = _NoId(0xFFFFFFFF)
 
 Plane = Union[npt.NDArray[np.float32], npt.NDArray[np.uint32]]
 

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ._values import Numbers, array
+
+
+class Look(NamedTuple):
+    """What the material of another library's mesh gives."""
+
+    image: npt.NDArray[np.uint8] | None = None
+    """(H, W, 3) or (H, W, 4): sRGB, the first row on top."""
+    color: list[float] | None = None
+    """Linear RGB, without an image."""
+    left_out: tuple[str, ...] = ()
+    """What is not taken."""
 
 
 class Mesh:
@@ -34,6 +45,7 @@ class Mesh:
     uvs: npt.NDArray[np.float32] | None
     colors: npt.NDArray[np.float32] | None
     name: str
+    _look: Look
 
     def __init__(
         self,
@@ -50,13 +62,15 @@ class Mesh:
         self.uvs = None if uvs is None else array(uvs, np.float32, 2, "uvs")
         self.colors = None if colors is None else array(colors, np.float32, 3, "colors")
         self.name = name
+        self._look = Look()
 
     @staticmethod
     def of(other: Any) -> Mesh:
         """The mesh of a trimesh, an open3d, or any object that has ``vertices`` and ``faces`` (or ``triangles``).
 
         Vertex colours, which both hold in sRGB, texture coordinates of trimesh, and vertex normals of open3d are taken along. Normals of
-        trimesh are left out: it computes some where a mesh has none. :meth:`Scene.add` takes the image or colour of its material, too.
+        trimesh are left out: it computes some where a mesh has none. :meth:`Scene.add` takes the image or colour of its material, too, and
+        warns of what it leaves out: colours of faces, and other images of a material.
         """
         if isinstance(other, Mesh):
             return other
@@ -73,7 +87,9 @@ class Mesh:
         elif getattr(getattr(other, "visual", None), "kind", None) == "texture":
             uvs = _rows(other.visual, "uv")
         colors = None if srgb is None else np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-        return Mesh(np.asarray(other.vertices), np.asarray(faces), normals, uvs, colors)
+        mesh = Mesh(np.asarray(other.vertices), np.asarray(faces), normals, uvs, colors)
+        mesh._look = _look(other)
+        return mesh
 
     def __repr__(self) -> str:
         return f"<anamorph.Mesh {self.name!r}: {len(self.vertices)} vertices, {len(self.faces)} triangles>"
@@ -86,19 +102,28 @@ def _rows(other: Any, name: str) -> npt.NDArray[Any] | None:
     return values if len(values) else None
 
 
-def look(other: Any) -> tuple[npt.NDArray[np.uint8] | None, list[float] | None]:
-    """The image of a trimesh's material, sRGB with the first row on top, or else its colour, linear RGB."""
+#: Images of trimesh's materials that are not taken.
+_OTHER_IMAGES = ("emissiveTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture")
+
+
+def _look(other: Any) -> Look:
+    """The look of a trimesh."""
     visual = getattr(other, "visual", None)
+    if getattr(visual, "kind", None) == "face":
+        return Look(left_out=("colours of faces; give vertex colours, or a mesh for each colour",))
     if getattr(visual, "kind", None) != "texture":
-        return None, None
+        return Look()
     material = getattr(visual, "material", None)
+    left_out = tuple(f"the material's {name}" for name in _OTHER_IMAGES if getattr(material, name, None) is not None)
     image = getattr(material, "baseColorTexture", None)
     image = getattr(material, "image", None) if image is None else image
     if image is not None and getattr(visual, "uv", None) is not None:
         convert = getattr(image, "convert", None)
-        return np.asarray(image if convert is None else convert("RGBA"), dtype=np.uint8), None
+        return Look(np.asarray(image if convert is None else convert("RGBA"), dtype=np.uint8), None, left_out)
+    if image is not None:
+        left_out += ("the material's image, as the mesh has no texture coordinates",)
     color = getattr(material, "main_color", None)
-    return None, None if color is None else [float(c) / 255 for c in color[:3]]
+    return Look(None, None if color is None else [float(c) / 255 for c in color[:3]], left_out)
 
 
 def nodes(scene: Any) -> Iterator[tuple[str, Any, npt.NDArray[np.float64]]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._mesh import Mesh, look, nodes
+from ._mesh import Mesh, nodes
 from ._record import Record
 from ._values import Numbers, Path, Value, array, as_array, as_numbers, assignment, table
 
@@ -107,15 +108,17 @@ class Scene:
                 own.vertices = own.vertices @ matrix[:3, :3].T + matrix[:3, 3]
                 own.normals = None
                 own.name = name
-                self._add_mesh(own, part, image, keys)
+                self._add_mesh(own, image, keys)
             return
-        self._add_mesh(Mesh.of(mesh), mesh, image, keys)
+        self._add_mesh(Mesh.of(mesh), image, keys)
 
-    def _add_mesh(self, own: Mesh, like: Any, image: npt.NDArray[np.uint8] | None, keys: dict[str, Value]) -> None:
-        """Adds a mesh with an image, or where it has none with the look of the object that it is the mesh of."""
+    def _add_mesh(self, own: Mesh, image: npt.NDArray[np.uint8] | None, keys: dict[str, Value]) -> None:
+        """Adds a mesh with an image, or where none is given with the look of the object that it was made of."""
         if image is None and own.colors is None and keys.get("texture") is None and keys.get("color") is None:
-            image, color = look(like)
+            image, color, left_out = own._look
             keys = {**keys, "color": color}
+            for what in left_out:
+                warnings.warn(f"left out: {own.name}: {what}", stacklevel=3)
         self._do(
             "add_arrays", own.vertices, own.faces, own.normals, own.uvs, own.colors, own.name, table(keys), os.getcwd(), image
         )

@@ -10,8 +10,15 @@ use std::time::Duration;
 /// How long a call may go on after Ctrl-C.
 const SIGNALS_EVERY: Duration = Duration::from_millis(50);
 
+/// Remedies as the program and scene files write them, and as Python does.
+const REMEDIES: [(&str, &str); 3] = [
+    ("give width and height in [image] or --size", "give size=(width, height)"),
+    ("use a smaller --size", "use a smaller size"),
+    ("use --engine reference", "use Renderer(reference=True)"),
+];
+
 pub fn python_error(error: Error) -> PyErr {
-    let text = error.to_string();
+    let text = REMEDIES.iter().fold(error.to_string(), |text, (theirs, own)| text.replace(theirs, own));
     match error {
         Error::Input(_) => PyValueError::new_err(text),
         Error::Missing(_) => PyFileNotFoundError::new_err(text),

@@ -20,8 +20,9 @@ pub fn channels(names: &[String]) -> PyResult<Vec<Channel>> {
             none if none.is_empty() => {
                 let known: Vec<&str> = Channel::every().map(Channel::name).collect();
                 let known = known.join(", ");
+                let meant = Channel::similar(name).map_or(String::new(), |own| format!("did you mean {own}? "));
                 return Err(PyValueError::new_err(format!(
-                    "no channel {name:?}; known: {known}, N, P, albedo, uv, view"
+                    "no channel {name:?}; {meant}known: {known}, N, P, albedo, uv, view"
                 )));
             }
             own => all.extend(own),

@@ -1,6 +1,8 @@
 """Rendering to arrays."""
 
 import json
+import pickle
+import pydoc
 import re
 import subprocess
 import sys
@@ -259,3 +261,21 @@ def test_a_size_may_be_a_list_and_channels_may_not_be_a_text(square, pinhole):
     assert am.render(square, pinhole, size=[8, 6], channels=["Z"])["Z"].shape == (6, 8)
     with pytest.raises(ValueError, match=r'as in \["Zt"\]'):
         am.render(square, pinhole, size=(8, 6), channels="Zt")
+
+
+@pytest.mark.parametrize("wrong, own", [("depth", "Z"), ("normals", "N"), ("trianlge.id", "triangle.id")])
+def test_a_wrong_channel_tells_the_right_one(square, pinhole, wrong, own):
+    with pytest.raises(ValueError, match=f'no channel "{wrong}"; did you mean {own}\\? known: R, '):
+        am.render(square, pinhole, size=(8, 6), channels=[wrong])
+
+
+def test_errors_speak_python(square, pinhole):
+    with pytest.raises(ValueError, match=r"^(?!.*(--|\[image\])).*give size=\(width, height\)$"):
+        am.render(square, pinhole)
+
+
+def test_no_id_has_a_help_of_its_own():
+    assert "the id where nothing is hit" in pydoc.render_doc(am.NO_ID)
+    ids = np.array([0, 0xFFFFFFFF], dtype=np.uint32)
+    assert (ids == am.NO_ID).tolist() == [False, True] and np.full(2, am.NO_ID, dtype=np.uint32)[1] == ids[1]
+    assert repr(am.NO_ID) == "4294967295" and pickle.loads(pickle.dumps(am.NO_ID)) == am.NO_ID

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import types
+import warnings
 
 import anamorph as am
 import numpy as np
@@ -368,3 +369,29 @@ def test_a_scene_of_trimesh_goes_in_with_its_nodes(pinhole):
     assert scene.bounds[0][2] == -3133805.225747891
     frame = am.render(scene, pinhole, size=SIZE, channels=["albedo"])
     assert np.allclose(frame["albedo"][15, 20], [0, 1, 0])
+
+
+def test_what_a_mesh_of_trimesh_loses_is_said(pinhole: am.Camera) -> None:
+    vertices, faces = np.array([[-1.0, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]])
+    image = np.full((1, 1, 3), [0, 255, 0], dtype=np.uint8)
+
+    def like(kind: str, uv: object = None, **material: object) -> types.SimpleNamespace:
+        visual = types.SimpleNamespace(kind=kind, uv=uv, material=types.SimpleNamespace(**material))
+        return types.SimpleNamespace(vertices=vertices, faces=faces, visual=visual)
+
+    for mesh, says in [
+        (like("face"), "left out: mesh: colours of faces"),
+        (like("texture", np.zeros((3, 2)), image=image, normalTexture=image), "the material's normalTexture"),
+        (like("texture", None, image=image), "as the mesh has no texture coordinates"),
+    ]:
+        with pytest.warns(UserWarning, match=says) as warned:
+            am.Scene().add(mesh)
+        assert warned[0].filename == __file__
+        # rays see no colours
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            assert am.RayCaster(mesh).intersects_first([[0, 0, 1]], [[0, 0, -1]]) == [0]
+    # a Mesh that is made of one first keeps its image
+    scene = am.Scene()
+    scene.add(am.Mesh.of(like("texture", np.zeros((3, 2)), image=image)))
+    assert np.allclose(am.render(scene, pinhole, size=SIZE, channels=["albedo"])["albedo"][15, 20], [0, 1, 0])

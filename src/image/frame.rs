@@ -1,5 +1,6 @@
 //! A rendered frame: one plane of values per channel, row 0 on top.
 
+use crate::input::tree::nearest;
 use glam::DVec3;
 
 /// Id of a triangle, piece, object or material where nothing is hit.
@@ -192,7 +193,36 @@ impl Channel {
             _ => Channel::every().filter(|c| c.name() == name).collect(),
         }
     }
+
+    /// The name that may be meant by one that no channel has, as `Z` by `depth`; `None` if no name is near.
+    pub fn similar(name: &str) -> Option<&'static str> {
+        let word = name.to_lowercase();
+        if let Some((_, own)) = OTHER_NAMES.iter().find(|(others, _)| others.contains(&word.as_str())) {
+            return Some(own);
+        }
+        let known: Vec<&'static str> = Channel::every().map(Channel::name).chain(VECTORS).collect();
+        let near = nearest(name, &known)?;
+        let longer = name.chars().count().max(near.len());
+        // a name twice as long has no letter in three right; a letter alone is like every other
+        (longer <= 2 * near.len() && 3 * strsim::levenshtein(name, near) <= longer).then_some(near)
+    }
 }
+
+/// Names that stand for several channels.
+const VECTORS: [&str; 5] = ["N", "P", "albedo", "uv", "view"];
+
+/// Names in lower case that other programs have for what channels hold, and the channels' own.
+const OTHER_NAMES: [(&[&str], &str); 9] = [
+    (&["depth", "distance", "range", "z"], "Z"),
+    (&["normal", "normals"], "N"),
+    (&["position", "positions", "point", "points", "xyz"], "P"),
+    (&["rgb", "rgba", "color", "colour", "beauty", "combined"], "R, G, B"),
+    (&["alpha", "mask", "coverage"], "A"),
+    (&["id", "ids", "face", "faces", "primitive", "triangle"], "triangle.id"),
+    (&["instance", "instances", "object", "mesh", "segmentation"], "object.id"),
+    (&["material"], "material.id"),
+    (&["barycentric", "barycentrics", "bary"], "bary.u, bary.v"),
+];
 
 /// Z between near and far: (Z - near) / (far - near), and far (Z - near) / (Z (far - near)), which is 0 at near and 1 at far too.
 pub fn normalised_depth(z: f64, [near, far]: [f64; 2]) -> [f64; 2] {
@@ -286,5 +316,32 @@ impl Frame {
             Plane::U32(v) if *c == channel => Some(v.as_slice()),
             _ => None,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wrong_name_tells_the_channel_that_may_be_meant() {
+        for (wrong, own) in [
+            ("depth", Some("Z")),
+            ("Depth", Some("Z")),
+            ("z", Some("Z")),
+            ("normals", Some("N")),
+            ("trinagle.id", Some("triangle.id")),
+            ("albedo.r", Some("albedo.R")),
+            ("albdo", Some("albedo")),
+            ("Q", None),
+            ("", None),
+            ("temperature", None),
+        ] {
+            assert_eq!(Channel::similar(wrong), own, "{wrong}");
+        }
+        assert_eq!(Channel::similar(&"Z".repeat(1 << 20)), None);
+        // what is suggested is there
+        let is_known = |name: &str| name.split(", ").all(|name| !Channel::named(name).is_empty());
+        assert!(OTHER_NAMES.iter().all(|(_, own)| is_known(own)) && VECTORS.iter().all(|name| is_known(name)));
     }
 }

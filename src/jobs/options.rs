@@ -59,7 +59,8 @@ pub fn channels(name: &str) -> Result<Named, String> {
         let known: Vec<&str> = Channel::every().map(Channel::name).collect();
         let more =
             "N, P, albedo and view for three each, uv and motion for two, crypto.object and crypto.material, all";
-        return Err(format!("no such channel; known: {}, {more}", known.join(", ")));
+        let meant = Channel::similar(name.trim()).map_or(String::new(), |own| format!("did you mean {own}? "));
+        return Err(format!("no such channel; {meant}known: {}, {more}", known.join(", ")));
     }
     Ok(Named::Channels(found))
 }
