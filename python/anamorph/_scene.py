@@ -123,9 +123,9 @@ class Scene:
             "add_arrays", own.vertices, own.faces, own.normals, own.uvs, own.colors, own.name, table(keys), os.getcwd(), image
         )
 
-    def add_builtin(self, name: str, **keys: Value) -> None:
+    def add_builtin(self, builtin: str, /, **keys: Value) -> None:
         """Adds a generated mesh: ``teapot``, ``icosphere``, ``box``, ``plane``, ``city`` and others, with the keys of ``[[mesh]]``."""
-        self._do("add_table", table({"builtin": name, **keys}), os.getcwd())
+        self._do("add_table", table({"builtin": builtin, **keys}), os.getcwd())
 
     def throw(self, image: Path, camera: Camera | Mapping[str, Value], **keys: Value) -> int:
         """Throws a camera's picture onto the surfaces of the scene, back along the rays of the camera that took it.

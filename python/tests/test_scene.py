@@ -112,11 +112,12 @@ def test_mesh_files(tmp_path, pinhole):
     scene = am.Scene()
     scene.add(path, translate=(0, 0, 1))
     scene.add_builtin("icosphere", level=1, translate=[9, 9, 9])
-    assert scene.objects == [("a", 1), ("icosphere", 80)]
+    scene.add_builtin("box", name="crate", translate=[9, 9, 9])
+    assert scene.objects == [("a", 1), ("icosphere", 80), ("crate", 12)]
     assert np.allclose(am.render(scene, pinhole, size=SIZE, channels=["albedo"])["albedo"][15, 20], [0, 0, 1])
     with pytest.raises(FileNotFoundError, match="none.ply"):
         scene.add(tmp_path / "none.ply")
-    assert len(scene.objects) == 2
+    assert len(scene.objects) == 3
 
 
 def test_what_is_wrong_is_said():
