@@ -43,6 +43,7 @@ use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::Passes;
 use crate::image::frame::{Channel, Frame};
 use crate::input::{Error, Result};
+use crate::parallel::share::Share;
 use crate::scene::Scene;
 use crate::scene::caustics::CausticsReport;
 use caustics::DeviceCaustics;
@@ -103,6 +104,8 @@ pub struct RunOptions {
     pub draws_max: Option<u64>,
     /// Where the lists start; `None`: from the scene's size. They grow as needed.
     pub capacities: Option<Capacities>,
+    /// Told of each frame that is done, or row of the reference.
+    pub share: Share,
 }
 
 /// Raster or trace, and why.

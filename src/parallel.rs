@@ -1,6 +1,8 @@
 //! Loops that run on all cores. All but the sorts end in [`on_all_cores`], which is not generic: rayon's code is compiled once, not once
 //! for each loop.
 
+pub mod share;
+
 use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

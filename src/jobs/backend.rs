@@ -76,7 +76,8 @@ impl<'e> Backend<'e> {
     ) -> Result<Rendered> {
         match self {
             Backend::Compute(engine, rival) => {
-                engine.render(scene, camera.clone(), wanted, &RunOptions { rival: *rival, ..run.clone() })
+                let run = &RunOptions { rival: *rival, ..run.clone() };
+                engine.render(scene, camera.clone(), wanted, run).inspect(|_| run.share.add())
             }
             Backend::Reference if wanted.channels.contains(&Channel::Certified) => {
                 Err(Error::input("certified needs --engine compute; for the reference use --check or --pixel"))
@@ -107,9 +108,10 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
     let started = Instant::now();
     let maps = if wanted.has_colour() { reference::caustics::caustics(scene) } else { None };
     let ms = started.elapsed().as_secs_f64() * 1e3;
+    let share = run.share.part_of(1 + run.repeat as usize);
     let timed = || {
         let started = Instant::now();
-        let frame = reference::image::image_with_caustics(scene, camera, &channels, maps.as_ref());
+        let frame = reference::image::image_with_caustics(scene, camera, &channels, maps.as_ref(), &share);
         (frame, started.elapsed().as_secs_f64() * 1e3)
     };
     let (mut frame, first_ms) = timed();

@@ -44,6 +44,7 @@ pub fn render(
         let channels = means.into_iter().chain(ids).collect();
         let each = Wanted { counting: wanted.counting, frames: samples, ..Wanted::of(channels) };
         let mut frames = Frames::default();
+        let run = &RunOptions { share: run.share.part_of(samples as usize), ..run.clone() };
         for (number, offset) in (0..samples).zip(sample_offsets(samples)) {
             let moved = Arc::new(camera.of_sample(offset.into(), Sample { number, count: samples })?);
             let rendered = frames.render(backend, scene, &moved, &each, run)?;
@@ -121,11 +122,13 @@ impl Frames {
         let is_plain = run.repeat == 0 && !run.moving && Sequence::takes(scene, camera, wanted);
         let Backend::Compute(engine, None) = backend else { return backend.render(scene, camera, wanted, run) };
         if !is_plain {
-            return engine.render(scene, camera.clone(), wanted, run);
+            return engine.render(scene, camera.clone(), wanted, run).inspect(|_| run.share.add());
         }
         let planned = engine.planner().plan(scene, camera.clone(), wanted, run, self.last.as_ref())?;
         self.last = Some(planned.clone());
-        Ok(self.sequence.render(engine, planned, run)?.rendered())
+        let rendered = self.sequence.render(engine, planned, run)?.rendered();
+        run.share.add();
+        Ok(rendered)
     }
 }
 

@@ -97,11 +97,13 @@ impl Strips<'_> {
         to_write: &SyncSender<Readback>,
     ) -> Result<Option<Rendered>> {
         let mut sequence = Sequence::default();
+        let strip = self.run.share.part_of(self.rows().count());
         let mut in_flight: Option<InFlight> = None;
         let mut took: Option<Rendered> = None;
         let mut read_back = |sequence: &mut Sequence, engine: &mut Engine, in_flight| -> Result<bool> {
             let Some(in_flight): Option<InFlight> = in_flight else { return Ok(true) };
             let readback = sequence.wait_for(engine, in_flight)?;
+            strip.add();
             add(&mut took, readback.statistics());
             Ok(to_write.send(readback).is_ok())
         };

@@ -22,6 +22,7 @@ use crate::image::cryptomatte::{Matte, MatteKind};
 use crate::image::frame::Channel;
 use crate::input::files::Inputs;
 use crate::input::{Error, Loading, Result};
+use crate::parallel::share::Share;
 use crate::scene::Scene;
 use crate::scene::file::OutputSpec;
 use crate::scene::gradients;
@@ -49,6 +50,8 @@ pub struct Work {
     strips: Option<u64>,
     /// The result of [`sample_bytes`].
     sample_bytes: u64,
+    /// How much of the rendering is done.
+    share: Share,
 }
 
 /// The rendered result.
@@ -164,7 +167,25 @@ impl Work {
         bytes += mesh_bytes(mesh);
         let row_bytes = strips::row_bytes(&camera, channels, more);
         let strips = is_in_strips.then_some(row_bytes);
-        Ok(Work { job, scene, camera, files, asked, wanted, matte_kinds, next, bytes, strips, sample_bytes: more })
+        Ok(Work {
+            job,
+            scene,
+            camera,
+            files,
+            asked,
+            wanted,
+            matte_kinds,
+            next,
+            bytes,
+            strips,
+            sample_bytes: more,
+            share: Share::default(),
+        })
+    }
+
+    /// How much of [`Work::render`] is done.
+    pub fn share(&self) -> Share {
+        self.share.clone()
     }
 
     pub fn job(&self) -> &RenderJob {
@@ -210,7 +231,7 @@ impl Work {
         let samples = if at_once { job.samples } else { 1 };
         backend.check_size(camera, &Wanted { samples, ..wanted.clone() })?;
         if let (Some(row_bytes), Backend::Compute(engine, None)) = (self.strips, &mut *backend) {
-            let run = job.run_options();
+            let run = RunOptions { share: self.share(), ..job.run_options() };
             let wanted = &Wanted { samples, ..wanted.clone() };
             let (color, exr) = (self.files.color.as_deref(), self.files.exr.as_deref());
             let rendered = Strips { scene, camera, wanted, run, row_bytes, color, exr }.render(engine)?;
@@ -220,7 +241,8 @@ impl Work {
             self.check_whole()?;
         }
         let mut mattes = self.mattes();
-        let run = RunOptions { repeat: job.repeat.unwrap_or(0), moving: job.moving, ..job.run_options() };
+        let (repeat, share) = (job.repeat.unwrap_or(0), self.share());
+        let run = RunOptions { repeat, moving: job.moving, share, ..job.run_options() };
         let rendered = samples::render(backend, scene, camera, wanted, job.samples, &run, &mut mattes)?;
         let extra = judged::render(job, backend, scene, camera)?;
         let gradients = self.gradients(backend, &rendered)?;

@@ -12,6 +12,7 @@ use crate::arrays::MapEach;
 use crate::camera::Camera;
 use crate::image::frame::{Channel, Frame, NO_ID, PixelValues, normalised_depth, plane_of_words};
 use crate::parallel;
+use crate::parallel::share::Share;
 use crate::scene::Scene;
 use crate::scene::caustics::CausticMaps;
 use crate::scene::labels::Labels;
@@ -40,12 +41,18 @@ pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
 pub fn rows_of_image(scene: &Scene, camera: &Camera, channels: &[Channel], step: u32) -> Frame {
     let has_colour = channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B));
     let maps = if has_colour { caustics(scene) } else { None };
-    rows_with_caustics(scene, camera, channels, maps.as_ref(), step)
+    rows_with_caustics(scene, camera, channels, maps.as_ref(), (step, &Share::default()))
 }
 
 /// A frame with given caustics.
-pub fn image_with_caustics(scene: &Scene, camera: &Camera, channels: &[Channel], maps: Option<&CausticMaps>) -> Frame {
-    rows_with_caustics(scene, camera, channels, maps, EVERY_ROW)
+pub fn image_with_caustics(
+    scene: &Scene,
+    camera: &Camera,
+    channels: &[Channel],
+    maps: Option<&CausticMaps>,
+    share: &Share,
+) -> Frame {
+    rows_with_caustics(scene, camera, channels, maps, (EVERY_ROW, share))
 }
 
 const EVERY_ROW: u32 = 1;
@@ -55,18 +62,27 @@ fn rows_with_caustics(
     camera: &Camera,
     channels: &[Channel],
     maps: Option<&CausticMaps>,
-    step: u32,
+    (step, share): (u32, &Share),
 ) -> Frame {
+    let rows = camera.height.div_ceil(step);
+    let row = share.part_of(rows as usize);
+    // the pixels of a row are done nearly at the same time
+    let told = |i: u32, values: PixelValues| {
+        if i + 1 == camera.width {
+            row.add();
+        }
+        values
+    };
     if let Some(composition) = camera.layered() {
         let scenes = scene.of_each_camera(composition);
         let composed = Composed::new(scene, composition, &scenes);
-        return frame(camera, &each_pixel(camera, step, |i, j| composed.values(i, j)), channels);
+        return frame(camera, &each_pixel(camera, step, |i, j| told(i, composed.values(i, j))), channels);
     }
     let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
     let casters = scene.of_casters();
     let view = CameraView::new(scene, camera, &casters, maps);
-    frame(camera, &each_pixel(camera, step, |i, j| view.values(i, j)), channels)
+    frame(camera, &each_pixel(camera, step, |i, j| told(i, view.values(i, j))), channels)
 }
 
 /// Compares `frame`'s triangle ids with the reference.

@@ -55,8 +55,11 @@ fn long_work_prints_progress_lines_without_a_terminal() {
     let place = Place::new();
     let line =
         progress_of(&place, &["render", "scene.toml", "--engine", "reference", "--check", "--repeat", "1000000"]);
-    let seconds = line.strip_prefix("progress: rendering, ").and_then(|rest| rest.strip_suffix(" s"));
-    assert!(seconds.is_some_and(|s| s.parse::<u32>().is_ok_and(|s| s >= 5)), "{line}");
+    // as in "progress: rendering, 5 s, 1 %, 495 s left"
+    let parts: Vec<&str> = line.strip_prefix("progress: rendering, ").into_iter().flat_map(|l| l.split(", ")).collect();
+    let number = |part: usize, unit: &str| parts.get(part)?.strip_suffix(unit)?.parse::<u32>().ok();
+    assert!(number(0, " s").is_some_and(|s| s >= 5) && parts.len() == 3, "{line}");
+    assert!(number(1, " %").is_some_and(|p| p < 100) && number(2, " s left").is_some_and(|s| s > 0), "{line}");
     let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"{frame}.png\"\nengine = \"reference\"\n";
     place.write("j.toml", format!("{job}frames = {{ last = 99999 }}\n"));
     let line = progress_of(&place, &["batch", "j.toml"]);

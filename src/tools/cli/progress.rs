@@ -1,6 +1,7 @@
 //! Progress on stderr, if work takes long: a spinner on a terminal, otherwise a line every few seconds.
 
 use super::say::note;
+use crate::parallel::share::Share;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -19,23 +20,55 @@ const START: &str = "progress: ";
 
 /// Shows the current step until it is dropped.
 pub struct Progress {
-    shown: Option<(Sender<String>, JoinHandle<()>)>,
+    shown: Option<(Sender<Step>, JoinHandle<()>)>,
+}
+
+/// A step, and how much of it is done where that is known.
+struct Step {
+    doing: String,
+    share: Option<Share>,
+}
+
+impl Step {
+    fn of(doing: &str) -> Step {
+        Step { doing: doing.into(), share: None }
+    }
+
+    /// What is done of it and the time left, as ", 35 %, 12 s left"; empty where that is not known.
+    fn so_far(&self) -> String {
+        let Some(share) = self.share.as_ref().filter(|share| (0.0..1.0).contains(&share.done()) && share.done() > 0.0)
+        else {
+            return String::new();
+        };
+        let left = share.left().map_or(String::new(), |left| format!(", {:.0} s left", left.as_secs_f64()));
+        // rounded down, so that no more is said than is done
+        format!(", {:.0} %{left}", (100.0 * share.done()).floor())
+    }
 }
 
 impl Progress {
     pub fn start(doing: &str) -> Progress {
-        let (sender, receiver) = channel::<String>();
-        let doing = doing.to_owned();
+        let (sender, receiver) = channel();
+        let step = Step::of(doing);
         let show = if std::io::stderr().is_terminal() { show_spinner } else { print_lines };
-        let thread = std::thread::spawn(move || show(doing, &receiver));
+        let thread = std::thread::spawn(move || show(step, &receiver));
         Progress { shown: Some((sender, thread)) }
     }
 
     /// Sets the current step.
     pub fn now(&self, doing: &str) {
+        self.send(Step::of(doing));
+    }
+
+    /// Sets the current step, of which `share` says how much is done.
+    pub fn of(&self, doing: &str, share: Share) {
+        self.send(Step { share: Some(share), ..Step::of(doing) });
+    }
+
+    fn send(&self, step: Step) {
         if let Some((sender, _)) = &self.shown {
             // the thread only ends after this sender
-            let _ = sender.send(doing.into());
+            let _ = sender.send(step);
         }
     }
 }
@@ -46,12 +79,12 @@ impl Drop for Progress {
     }
 }
 
-/// Shows a spinner until the sender is dropped. Messages replace `doing`.
-fn show_spinner(mut doing: String, messages: &Receiver<String>) {
+/// Shows a spinner until the sender is dropped. Messages replace the step.
+fn show_spinner(mut step: Step, messages: &Receiver<Step>) {
     let started = Instant::now();
     loop {
         match messages.recv_timeout(SILENT.saturating_sub(started.elapsed())) {
-            Ok(next) => doing = next,
+            Ok(next) => step = next,
             Err(RecvTimeoutError::Timeout) => break,
             Err(RecvTimeoutError::Disconnected) => return,
         }
@@ -59,18 +92,24 @@ fn show_spinner(mut doing: String, messages: &Receiver<String>) {
     let style = ProgressStyle::with_template("{spinner} {msg} {elapsed}");
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
     let bar = bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
-    bar.set_message(doing);
     bar.enable_steady_tick(TICK);
-    messages.iter().for_each(|next| bar.set_message(next));
+    loop {
+        bar.set_message(format!("{}{}", step.doing, step.so_far()));
+        match messages.recv_timeout(SILENT) {
+            Ok(next) => step = next,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => break,
+        }
+    }
     bar.finish_and_clear();
 }
 
-/// Prints lines until the sender is dropped. Messages replace `doing`.
-fn print_lines(mut doing: String, messages: &Receiver<String>) {
+/// Prints lines until the sender is dropped. Messages replace the step.
+fn print_lines(mut step: Step, messages: &Receiver<Step>) {
     let started = Instant::now();
     receive_and_tick(messages, |message| match message {
-        Some(next) => doing = next,
-        None => print_line(format_args!("{doing}, {} s", started.elapsed().as_secs())),
+        Some(next) => step = next,
+        None => print_line(format_args!("{}, {} s{}", step.doing, started.elapsed().as_secs(), step.so_far())),
     });
 }
 

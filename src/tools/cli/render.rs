@@ -44,7 +44,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     if matches!(backend, Backend::Reference) && !is_reference {
         note(format_args!("{NO_ADAPTER}; rendering on the CPU as --engine reference does"));
     }
-    progress.now("rendering");
+    progress.of("rendering", work.share());
     let seen = work.render(&mut backend)?;
     let device = Backend::device_of(engine.as_ref(), work.job());
     let written = work.write(seen, &device, started, |doing| progress.now(doing))?;

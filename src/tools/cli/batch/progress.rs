@@ -23,10 +23,41 @@ pub struct BatchProgress {
     bar: Option<ProgressBar>,
     log: Option<Mutex<File>>,
     started: Instant,
-    counts: Arc<Mutex<Counts>>,
+    so_far: Arc<Mutex<SoFar>>,
     /// Number of frames rendered again by reason, for the first [`REASONS`] reasons.
     reasons: Mutex<BTreeMap<String, usize>>,
     _lines: Option<ProgressLines>,
+}
+
+/// The counts, and when the first frame was done.
+struct SoFar {
+    counts: Counts,
+    first: Option<Instant>,
+}
+
+impl SoFar {
+    /// Frames a second since the first one was done, which waits for kernels to be compiled; `None` before the second.
+    fn per_s(&self) -> Option<f64> {
+        let later = self.counts.done.checked_sub(1).filter(|later| *later > 0)?;
+        Some(later as f64 / self.first?.elapsed().as_secs_f64())
+    }
+
+    fn tried(&self) -> usize {
+        self.counts.done + self.counts.skipped + self.counts.failed
+    }
+
+    /// Seconds that the frames which are left take at that rate.
+    fn left_s(&self) -> Option<f64> {
+        Some((self.counts.all - self.tried()) as f64 / self.per_s()?)
+    }
+
+    /// The progress as text; `None` at the end.
+    fn line(&self) -> Option<String> {
+        let (tried, all) = (self.tried(), self.counts.all);
+        let rest = self.per_s().zip(self.left_s());
+        let rest = rest.map_or(String::new(), |(per_s, left_s)| format!(", {}, {left_s:.0} s left", rate(per_s)));
+        (tried < all).then(|| format!("{tried} of {all} frames{rest}"))
+    }
 }
 
 /// Most reasons counted, to bound the memory. The log has all.
@@ -45,16 +76,17 @@ impl BatchProgress {
         let log = log.map(open).transpose()?.map(Mutex::new);
         let is_auto = progress == ProgressName::Auto;
         let has_bar = is_auto && std::io::stderr().is_terminal();
-        let (counts, started) = (Arc::new(Mutex::new(Counts { all, ..Counts::default() })), Instant::now());
-        let counted = counts.clone();
-        let line = move || line(&lock(&counted), started);
+        let so_far = SoFar { counts: Counts { all, ..Counts::default() }, first: None };
+        let (so_far, started) = (Arc::new(Mutex::new(so_far)), Instant::now());
+        let told = so_far.clone();
+        let line = move || lock(&told).line();
         let shown = BatchProgress {
             list: list.to_owned(),
             is_json: progress == ProgressName::Json,
             bar: has_bar.then(|| bar(all)),
             log,
             started,
-            counts,
+            so_far,
             reasons: Mutex::default(),
             _lines: (is_auto && !has_bar).then(|| ProgressLines::start(line)),
         };
@@ -64,10 +96,20 @@ impl BatchProgress {
 
     /// Shows an event and the counts after it.
     pub fn report(&self, event: Event, counts: &Counts) {
-        *lock(&self.counts) = *counts;
-        if let Some(bar) = &self.bar {
-            bar.set_position((counts.done + counts.skipped + counts.failed) as u64);
+        let mut so_far = lock(&self.so_far);
+        so_far.counts = *counts;
+        let is_first = so_far.first.is_none() && counts.done > 0;
+        if is_first {
+            so_far.first = Some(Instant::now());
         }
+        if let Some(bar) = &self.bar {
+            bar.set_position(so_far.tried() as u64);
+            if is_first {
+                // the pace of the bar begins here
+                bar.reset_eta();
+            }
+        }
+        drop(so_far);
         match event {
             Event::Done(task, ms) => self.done(task, ms, counts),
             Event::Skipped(task) => {
@@ -80,11 +122,13 @@ impl BatchProgress {
     }
 
     fn done(&self, task: &Task, ms: f64, counts: &Counts) {
-        let rate = counts.done as f64 / self.started.elapsed().as_secs_f64();
-        let left = (counts.all - counts.done - counts.skipped - counts.failed) as f64 / rate;
+        let (per_s, left_s) = {
+            let so_far = lock(&self.so_far);
+            (so_far.per_s(), so_far.left_s())
+        };
         let value = json!({
             "event": "done", "frame": task.name, "outputs": outputs(task), "ms": ms, "done": counts.done,
-            "skipped": counts.skipped, "failed": counts.failed, "frames": counts.all, "per_s": rate, "left_s": left,
+            "skipped": counts.skipped, "failed": counts.failed, "frames": counts.all, "per_s": per_s, "left_s": left_s,
         });
         self.write(value, &format!("done: {}: {ms:.1} ms: {}", task.name, outputs(task).join(", ")));
     }
@@ -155,18 +199,6 @@ impl BatchProgress {
     }
 }
 
-/// The progress as text; `None` at the end.
-fn line(counts: &Counts, started: Instant) -> Option<String> {
-    let Counts { all, done, skipped, failed, .. } = *counts;
-    let tried = done + skipped + failed;
-    let per_s = done as f64 / started.elapsed().as_secs_f64();
-    let rest = match done {
-        0 => String::new(),
-        _ => format!(", {}, {:.0} s left", rate(per_s), (all - tried) as f64 / per_s),
-    };
-    (tried < all).then(|| format!("{tried} of {all} frames{rest}"))
-}
-
 /// The number of frames rendered again, and the most frequent reasons.
 fn again_line(again: usize, reasons: &BTreeMap<String, usize>) -> String {
     if let (Some((why, _)), 1) = (reasons.first_key_value(), reasons.len()) {
@@ -199,4 +231,26 @@ fn bar(all: usize) -> ProgressBar {
 /// Frames a second, or seconds a frame.
 fn rate(per_s: f64) -> String {
     if per_s >= 1.0 || per_s <= 0.0 { format!("{per_s:.1}/s") } else { format!("{:.1} s each", 1.0 / per_s) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn the_first_frame_is_no_pace() {
+        let now = Instant::now();
+        let so_far = |done, skipped, seconds| SoFar {
+            counts: Counts { all: 100, done, skipped, ..Counts::default() },
+            // Linux counts from its start, which is longer ago than this
+            first: now.checked_sub(Duration::from_secs(seconds)),
+        };
+        assert_eq!(so_far(0, 5, 0).line().as_deref(), Some("5 of 100 frames"));
+        // whatever the first took
+        assert_eq!(so_far(1, 9, 3).line().as_deref(), Some("10 of 100 frames"));
+        // ten more in ten seconds: one a second, or little less, as the clock goes on
+        assert_eq!(so_far(11, 9, 10).line().as_deref(), Some("20 of 100 frames, 1.0 s each, 80 s left"));
+        assert_eq!(so_far(91, 9, 10).line(), None);
+    }
 }
