@@ -498,8 +498,19 @@ fn images_that_cannot_be_one_frame_are_rendered_one_after_another() {
     };
     let mirrors = vec![mirror(0), mirror(1)];
     let ranges = [fisheye, of("kind = \"fisheye\"\nfov = 150\nt_range = [0, 3.5]")].concat();
+    // more than 2^14 pixels, of which only images of pieces share a frame
+    let large = |keys: &str| around(&scene, (200, 164), 2, &|_| keys.into());
+    let large_fisheyes = large("kind = \"fisheye\"\nfov = 150");
     let mut renderer = Renderer::new().unwrap();
-    for (cameras, why) in [(unlike, "some cameras have pieces"), (mirrors, "mirror or lens"), (ranges, "range of t")] {
+    let views = renderer.render_many(&scene, &large("kind = \"pinhole\"\nvfov = 40"), &options()).unwrap();
+    let frames = if renderer.adapter().is_some() { 1 } else { 2 };
+    assert_eq!(report_of(&views)["frame_ms"]["runs"], frames);
+    for (cameras, why) in [
+        (unlike, "some cameras have pieces"),
+        (mirrors, "mirror or lens"),
+        (ranges, "range of t"),
+        (large_fisheyes, "faster at this size"),
+    ] {
         let views = renderer.render_many(&scene, &cameras, &options()).unwrap();
         let report = report_of(&views);
         if renderer.adapter().is_some() {

@@ -148,12 +148,16 @@ class Renderer:
         *,
         scene: Scene | None = None,
     ) -> Views:
-        """Renders an image through each camera, all in one frame where they fit: far faster than a call for each, where they are small.
+        """Renders an image through each camera, all in one frame where they fit and where that is faster than a frame for each.
+
+        On a CPU adapter of two cores, scenes of 6,400 to 100,000 triangles and cameras that have all moved, a call for each takes 1.0 to 4.2
+        times as long for pinholes of 64 x 64 pixels, 1.7 to 1.9 for 256 x 256, and 1.0 to 1.4 for 512 x 512; for fisheyes 1.9 or more for
+        64 x 64, and 0.8 to 1.9 for 128 x 128.
 
         Triangles and pieces are those of :meth:`render`; ``t`` and ``Z`` may differ in the last bit, and ``certified`` where a bound is close.
         Positions, normals, texture coordinates and colours may be off by some 2^-24 of the distance from the camera in the middle. Cameras
-        with mirrors, lenses or curved rays, or of unlike kinds, are rendered one after another, each exactly as by :meth:`render`; the report's
-        ``left_out`` then says why.
+        with mirrors, lenses or curved rays, or of unlike kinds, are rendered one after another, each exactly as by :meth:`render`, as are
+        cameras with a ray for each pixel, such as fisheyes, above 128 x 128 pixels; the report's ``left_out`` then says why.
 
         Args:
             cameras: one for each image; their images have one size.

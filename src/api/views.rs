@@ -2,8 +2,8 @@
 
 use super::renderer::{RenderOptions, Renderer};
 use super::{Camera, Scene};
-use crate::camera::Camera as Rays;
 use crate::camera::stacked::{can_stack, stack};
+use crate::camera::{Camera as Rays, Rays as LayerRays};
 use crate::engine::left_out::LeftOut;
 use crate::engine::plan::Wanted;
 use crate::engine::report::{FrameMs, Report};
@@ -43,6 +43,11 @@ impl Views {
 /// Most samples of the pixels of a frame of several images: more no longer make a frame cheaper per pixel.
 const FRAME_SAMPLES_MAX: u64 = 1 << 22;
 
+/// Most samples of an image of a ray for each pixel that shares a frame with others. The rays of such a frame are computed and sent as a table,
+/// whose cost grows with the image: up to 128 x 128 pixels a frame of several fisheyes is faster than a frame for each on most scenes, above
+/// that slower on small ones. Images of pieces gain at all sizes that were measured (`bench_results/lab.md`, Many images in one frame).
+const FIELD_SAMPLES_MAX: u64 = 1 << 14;
+
 /// A frame to render: one image, or several below each other.
 struct Job<'a> {
     cameras: &'a [Arc<Rays>],
@@ -67,15 +72,16 @@ impl Job<'_> {
 }
 
 impl Renderer {
-    /// Renders an image through each camera, all in one frame where they fit: that takes about as long as one frame of a `mesh` camera with the
-    /// same views.
+    /// Renders an image through each camera, all in one frame where they fit and where that is faster than a frame for each: up to
+    /// four times as fast for 64 x 64 pixels, and as fast for 512 x 512.
     ///
     /// Triangles and pieces are those of [`Renderer::render`]; `t` and `Z` may differ in the last bit, and `certified` where a bound is close.
     /// Positions, normals, texture coordinates and colours are rounded relative to where the camera in the middle is: they may be off by some
     /// 2^-24 of the distance from there. Heights are rounded up to whole tiles of 8 pixels, those of cameras with a ray for each pixel after
     /// two more rows. Mirrors, lenses, curved rays, layers, different ranges of t, cameras of pieces beside cameras of a ray for each
     /// pixel, unrelated rays, caustics, lines between pixels, things that move while an image is taken, and samples that do not fit one
-    /// frame take a frame for each image; the report then says why.
+    /// frame take a frame for each image, as do images of more than 2^14 samples by cameras with a ray for each pixel, which are faster
+    /// so; the report then says why.
     ///
     /// # Errors
     /// Those of [`Renderer::render`]; [`Error::Input`] without a camera, or if their images differ in size.
@@ -157,6 +163,10 @@ impl Renderer {
         // of those that can be stacked the first stands for all
         if samples::in_sequence(&scene.scene, &cameras[0], wanted, samples, false).is_none() {
             return Err("the scene or the samples need frames of their own");
+        }
+        let in_image = u64::from(cameras[0].width) * u64::from(cameras[0].height) * u64::from(samples.max(1));
+        if in_image > FIELD_SAMPLES_MAX && matches!(cameras[0].layers[..], [LayerRays::Field(_)]) {
+            return Err("a frame for each is faster at this size, as each pixel has a ray of its own");
         }
         let step = stack(&cameras[..1]).step;
         let pixels = u64::from(step) * u64::from(cameras[0].width) * u64::from(samples.max(1));

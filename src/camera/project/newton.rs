@@ -41,8 +41,8 @@ const RESIDUAL_PX: f64 = 1e-7;
 /// Damping of a step against the square of the slopes: keeps directions without any slope still.
 const DAMPING: f64 = 1e-12;
 
-/// How far a place is moved to see whether it is one of a whole curve, px. Half a pixel alone may be half a turn, after which the ray looks
-/// exactly backwards: from the axis of a full turn in one pixel.
+/// How far a place is moved to see whether it is one of a whole curve, px. Half a pixel alone is not enough: where a pixel shows a full turn,
+/// the ray half a pixel away looks exactly backwards, along the same line.
 const MOVED_PX: [f64; 4] = [0.5, -0.5, 0.25, -0.25];
 
 /// Such a move changes what is seen by less than this of its size: the place is one of a whole curve. Far above
