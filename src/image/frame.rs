@@ -137,7 +137,7 @@ channels! {
         ViewY, "view.Y", Number, |p| p.view.y;
         /// z of that vector.
         ViewZ, "view.Z", Number, |p| p.view.z;
-        /// Z between the scene's near and far ([`normalised_depth`]): 0 at near, 1 at far; 1 where nothing is hit.
+        /// (Z - near) / (far - near), with the scene's near and far; 1 where nothing is hit.
         DepthLinear, "depth.linear", OfZ, |p| p.depth[0];
         /// The same as a depth buffer of a perspective camera has it.
         DepthPerspective, "depth.perspective", OfZ, |p| p.depth[1];
