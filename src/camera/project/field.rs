@@ -35,6 +35,8 @@ struct Net {
     rays: [Ray; 4],
     p_error: f64,
     d_error: f64,
+    /// The four are the ray of one sample.
+    is_lone: bool,
 }
 
 /// Times that a cell of a pixel is halved.
@@ -181,10 +183,8 @@ impl<'a> Search<'a> {
 
 /// All rays of a square meet in the point. A lone ray that does is no sign of that: it may be the one that shows the point.
 fn is_eye(point: DVec3, nets: &[Net]) -> bool {
-    let mut rays = nets.iter().flat_map(|n| &n.rays);
-    let first = nets.first().map(|n| n.rays[0]);
-    let is_other = |r: &Ray| first.is_some_and(|f| f.origin != r.origin || f.direction != r.direction);
-    rays.clone().any(is_other) && rays.all(|r| is_nothing(point, r))
+    let is_lone = matches!(nets, [] | [Net { is_lone: true, .. }]);
+    !is_lone && nets.iter().flat_map(|n| &n.rays).all(|r| is_nothing(point, r))
 }
 
 fn is_nothing(point: DVec3, r: &Ray) -> bool {
@@ -206,7 +206,7 @@ fn nets(field: &Field, at: DVec2, side: f64) -> Vec<Net> {
             (bulge <= (SMOOTH * spread).max(rounding)).then_some(bulge + MARGIN * spread)
         };
         if let (Some(p_error), Some(d_error)) = (error(|r| r.origin), error(|r| r.direction)) {
-            return vec![Net { rays: [a, b, c, d], p_error, d_error }];
+            return vec![Net { rays: [a, b, c, d], p_error, d_error, is_lone: false }];
         }
     }
     // as far as the steepest of the samples goes, with as much again for what bends
@@ -218,7 +218,7 @@ fn nets(field: &Field, at: DVec2, side: f64) -> Vec<Net> {
         2.0 * side * places.into_iter().zip(&found).filter_map(slope).fold(0.0, f64::max)
     };
     let (p_error, d_error) = (error(|r| r.origin), error(|r| r.direction));
-    found.into_iter().flatten().map(|r| Net { rays: [r; 4], p_error, d_error }).collect()
+    found.into_iter().flatten().map(|r| Net { rays: [r; 4], p_error, d_error, is_lone: true }).collect()
 }
 
 impl Net {
@@ -229,7 +229,7 @@ impl Net {
 
     /// E may be 0 between the rays.
     fn may_meet(&self, x: DVec3) -> bool {
-        let Net { rays: r, p_error, d_error } = self;
+        let Net { rays: r, p_error, d_error, .. } = self;
         let q = r.map_each(|r| x - r.origin);
         let d = r.map_each(|r| r.direction);
         let size = |v: &[DVec3; 4]| v.iter().fold(0.0_f64, |m, v| m.max(v.length()));
