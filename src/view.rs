@@ -72,10 +72,8 @@ impl Server {
         server.run("painter", move || painter::paint(&painting, painter_loader, engine, options.gpu))?;
         server.run("inspector", move || painter::inspect(&inspecting, &loader))?;
         server.run("server", move || {
-            let served = runtime.block_on(server::serve(listener, session.clone(), token, stop));
+            runtime.block_on(server::serve(listener, session.clone(), token, stop));
             session.end();
-            // what it runs into is said by the connections that end
-            drop(served);
         })?;
         Ok(server)
     }

@@ -10,6 +10,7 @@ use crate::input::{Error, Limits, Loading, Result};
 use crate::scene::file::{self, SceneFile};
 use serde::Deserialize;
 use serde_json::Value as Json;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use toml_edit::DocumentMut;
 
@@ -315,12 +316,17 @@ impl Document {
         let Some(target) = &self.target else { return Err(Error::input("this scene has no file; download it")) };
         let name = target.display();
         let is_ours = match std::fs::metadata(target) {
-            Err(e) => e.kind() == std::io::ErrorKind::NotFound,
+            Err(e) => e.kind() == ErrorKind::NotFound,
             Ok(file) if !file.is_file() => return Err(Error::input(format!("{name}: not a file; download the scene"))),
-            Ok(_) => {
-                let found = std::fs::read_to_string(target).ok();
-                found.is_some() && (found == self.saved || found.as_ref() == Some(&self.text))
-            }
+            Ok(_) => match std::fs::read_to_string(target) {
+                Ok(found) => self.saved.as_ref() == Some(&found) || found == self.text,
+                // bytes that are no text are not from here
+                Err(e) if e.kind() == ErrorKind::InvalidData => false,
+                Err(e) => {
+                    let why = format!("{name}: cannot be compared with the text that was read: {e}");
+                    return Err(Error::Write(format!("{why}; nothing is saved; try again or download the scene")));
+                }
+            },
         };
         if !is_ours {
             return Err(Error::input(format!(

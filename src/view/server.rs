@@ -10,15 +10,28 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
 use serde::Deserialize;
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::task::AbortHandle;
 
 /// The longest message of a page, bytes: a scene's text, and what goes with it.
 const MESSAGE_MAX: usize = super::document::TEXT_MAX + (1 << 20);
 /// A page that has not taken what is sent after so long is let go: a minute, and a second for each of so many bytes.
 const SEND_TIMEOUT: Duration = Duration::from_secs(60);
 const SLOWEST: u64 = 50_000;
+/// Time within which a connection must send the whole header of its next request. A browser sends a header in one packet.
+const HEADER_TIMEOUT: Duration = Duration::from_secs(5);
+/// Most open connections that are not yet a page's WebSocket; a browser opens six. One more closes the oldest of them, so that connections
+/// that wait never keep a page out.
+const CONNECTIONS_MAX: usize = 64;
+/// Pause after a connection could not be accepted, as at the limit of open files, until some may have been closed.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 #[derive(Clone)]
 struct Shared {
@@ -33,12 +46,7 @@ struct Access {
 }
 
 /// Serves until it is stopped.
-pub async fn serve(
-    listener: tokio::net::TcpListener,
-    session: Arc<Session>,
-    token: String,
-    stop: Arc<tokio::sync::Notify>,
-) -> std::io::Result<()> {
+pub async fn serve(listener: TcpListener, session: Arc<Session>, token: String, stop: Arc<tokio::sync::Notify>) {
     let shared = Shared { session, token: token.into() };
     let router = Router::new()
         .route("/", get(page))
@@ -46,9 +54,38 @@ pub async fn serve(
         .layer(middleware::from_fn(only_local))
         .with_state(shared);
     tokio::select! {
-        served = async { axum::serve(listener, router).await } => served,
-        () = stop.notified() => Ok(()),
+        () = accept(listener, router) => {}
+        () = stop.notified() => {}
     }
+}
+
+/// Accepts connections, without end. A connection that became a WebSocket counts no more: the session bounds the number of pages.
+async fn accept(listener: TcpListener, router: Router) {
+    let mut open: VecDeque<AbortHandle> = VecDeque::new();
+    loop {
+        let Ok((stream, _)) = listener.accept().await else {
+            tokio::time::sleep(ACCEPT_PAUSE).await;
+            continue;
+        };
+        open.retain(|connection| !connection.is_finished());
+        if open.len() >= CONNECTIONS_MAX
+            && let Some(oldest) = open.pop_front()
+        {
+            oldest.abort();
+        }
+        open.push_back(tokio::spawn(answer(stream, router.clone())).abort_handle());
+    }
+}
+
+/// Answers the requests of one connection.
+async fn answer(stream: TcpStream, router: Router) {
+    // messages are whole, and wait for none that may follow
+    let _ = stream.set_nodelay(true);
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIMEOUT);
+    let connection = http.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router));
+    // its client sees the error: the connection ends
+    let _ = connection.with_upgrades().await;
 }
 
 /// Refuses other names of this machine, which a page of another site may use to reach it (DNS rebinding), and requests from such pages.

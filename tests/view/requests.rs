@@ -4,10 +4,17 @@ use crate::needs;
 use crate::rng::Rng;
 use crate::viewed::{TOKEN, Viewed};
 use serde_json::{Value, json};
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket, connect};
+
+/// The longest that a page is waited for on a busy machine.
+const SERVED: Duration = Duration::from_secs(60);
+/// The server's time-out of headers, 5 s, and what a busy machine takes beside.
+const CLOSED: Duration = Duration::from_secs(30);
 
 const PINHOLE: &str = "kind = \"pinhole\"\neye = [60, 45, 60]\ntarget = [0, 0, 0]\nvfov = 45";
 
@@ -74,6 +81,17 @@ impl Page {
             Err(e) => panic!("{e}"),
         }
         true
+    }
+
+    /// Waits for the next refusal, and returns why.
+    #[cfg(target_os = "linux")]
+    fn refusal(&mut self) -> String {
+        let (started, before) = (Instant::now(), self.refused.len());
+        while self.refused.len() == before {
+            assert!(started.elapsed() < SERVED, "nothing was refused");
+            self.take(Duration::from_millis(100));
+        }
+        self.refused[before].clone()
     }
 
     /// Waits for the picture at rest of all that was asked for.
@@ -318,4 +336,56 @@ fn random_input_leaves_the_newest_picture_and_no_memory() {
     // undo keeps up to 32 MiB of texts; early on there are kernels to compile, and a copy of the scene for moving pictures: some 40 MiB
     let (from, most) = if events >= 1000 { (memory[2], 32 << 20) } else { (memory[0], 96 << 20) };
     assert!(memory[4] < from + most, "memory grew from {from} to {} bytes", memory[4]);
+}
+
+/// Half a header of a request, which then waits.
+fn half_request(port: &str) -> TcpStream {
+    let mut stream = TcpStream::connect(format!("127.0.0.1:{port}")).unwrap();
+    stream.write_all(format!("GET /?token={TOKEN} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n").as_bytes()).unwrap();
+    stream
+}
+
+#[test]
+fn connections_that_wait_keep_no_page_out_and_are_closed() {
+    let Some(mut viewed) = viewed() else { return };
+    let port = viewed.port().to_owned();
+    let mut page = Page::open(&viewed);
+    page.rest();
+    // far more than are kept open, in one process as in several
+    let mut waiting: Vec<TcpStream> = (0..300).map(|_| half_request(&port)).collect();
+    let started = Instant::now();
+    let agent: ureq::Agent = ureq::Agent::config_builder().timeout_global(Some(SERVED)).build().into();
+    let got = agent.get(format!("http://127.0.0.1:{port}/?token={TOKEN}")).call().unwrap();
+    assert_eq!(got.status(), 200);
+    assert!(started.elapsed() < SERVED, "{:?}", started.elapsed());
+    // the page that was there before, and a new one
+    page.edit("camera.vfov", json!(50), None);
+    page.rest();
+    Page::open(&viewed).rest();
+    // the first of them were closed for newer ones, the last one by the time-out of headers
+    for stream in [waiting.remove(0), waiting.pop().unwrap()] {
+        let mut stream = stream;
+        stream.set_read_timeout(Some(CLOSED)).unwrap();
+        let ended = stream.read_to_end(&mut Vec::new());
+        let is_open = |e: &std::io::Error| matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut);
+        assert!(ended.as_ref().err().is_none_or(|e| !is_open(e)), "{ended:?}");
+    }
+    assert!(viewed.is_running());
+}
+
+/// A scene whose server may open few files says so when it is saved, and loses nothing.
+#[cfg(target_os = "linux")]
+#[test]
+fn saving_at_the_limit_of_open_files_says_so() {
+    let Some(viewed) = viewed() else { return };
+    let mut page = Page::open(&viewed);
+    page.rest();
+    page.edit("camera.vfov", json!(50), None);
+    page.rest();
+    let before = viewed.text();
+    viewed.limit_open_files();
+    page.send(&json!({ "do": "save" }).to_string());
+    let why = page.refusal();
+    assert!(why.contains("Too many open files") && why.contains("nothing is saved"), "{why}");
+    assert_eq!(viewed.text(), before);
 }

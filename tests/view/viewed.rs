@@ -71,6 +71,14 @@ impl Viewed {
         self.server.try_wait().unwrap().is_none()
     }
 
+    /// Lets the server open no more files than it has open.
+    #[cfg(target_os = "linux")]
+    pub fn limit_open_files(&self) {
+        // standard input, output and error have the numbers below 3, and all higher ones are refused
+        let limits = ["--pid", &self.server.id().to_string(), "--nofile=3:3"];
+        assert!(Command::new("prlimit").args(limits).status().unwrap().success());
+    }
+
     /// Bytes of memory that the server has, not shared.
     pub fn memory(&self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.server.id())).unwrap();
