@@ -66,6 +66,9 @@ impl Degenerate {
     }
 }
 
+/// How close a ray of a field must pass to a point to be one through it, relative to the distances of both from the world's origin.
+pub const SEARCH_ROUNDING: f64 = field::NOTHING;
+
 /// All images of a point.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Images {

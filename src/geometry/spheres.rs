@@ -142,7 +142,8 @@ fn load_points(path: &std::path::Path, loading: &Loading) -> Result<Points> {
     match extension.as_str() {
         "ply" => ply::load_points(path, loading),
         "npy" => {
-            let (columns, numbers) = read_npy_columns(path, &[3, 4], loading)?;
+            let (columns, numbers) =
+                read_npy_columns(path, &[3, 4], |rows| check_count(rows, loading.limits()), loading)?;
             let rows = || numbers.chunks_exact(columns);
             Ok(Points {
                 centres: rows().map(|row| DVec3::new(row[0], row[1], row[2])).collect(),
@@ -178,6 +179,15 @@ fn is_radius(radius: f64) -> bool {
     (f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX)).contains(&radius)
 }
 
+/// # Errors
+/// More than 2^28 spheres, or too little memory for them.
+fn check_count(count: u64, limits: Limits) -> std::result::Result<(), String> {
+    if count > MAX_TRIANGLES as u64 {
+        return Err(format!("{count} spheres, at most 2^28 are possible; use fewer"));
+    }
+    check_memory(limits, (count, count), format_args!("{count} spheres"), "use fewer").map_err(|e| e.to_string())
+}
+
 /// A mesh of spheres of one two-sided matte material: light grey, or white where there are colours.
 ///
 /// # Errors
@@ -190,11 +200,7 @@ pub fn spheres_of(
     limits: Limits,
 ) -> std::result::Result<Mesh, String> {
     let count = centres.len();
-    if count > MAX_TRIANGLES {
-        return Err(format!("{count} spheres, at most 2^28 are possible; use fewer"));
-    }
-    check_memory(limits, (count as u64, count as u64), format_args!("{count} spheres"), "use fewer")
-        .map_err(|e| e.to_string())?;
+    check_count(count as u64, limits)?;
     for (given, what) in [(radii.len(), "radii"), (colors.as_ref().map_or(count, Vec::len), "colours")] {
         if given != count {
             return Err(format!("{given} {what} for {count} spheres; give one for each"));

@@ -120,13 +120,19 @@ pub fn read_npy_rows<const C: usize>(path: &Path, loading: &Loading) -> Result<V
     rows_of(open(path, loading)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-/// Reads an f32 or f64 array in C order, shape N x C, of which C is one of `columns`: C, and the numbers row by row.
+/// Reads an f32 or f64 array in C order, shape N x C, of which C is one of `columns`: C, and the numbers row by row. `check` refuses a number of
+/// rows before they are read.
 ///
 /// # Errors
-/// As [`read_npy_rows`].
-pub fn read_npy_columns(path: &Path, columns: &[u64], loading: &Loading) -> Result<(usize, Vec<f64>)> {
+/// As [`read_npy_rows`], and those of `check`.
+pub fn read_npy_columns(
+    path: &Path,
+    columns: &[u64],
+    check: impl FnOnce(u64) -> std::result::Result<(), String>,
+    loading: &Loading,
+) -> Result<(usize, Vec<f64>)> {
     let count = |shape: &[u64]| match *shape {
-        [rows, own] if columns.contains(&own) && rows <= MAX_ROWS => Ok(rows * own),
+        [rows, own] if columns.contains(&own) && rows <= MAX_ROWS => check(rows).map(|()| rows * own),
         _ => {
             let known = columns.iter().map(|c| format!("N x {c}")).collect::<Vec<_>>().join(" or ");
             Err(format!("the array's shape is {shape:?}; it must be {known}"))

@@ -2,7 +2,7 @@
 
 use super::Scene;
 use super::file::{FileStep, SceneFile, SkySpec};
-use super::projector_light::{ProjectorLight, ProjectorSpec};
+use super::projector_light::{ProjectorLight, ProjectorSpec, check_reach};
 use super::sky::Sky;
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
@@ -225,7 +225,7 @@ impl Library {
     /// A picture and the camera that it is thrown by, in the scene of `mesh`.
     ///
     /// # Errors
-    /// [`Error::Input`] if its rays are not straight or its values contradict each other; those of files that cannot be read.
+    /// [`Error::Input`] if its rays are not straight, begin too far away, or its values contradict each other; those of files that cannot be read.
     pub(crate) fn projector_light(
         &self,
         spec: &ProjectorSpec,
@@ -236,6 +236,7 @@ impl Library {
         let texels = images.load(&spec.image, loading)?;
         let key = (spec.camera.clone(), Some((texels.width, texels.height)));
         let camera = self.compiled(key, mesh, mesh.into(), loading)?;
+        check_reach(&camera, mesh)?;
         ProjectorLight::new(camera, Texture::new(texels), spec.throw)
     }
 

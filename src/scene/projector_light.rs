@@ -2,11 +2,14 @@
 
 use crate::arrays::MapEach;
 use crate::camera::kinds::read_camera;
+use crate::camera::project::SEARCH_ROUNDING;
 use crate::camera::spec::CameraSpec;
-use crate::camera::{Camera, Rays};
+use crate::camera::{Camera, Field as RaysOfPixels, Rays};
+use crate::geometry::mesh::Mesh;
 use crate::geometry::texture::{Texture, Wrap};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
+use crate::parallel;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -102,6 +105,29 @@ impl ProjectorLight {
     pub fn is_light(&self) -> bool {
         self.throw.mode == Mode::Light
     }
+}
+
+/// Refuses a camera of a ray for each pixel, which is searched for the ray through every point that is seen, where the search's tolerance is wider
+/// than the scene: no ray is then ruled out for any point, and each pixel takes as long as the whole search.
+///
+/// # Errors
+/// [`Error::Input`] with the farthest origin of a ray.
+pub(super) fn check_reach(camera: &Camera, mesh: &Mesh) -> Result<()> {
+    let [Rays::Field(field)] = camera.layers.as_slice() else { return Ok(()) };
+    let Some((lo, hi)) = mesh.bounds() else { return Ok(()) };
+    let reach = parallel::reduce(0..field.height, |j| row_reach(field, j), f64::max).unwrap_or(0.0);
+    if SEARCH_ROUNDING * reach <= lo.abs().max(hi.abs()).length() {
+        return Ok(());
+    }
+    Err(Error::input(format!(
+        "camera: a ray begins {reach:.1e} from the origin, so far that rounding exceeds the size of the scene; let rays begin nearer to it"
+    )))
+}
+
+/// The distance from the world's origin to the farthest origin of a ray in a row.
+fn row_reach(field: &RaysOfPixels, j: u32) -> Option<f64> {
+    let reach = |i: u32| field.ray(i, j).map(|(origin, _)| origin.length());
+    (0..field.width).filter_map(reach).reduce(f64::max)
 }
 
 fn clamped(picture: Texture) -> Texture {

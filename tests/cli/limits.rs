@@ -66,6 +66,67 @@ fn meshes_larger_than_the_memory_are_refused() {
     place.works(&["camera", "scene.toml", "--memory", "64k", "--no-limits", "--rays", "r.npy"]);
 }
 
+/// A .npy file that promises this many rows of three f32 numbers and holds none.
+fn promised_rows(rows: u64) -> Vec<u8> {
+    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, 3), }}");
+    let header = format!("{header:<117}\n");
+    [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes()].concat()
+}
+
+#[test]
+fn spheres_are_counted_before_they_are_read() {
+    let place = Place::new();
+    let camera = "[camera]\nkind = \"pinhole\"\neye = [0, 0, 6]\ntarget = [0, 0, 0]\nvfov = 40\n";
+    place.write("s.toml", format!("{BOX}[[spheres]]\nfile = \"p.npy\"\nradius = 1\n{camera}"));
+    for (rows, memory, says) in [
+        (300_000_000, "900G", "p.npy: 300000000 spheres, at most 2^28 are possible"),
+        (100_000_000, "1G", "p.npy: 100000000 spheres takes about"),
+        (100_000_000, "900G", "p.npy: the file ends early"),
+    ] {
+        place.write("p.npy", promised_rows(rows));
+        place.refuses(&["info", "s.toml", "--memory", memory], 2, says);
+    }
+}
+
+#[test]
+fn keyframes_are_counted_before_the_scene_is_read_at_each() {
+    let place = Place::new();
+    // all of them while the shutter is open
+    let keys: Vec<String> =
+        (0..5000).map(|k| format!("{{ frame = {:.4}, value = [0, {k}, 4] }}", f64::from(k - 2500) * 2e-4)).collect();
+    let image = BOX.replace("height = 48", "height = 48\nshutter = 1");
+    let camera = format!("kind = \"pinhole\"\neye = [{}]\ntarget = [0, 0, 0]\nvfov = 40\n", keys.join(", "));
+    place.write("s.toml", format!("{image}[camera]\n{camera}"));
+    let says = "the frame takes 5000 or more steps from keyframe to keyframe, over the limit of 255";
+    timed(AT_ONCE, "keyframes", || place.refuses(&["info", "s.toml"], 2, says));
+}
+
+/// Where rays begin so far away that every one passes through every point within rounding, each pixel would search all of them.
+#[test]
+fn projector_lights_whose_rays_begin_too_far_away_are_refused() {
+    let place = Place::new();
+    image::RgbImage::from_pixel(8, 8, image::Rgb([200, 100, 50])).save(place.path().join("picture.png")).unwrap();
+    let of_each = |of: &dyn Fn(f64) -> [f64; 3]| -> Vec<f64> { (0..8 * 8).flat_map(|k| of(f64::from(k))).collect() };
+    let around = |far: f64| of_each(&|k| [far * k.cos(), far * k.sin(), far]);
+    let inwards = of_each(&|k| [-k.cos(), -k.sin(), -1.0]);
+    anamorph::internals::image::write_npy_f64(&place.path().join("d.npy"), &[8, 8, 3], &inwards).unwrap();
+    let camera = "[camera]\nkind = \"pinhole\"\neye = [0, 0, 6]\ntarget = [0, 0, 0]\nvfov = 40\n";
+    let rays = "{ kind = \"raymap\", origins = \"o.npy\", directions = \"d.npy\" }";
+    for mode in ["show", "light"] {
+        let light = format!("[[projector_light]]\nimage = \"picture.png\"\nmode = \"{mode}\"\ncamera = {rays}\n");
+        place.write("s.toml", format!("{BOX}{camera}{light}"));
+        for (far, is_refused) in [(1e30, true), (1e3, false)] {
+            anamorph::internals::image::write_npy_f64(&place.path().join("o.npy"), &[8, 8, 3], &around(far)).unwrap();
+            let args = ["render", "s.toml", "-o", "o.png", "--engine", "reference", "--size", "8x6"];
+            let says = "projector_light.0: camera: a ray begins 1.4e30 from the origin, so far that rounding exceeds";
+            match is_refused {
+                true => timed(AT_ONCE, mode, || place.refuses(&args, 2, says)),
+                false => drop(timed(BOUNDED, mode, || place.works(&args))),
+            }
+        }
+    }
+}
+
 #[test]
 fn work_over_the_limits_is_refused_without_no_limits() {
     let place = Place::new();

@@ -43,7 +43,7 @@ struct Net {
 const HALVINGS: u32 = 2;
 
 /// E within this of the product of its terms is nothing: the rays meet in the point.
-const NOTHING: f64 = 1.0 / (1u64 << 40) as f64;
+pub const NOTHING: f64 = 1.0 / (1u64 << 40) as f64;
 
 impl Volume for Field {
     fn at(&self, place_px: DVec2, t: f64) -> Option<(DVec3, DVec3)> {

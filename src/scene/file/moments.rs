@@ -21,6 +21,9 @@ const ANIMATION_STEPS: f64 = 60.0;
 /// Steps of a camera that moves from one keyframe to the next, unless the file says how many there are.
 const CAMERA_STEPS: u32 = 8;
 
+/// Most steps of a frame, each from one time to the next.
+const STEPS_MAX: u64 = TIMES_MAX as u64 - 1;
+
 /// The scene at the times that a frame takes; none if nothing has keyframes, or all is exposed at once. `keyed` has all keyframes as they
 /// are, `file` is the scene at `frame`.
 pub(super) fn steps(keyed: &Node, source: &Source, file: &SceneFile, frame: f64) -> Result<Vec<FileStep>> {
@@ -39,6 +42,18 @@ pub(super) fn steps(keyed: &Node, source: &Source, file: &SceneFile, frame: f64)
         // all at one time, which is not the frame's own
         times.push(last + 1.0);
     }
+    let refuse = |n: String| {
+        Err(Error::input(format!(
+            "{}: the frame takes {n} steps from keyframe to keyframe, over the limit of {STEPS_MAX}; shorten shutter or line_time, or set \
+             image.motion_steps",
+            source.path.display()
+        )))
+    };
+    // each way is at least one step; counted before the scene is read at each keyframe
+    let ways = times.len() as u64 - 1;
+    if ways > STEPS_MAX {
+        return refuse(format!("{ways} or more"));
+    }
     let ends = times.iter().map(|t| at(*t)).collect::<Result<Vec<_>>>()?;
     let ways: Vec<(f64, f64, u32)> = ends
         .windows(2)
@@ -50,13 +65,8 @@ pub(super) fn steps(keyed: &Node, source: &Source, file: &SceneFile, frame: f64)
         .collect();
     // counted before any is listed: there can be billions
     let n: u64 = ways.iter().map(|(.., parts)| u64::from(*parts)).sum();
-    let most = TIMES_MAX as u64 - 1;
-    if n > most {
-        return Err(Error::input(format!(
-            "{}: the frame takes {n} steps from keyframe to keyframe, over the limit of {most}; shorten shutter or line_time, or set \
-             image.motion_steps",
-            source.path.display()
-        )));
+    if n > STEPS_MAX {
+        return refuse(n.to_string());
     }
     let part = |(from, to, parts)| (0..parts).map(move |k| from + (to - from) * f64::from(k) / f64::from(parts));
     ways.into_iter().flat_map(part).chain(times.last().copied()).map(at).collect()
