@@ -133,6 +133,18 @@ fn every_page_is_in_the_book() {
     assert!(missing.is_empty(), "docs/SUMMARY.md leaves out {missing:?}");
 }
 
+/// Blocks of Rust that can be run would fetch a list of crates from another host.
+#[test]
+fn the_book_fetches_nothing_and_has_its_style() {
+    let book: toml::Table = text(Path::new("docs/book.toml")).parse().unwrap();
+    let html = &book["output"]["html"];
+    assert_eq!(html["playground"]["runnable"].as_bool(), Some(false));
+    // relative to the folder of the README
+    for style in html["additional-css"].as_array().unwrap() {
+        assert!(text(Path::new(style.as_str().unwrap())).contains("white-space: pre-wrap"));
+    }
+}
+
 /// `make camera-pages` makes them anew.
 #[test]
 fn every_kind_of_camera_has_a_page_with_its_help() {
