@@ -6,6 +6,7 @@ use super::exact;
 use super::kernels::Snippet;
 use super::layout::LANES;
 use super::needs::{STORAGE_BUFFERS_BY_TILE, lacks};
+use crate::input::limits::free_addresses;
 use crate::input::{Error, Result};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -169,6 +170,10 @@ pub const NO_ADAPTER: &str = if cfg!(target_vendor = "apple") {
     "no Vulkan adapter found; install a driver (on Debian or Ubuntu the software one: apt-get install mesa-vulkan-drivers)"
 };
 
+/// Address space that a software driver takes to compile and run a frame's kernels. Frames with caustics on lavapipe (Mesa 22.3.6, two cores)
+/// work with 433 MiB; with 336 MiB the driver fails, and with less it may end the process by a signal.
+const SOFTWARE_ADDRESSES: u64 = 400 << 20;
+
 impl Gpu {
     /// Opens the chosen adapter, or the first; `Ok(None)` if the machine has none.
     pub fn open(options: &GpuOptions) -> Result<Option<Gpu>> {
@@ -206,6 +211,17 @@ impl Gpu {
         has.f64 &= !options.no_f64;
         if let Some(lack) = lacks(&limits) {
             return Err(Error::work(format!("adapter {}: {lack}; use --engine reference", label(&info))));
+        }
+        let free = free_addresses().unwrap_or(u64::MAX);
+        if info.device_type == wgpu::DeviceType::Cpu && free < SOFTWARE_ADDRESSES {
+            let mib = |bytes: u64| bytes >> 20;
+            return Err(Error::work(format!(
+                "adapter {}: {} MiB of the address space are left (ulimit -v), and a software driver takes {} MiB; raise the limit, or use \
+                 --engine reference",
+                label(&info),
+                mib(free),
+                mib(SOFTWARE_ADDRESSES)
+            )));
         }
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("anamorph"),

@@ -124,7 +124,7 @@ pub fn read_npy_rows<const C: usize>(path: &Path, loading: &Loading) -> Result<V
 /// rows before they are read.
 ///
 /// # Errors
-/// As [`read_npy_rows`], and those of `check`.
+/// As [`read_npy_rows`], and the refusal by `check`.
 pub fn read_npy_columns(
     path: &Path,
     columns: &[u64],

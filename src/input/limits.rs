@@ -7,6 +7,9 @@
 mod memory;
 
 use crate::input::{Error, Result};
+#[cfg(feature = "cli")]
+pub(crate) use memory::address_space;
+pub(crate) use memory::free_addresses;
 use std::fmt::Display;
 
 /// The limits on the work that a scene or a list of jobs may ask for: on pieces, cells, corners, bounces, frames and memory. By default they are

@@ -107,8 +107,8 @@ impl ProjectorLight {
     }
 }
 
-/// Refuses a camera of a ray for each pixel, which is searched for the ray through every point that is seen, where the search's tolerance is wider
-/// than the scene: no ray is then ruled out for any point, and each pixel takes as long as the whole search.
+/// Refuses a camera with a ray for each pixel if its rays begin too far away. For every visible point such a camera is searched for the ray
+/// through it; a tolerance wider than the scene rules no ray out, and each pixel of the frame takes a search of all rays.
 ///
 /// # Errors
 /// [`Error::Input`] with the farthest origin of a ray.

@@ -52,6 +52,7 @@ pub fn main(arguments: Vec<OsString>) -> u8 {
 /// Runs a program's work; the exit code. Errors and panics are printed to stderr, a line each.
 pub fn guarded(work: impl FnOnce() -> Result<()>) -> u8 {
     say_panics_on_one_line();
+    super::process::fit_arenas_to_address_space();
     #[cfg(unix)]
     signals::handle();
     match std::panic::catch_unwind(AssertUnwindSafe(work)) {

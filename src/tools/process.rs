@@ -1,4 +1,4 @@
-//! The process of a program: its environment, and its end when memory runs out.
+//! The process of a program: its environment, its allocator, and its end when memory runs out.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ffi::OsString;
@@ -16,6 +16,22 @@ pub fn keep_window_system_quiet() {
     if std::env::var_os(VARIABLE).is_none_or(|v| !v.as_encoded_bytes().starts_with(b"/")) {
         // SAFETY: no other thread runs yet.
         unsafe { std::env::set_var(VARIABLE, "/nonexistent") };
+    }
+}
+
+/// Address space that glibc reserves while it makes an arena for a thread: twice an arena's heap, which is aligned to its own size.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+const ARENA_BYTES: u64 = 128 << 20;
+
+/// Lets glibc make no more arenas than fit a quarter of the process's address space, if that is limited (`ulimit -v`). A thread that finds no room
+/// for an arena of its own would ask the system for a page at every allocation, which is thousands of times slower: work would not end
+/// instead of being refused. To be called before threads are started.
+pub fn fit_arenas_to_address_space() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    if let Some(bytes) = crate::input::limits::address_space() {
+        let arenas = libc::c_int::try_from(bytes / 4 / ARENA_BYTES).unwrap_or(libc::c_int::MAX).max(1);
+        // SAFETY: sets a number of the allocator. If it is refused, allocations are only slower.
+        unsafe { libc::mallopt(libc::M_ARENA_MAX, arenas) };
     }
 }
 

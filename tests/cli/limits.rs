@@ -1,6 +1,9 @@
 //! Work beyond the limits or the memory is refused in one line, before it begins.
 
+#[cfg(target_os = "linux")]
+use super::outputs::waits;
 use super::program::{Place, Ran, assert_one_line};
+#[cfg(target_os = "linux")]
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
@@ -38,16 +41,8 @@ fn meshes_larger_than_the_memory_are_refused() {
         timed(AT_ONCE, what, || place.refuses(&args, 1, &format!("{what} takes about")));
         if cfg!(target_os = "linux") {
             // the limit of the process's address space counts too
-            let mut shell = std::process::Command::new("sh");
-            let run = format!("ulimit -v 10000000; exec '{}' render s.toml -o o.png", env!("CARGO_BIN_EXE_anamorph"));
-            shell.args(["-c", &run]).current_dir(place.path()).stdin(Stdio::null());
-            let output = timed(AT_ONCE, what, || shell.output().unwrap());
-            let text = |bytes| String::from_utf8(bytes).unwrap();
-            let ran = Ran {
-                code: output.status.code().expect("no signal"),
-                out: text(output.stdout),
-                err: text(output.stderr),
-            };
+            let mut shell = place.limited("-v 10000000", &["render", "s.toml", "-o", "o.png"]);
+            let ran = Ran::of(timed(AT_ONCE, what, || shell.output().unwrap()));
             assert_one_line(&ran, what);
             assert!(ran.code == 1 && ran.err.contains("--memory"), "{}", ran.err);
         }
@@ -101,7 +96,7 @@ fn keyframes_are_counted_before_the_scene_is_read_at_each() {
     timed(AT_ONCE, "keyframes", || place.refuses(&["info", "s.toml"], 2, says));
 }
 
-/// Where rays begin so far away that every one passes through every point within rounding, each pixel would search all of them.
+/// Rays that begin very far away all pass through every point within rounding: each pixel would search all of them.
 #[test]
 fn projector_lights_whose_rays_begin_too_far_away_are_refused() {
     let place = Place::new();
@@ -122,6 +117,26 @@ fn projector_lights_whose_rays_begin_too_far_away_are_refused() {
             match is_refused {
                 true => timed(AT_ONCE, mode, || place.refuses(&args, 2, says)),
                 false => drop(timed(BOUNDED, mode, || place.works(&args))),
+            }
+        }
+    }
+}
+
+/// The allocator may find no room for an arena of each thread; it must not ask the system for every number then.
+#[cfg(target_os = "linux")]
+#[test]
+fn frames_beside_little_memory_end() {
+    let place = Place::new();
+    place.works(&["example", "caustic-ball", "--out", "."]);
+    for kib in [150_000, 200_000, 250_000, 300_000, 400_000, 500_000, 600_000] {
+        let mut shell = place.limited(&format!("-v {kib}"), &["render", "caustic-ball.toml", "-o", "o.png"]);
+        let child = shell.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let ran = Ran::of(waits(child, BOUNDED).unwrap_or_else(|| panic!("{kib} KiB: no end")));
+        match ran.code {
+            0 => assert!(ran.out.starts_with("o.png 640x480"), "{kib} KiB: {}", ran.out),
+            code => {
+                assert_one_line(&ran, &format!("{kib} KiB"));
+                assert_eq!(code, 1, "{kib} KiB: {}", ran.err);
             }
         }
     }

@@ -1,6 +1,8 @@
 //! Outputs that would replace other files, and those that may be replaced.
 
 use super::program::{Place, SCENE};
+#[cfg(unix)]
+use super::program::{Ran, assert_one_line};
 use std::collections::BTreeMap;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -194,7 +196,7 @@ fn outputs_of_an_earlier_run_are_replaced() {
 }
 
 /// Waits for a program that should end, and kills it after `most`.
-fn waits(mut child: std::process::Child, most: Duration) -> Option<std::process::Output> {
+pub fn waits(mut child: std::process::Child, most: Duration) -> Option<std::process::Output> {
     let started = Instant::now();
     while child.try_wait().unwrap().is_none() {
         if started.elapsed() > most {
@@ -281,6 +283,39 @@ fn an_old_manifest_is_read() {
     assert_ne!(old, manifest);
     place.write("j.toml.manifest.jsonl", old);
     assert_eq!(place.works(&["batch", "j.toml", "--resume"]), "j.toml: 0 frames, 1 before\n");
+}
+
+/// A limit on the size of files ends a write as a full disk does, not the program.
+#[cfg(unix)]
+#[test]
+fn files_over_the_limit_of_the_shell_are_refused_in_a_line() {
+    let place = Place::new();
+    let (png, exr) = (["-o", "o.png"], ["--exr", "o.exr"]);
+    for output in [png, exr] {
+        // blocks of 512 or 1024 bytes, fewer than either file has
+        let args = [&["render", "scene.toml", "--engine", "reference", "--size", "640x480"], &output[..]].concat();
+        let ran = Ran::of(place.limited("-f 1", &args).output().unwrap());
+        assert_one_line(&ran, output[1]);
+        assert!(ran.code == 1 && ran.err.contains("raise the limit on the size of files (ulimit -f)"), "{}", ran.err);
+        assert_eq!(place.names(), ["scene.toml"]);
+    }
+}
+
+/// The file that a link leads to is written, and nothing is left beside either.
+#[cfg(unix)]
+#[test]
+fn a_link_as_output_stays_one_and_leaves_nothing_beside_it() {
+    let place = Place::new();
+    std::fs::create_dir(place.path().join("real")).unwrap();
+    std::os::unix::fs::symlink("real/o.png", place.path().join("link.png")).unwrap();
+    for _ in ["a new file", "a file that is there"] {
+        place.works(&["render", "scene.toml", "--engine", "reference", "-o", "link.png"]);
+        assert_eq!(place.names(), ["link.png", "real", "scene.toml"]);
+        let real: Vec<_> =
+            std::fs::read_dir(place.path().join("real")).unwrap().map(|e| e.unwrap().file_name()).collect();
+        assert_eq!(real, ["o.png"]);
+        assert!(std::fs::symlink_metadata(place.path().join("link.png")).unwrap().is_symlink());
+    }
 }
 
 /// Whether this process ignores a signal, which its children inherit; false if the system does not say.

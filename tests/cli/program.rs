@@ -18,6 +18,16 @@ pub struct Ran {
     pub err: String,
 }
 
+impl Ran {
+    pub fn of(output: Output) -> Ran {
+        let Output { status, stdout, stderr } = output;
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        let is_kept = |line: &&str| !line.starts_with("progress: ");
+        let err = text(stderr).split_inclusive('\n').filter(is_kept).collect();
+        Ran { code: status.code().expect("no signal"), out: text(stdout), err }
+    }
+}
+
 /// A small scene of a box, without outputs.
 pub const SCENE: &str = r#"
 [image]
@@ -64,11 +74,16 @@ impl Place {
     }
 
     pub fn run(&self, args: &[&str]) -> Ran {
-        let Output { status, stdout, stderr } = self.command(args).output().unwrap();
-        let text = |bytes| String::from_utf8(bytes).unwrap();
-        let is_kept = |line: &&str| !line.starts_with("progress: ");
-        let err = text(stderr).split_inclusive('\n').filter(is_kept).collect();
-        Ran { code: status.code().expect("no signal"), out: text(stdout), err }
+        Ran::of(self.command(args).output().unwrap())
+    }
+
+    /// As [`Place::command`], under a limit of the shell, as `-v 500000`.
+    #[cfg(unix)]
+    pub fn limited(&self, limit: &str, args: &[&str]) -> Command {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &format!("ulimit {limit}; exec \"$0\" \"$@\""), PROGRAM]).args(args);
+        shell.current_dir(self.path()).stdin(Stdio::null());
+        shell
     }
 
     /// Runs and expects success, with nothing on stderr.

@@ -13,7 +13,7 @@ use tungstenite::{Message, WebSocket, connect};
 
 /// The longest that a page is waited for on a busy machine.
 const SERVED: Duration = Duration::from_secs(60);
-/// The server's time-out of headers, 5 s, and what a busy machine takes beside.
+/// The server's time-out of headers, 5 s, and 25 s for a busy machine.
 const CLOSED: Duration = Duration::from_secs(30);
 
 const PINHOLE: &str = "kind = \"pinhole\"\neye = [60, 45, 60]\ntarget = [0, 0, 0]\nvfov = 45";
@@ -373,7 +373,7 @@ fn connections_that_wait_keep_no_page_out_and_are_closed() {
     assert!(viewed.is_running());
 }
 
-/// A scene whose server may open few files says so when it is saved, and loses nothing.
+/// A server that may open no more files says so when a scene is saved, and loses nothing.
 #[cfg(target_os = "linux")]
 #[test]
 fn saving_at_the_limit_of_open_files_says_so() {

@@ -20,7 +20,11 @@ pub(crate) fn write_whole(path: &Path, fill: impl FnOnce(&mut Filled) -> io::Res
     target.write(fill).map_err(|e| {
         // A full disk has no path of its own in the error, a missing one has the temporary file's.
         let why = e.raw_os_error().map_or(e.to_string(), |code| io::Error::from_raw_os_error(code).to_string());
-        let advice = if is_full(&e) { "free the space or choose another path" } else { "choose another path" };
+        let advice = match e.kind() {
+            io::ErrorKind::FileTooLarge => "raise the limit on the size of files (ulimit -f), or choose another path",
+            _ if is_full(&e) => "free the space or choose another path",
+            _ => "choose another path",
+        };
         let text = format!("{}: cannot be written: {why}; {advice}", path.display());
         if is_full(&e) { Error::Full(text) } else { Error::Write(text) }
     })

@@ -39,8 +39,7 @@ fn free_here() -> Option<u64> {
     let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
     let in_groups =
         control_groups(&groups).iter().filter_map(|(folder, version)| free_in_group(folder, *version)).min();
-    let own = address_space().zip(status("VmSize:")).map(|(most, now)| most.saturating_sub(now));
-    Some([in_groups, own].into_iter().flatten().fold(machine, u64::min))
+    Some([in_groups, free_addresses()].into_iter().flatten().fold(machine, u64::min))
 }
 
 /// The two kinds of control groups of Linux.
@@ -92,11 +91,16 @@ fn file_pages(stat: &str, version: Version) -> u64 {
     lines.filter(|(key, _)| keys.contains(key)).filter_map(|(_, n)| n.parse::<u64>().ok()).sum()
 }
 
-/// The limit of the process's address space in bytes (`ulimit -v`).
-fn address_space() -> Option<u64> {
+/// The limit of the process's address space in bytes (`ulimit -v`); `None` without a limit.
+pub(crate) fn address_space() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/limits").ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix("Max address space"))?;
     line.split_whitespace().next()?.parse().ok()
+}
+
+/// Bytes that are left of the process's address space; `None` without a limit.
+pub(crate) fn free_addresses() -> Option<u64> {
+    address_space().zip(status("VmSize:")).map(|(most, now)| most.saturating_sub(now))
 }
 
 fn status(key: &str) -> Option<u64> {
