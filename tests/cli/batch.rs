@@ -261,6 +261,24 @@ fn resume_skips_what_is_done_and_says_what_has_changed() {
     assert_eq!(place.works(&["batch", "jobs.toml"]), "jobs.toml: 4 frames\n");
 }
 
+/// A line of a manifest that was damaged is none, and its frame is rendered again.
+#[test]
+fn a_manifest_with_bytes_that_are_no_text_is_gone_on_with() {
+    let place = Place::new();
+    place.write(
+        "jobs.toml",
+        "[[job]]\nscene = \"scene.toml\"\ncolor = \"{frame}.png\"\nframes = { last = 1 }\nengine = \"reference\"\n",
+    );
+    place.works(&["batch", "jobs.toml"]);
+    let path = place.path().join("jobs.toml.manifest.jsonl");
+    let mut bytes = std::fs::read(&path).unwrap();
+    let adapter = b"\"adapter\":\"cpu\"";
+    let at = bytes.windows(adapter.len()).position(|own| own == adapter).unwrap();
+    bytes[at + adapter.len() - 2] = 0xff;
+    std::fs::write(&path, bytes).unwrap();
+    assert_eq!(place.works(&["batch", "jobs.toml", "--resume"]), "jobs.toml: 1 frame, 1 before\n");
+}
+
 #[test]
 fn shards_are_the_whole_list_and_are_gathered() {
     let place = Place::new();

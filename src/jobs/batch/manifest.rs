@@ -56,7 +56,7 @@ impl Costs {
         check_file(path)?;
         if let Ok(file) = File::open(path) {
             // merging results later must not change the shards
-            read_lines(0, &file, &mut lines, Counts::First).map_err(|e| failure(path, &e))?;
+            read_lines(0, &file, &mut lines, Counts::First).map_err(|e| unreadable(path, &e))?;
         }
         Ok(Costs(lines))
     }
@@ -129,7 +129,8 @@ impl Manifest {
             Err(TryLockError::Error(_)) | Ok(()) => {}
         }
         if keeps {
-            let torn = own.metadata().map_err(failed)?.len() - whole_lines(&own).map_err(failed)?;
+            let whole = whole_lines(&own).map_err(|e| unreadable(path, &e))?;
+            let torn = own.metadata().map_err(failed)?.len() - whole;
             own.set_len(own.metadata().map_err(failed)?.len() - torn).map_err(failed)?;
         } else {
             own.set_len(0).map_err(failed)?;
@@ -145,7 +146,7 @@ impl Manifest {
         }
         files.push((path.to_owned(), Mutex::new(own)));
         for (k, (path, file)) in files.iter().enumerate() {
-            read_lines(k, &lock(file), &mut lines, Counts::Newest).map_err(|e| failure(path, &e))?;
+            read_lines(k, &lock(file), &mut lines, Counts::Newest).map_err(|e| unreadable(path, &e))?;
         }
         let (lines, hashes) = (Mutex::new(lines), Mutex::default());
         Ok(Manifest { files, lines, hashes })
@@ -184,10 +185,14 @@ impl Manifest {
         let Some(line) = self.line(task)? else { return Ok(None) };
         let (path, file) = &self.files[line.file];
         let mut file = lock(file);
-        let mut text = String::new();
-        let read = file.seek(SeekFrom::Start(line.start)).and_then(|_| BufReader::new(&mut *file).read_line(&mut text));
-        read.map_err(|e| failure(path, &e))?;
-        Ok(serde_json::from_str(&text).ok())
+        let mut text = Vec::new();
+        let mut read = || {
+            file.seek(SeekFrom::Start(line.start))?;
+            BufReader::new(&mut *file).read_until(b'\n', &mut text)
+        };
+        read().map_err(|e| unreadable(path, &e))?;
+        // a line that was damaged, as by bytes that are no text, is none
+        Ok(serde_json::from_slice(&text).ok())
     }
 
     /// Appends the entry of a finished frame.
@@ -322,6 +327,10 @@ fn check_file(path: &Path) -> Result<()> {
         return Ok(());
     }
     Err(Error::input(format!("{}: is not a regular file, so it cannot be a manifest; remove it", path.display())))
+}
+
+fn unreadable(path: &Path, e: &io::Error) -> Error {
+    Error::unreadable(path, format_args!("{e}; remove this manifest to render all frames again"))
 }
 
 fn failure(path: &Path, e: &io::Error) -> Error {
