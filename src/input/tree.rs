@@ -112,9 +112,44 @@ pub(crate) fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str>
     candidates.iter().copied().min_by_key(|candidate| strsim::levenshtein(&word, candidate))
 }
 
+/// A hint for a name that is unknown: `; did you mean "a" or "b"?`. Candidates that contain it come first, or else those with the fewest edits,
+/// at most one in three letters; empty without either.
+#[cfg(feature = "cli")]
+pub(crate) fn did_you_mean(word: &str, candidates: &[&str]) -> String {
+    let word: String = word.chars().take(QUOTED_CHARS).collect::<String>().to_lowercase();
+    let mut near: Vec<&str> =
+        candidates.iter().copied().filter(|name| word.chars().count() > 2 && name.contains(&word)).collect();
+    if near.is_empty() {
+        let edits = |name: &&str| strsim::damerau_levenshtein(&word, name);
+        let within = |edits: &usize| 3 * edits <= word.chars().count();
+        let least = candidates.iter().map(|name| edits(name)).min().filter(within);
+        near = candidates.iter().copied().filter(|name| Some(edits(name)) == least).collect();
+    }
+    let quoted: Vec<String> = near.iter().take(3).map(|name| format!("{name:?}")).collect();
+    if quoted.is_empty() { String::new() } else { format!("; did you mean {}?", quoted.join(" or ")) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(feature = "cli")]
+    #[test]
+    fn hints_name_what_is_near_and_nothing_else() {
+        let known = ["fisheye", "projector-dome", "projector-wall", "lidar", "linear"];
+        for (word, hint) in [
+            ("fishey", "; did you mean \"fisheye\"?"),
+            ("fishye", "; did you mean \"fisheye\"?"),
+            ("Lidra", "; did you mean \"lidar\"?"),
+            ("projector", "; did you mean \"projector-dome\" or \"projector-wall\"?"),
+            // two letters are in many names
+            ("li", ""),
+            ("", ""),
+            ("teapot", ""),
+        ] {
+            assert_eq!(did_you_mean(word, &known), hint, "{word}");
+        }
+    }
 
     #[test]
     fn nearest_names_the_closest() {

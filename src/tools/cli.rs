@@ -66,7 +66,7 @@ pub fn guarded(work: impl FnOnce() -> Result<()>) -> u8 {
     }
 }
 
-/// Reads the command line of a program; `None` after `--help` or `--version`, whose text is printed.
+/// Reads the command line of a program; `None` if only a text is printed: for `--help`, `--version`, or no command at all.
 ///
 /// # Errors
 /// [`Error::Input`] if the arguments are wrong.
@@ -75,6 +75,10 @@ pub fn parsed<P: Parser>(arguments: Vec<OsString>) -> Result<Option<P>> {
         Ok(parsed) => Ok(Some(parsed)),
         Err(e) if matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
             print(&e.render().to_string()).map(|()| None)
+        }
+        // no command at all
+        Err(e) if e.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            print(&P::command().render_help().to_string()).map(|()| None)
         }
         Err(e) => Err(Error::input(refusal::<P>(&e))),
     }
@@ -105,9 +109,6 @@ fn run(arguments: Vec<OsString>, started: Instant) -> Result<()> {
 
 /// What clap has to say, on one line and without the usage.
 fn refusal<P: Parser>(e: &clap::Error) -> String {
-    if e.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return format!("no command given; see {} --help", P::command().get_name());
-    }
     let text = e.render().to_string();
     let text = text.strip_prefix("error: ").unwrap_or(&text);
     let said = text.split("\n\n").filter(|p| !p.starts_with("Usage:") && !p.starts_with("For more information"));

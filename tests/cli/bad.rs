@@ -9,10 +9,15 @@ fn wrong_command_lines() {
     let place = Place::new();
     let more = |extra: &[&'static str]| [&RENDER[..], extra].concat();
     for (args, says) in [
-        (vec![], "no command given"),
         (
             vec!["draw"],
             "'draw'; use one of render, compare, camera, batch, project, splat, info, view, doctor, example, new, completions, schema, man, bench, gpu-report",
+        ),
+        (vec!["new", "fishey"], "no task \"fishey\"; did you mean \"fisheye\"?; known: "),
+        (vec!["example", "projector"], "no example \"projector\"; with such a camera: teapot-above, car, "),
+        (
+            vec!["camera", "--help", "fishye"],
+            "no such kind of camera in this version; did you mean \"fisheye\"?; known: ",
         ),
         (vec!["rendr"], "a similar subcommand exists: 'render'"),
         (vec!["render"], "SCENE"),

@@ -97,6 +97,13 @@ fn renders_with(place: &Place, engine: &str) {
 }
 
 #[test]
+fn without_a_command_the_help_is_printed() {
+    let place = Place::new();
+    let help = place.works(&[]);
+    assert!(help.contains("Usage: anamorph <COMMAND>") && help.contains("Render one scene"), "{help}");
+}
+
+#[test]
 fn the_reference_renders() {
     renders_with(&Place::new(), "reference");
 }

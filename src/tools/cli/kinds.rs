@@ -2,6 +2,7 @@
 
 use crate::camera::kinds::KINDS;
 use crate::camera::recipe::Kind;
+use crate::input::tree::did_you_mean;
 use crate::input::{Error, Result};
 
 pub fn names() -> Vec<&'static str> {
@@ -12,7 +13,8 @@ pub fn names() -> Vec<&'static str> {
 /// [`Error::Input`] that lists the known kinds.
 pub fn keys(kind: &str) -> Result<String> {
     KINDS.iter().find(|k| k.name == kind).map(Kind::whole_help).ok_or_else(|| {
-        Error::input(format!("--help {kind}: no such kind of camera in this version; known: {}", names().join(", ")))
+        let (known, hint) = (names().join(", "), did_you_mean(kind, &names()));
+        Error::input(format!("--help {kind}: no such kind of camera in this version{hint}; known: {known}"))
     })
 }
 

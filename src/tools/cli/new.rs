@@ -4,6 +4,7 @@ use super::args::{NewArgs, UpAxis};
 use super::keep::may_write;
 use super::say::print;
 use crate::image::write_text;
+use crate::input::tree::did_you_mean;
 use crate::input::{Error, Result};
 use crate::tools::new::{Model, TASKS, Up, list};
 use std::path::{Path, PathBuf};
@@ -14,7 +15,7 @@ pub fn run(args: &NewArgs) -> Result<()> {
     };
     let task = TASKS.iter().find(|task| task.name == name).ok_or_else(|| {
         let known: Vec<_> = TASKS.iter().map(|task| task.name).collect();
-        Error::input(format!("no task {name:?}; known: {}", known.join(", ")))
+        Error::input(format!("no task {name:?}{}; known: {}", did_you_mean(name, &known), known.join(", ")))
     })?;
     let scene = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
     let model = match &args.mesh {
