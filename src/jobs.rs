@@ -8,6 +8,8 @@ pub mod gradients;
 pub mod job;
 pub mod judged;
 mod memory;
+#[cfg(feature = "cli")]
+mod notes;
 pub mod options;
 pub mod outputs;
 mod points;

@@ -4,6 +4,8 @@ use super::backend::Backend;
 use super::files::{self, Files};
 use super::gradients::gradients_of;
 use super::job::{Change, RenderJob, load_from};
+#[cfg(feature = "cli")]
+use super::notes;
 use super::options::{Gradients, Named};
 use super::strips::{self, Strips};
 use super::{judged, memory, points, samples};
@@ -196,6 +198,15 @@ impl Work {
     #[cfg(feature = "cli")]
     pub fn loses_channels(&self) -> bool {
         self.job.channels.is_some() && self.files.exr.is_none()
+    }
+
+    /// Notes for the user about a frame, a line each: nothing is hit, or positions are coarse.
+    #[cfg(feature = "cli")]
+    pub fn notes(&self, seen: &Seen) -> Vec<String> {
+        let Rendered { frame, srgb8, .. } = &seen.rendered;
+        let has_positions = self.files.exr.is_some() && self.asked.iter().any(|c| Channel::named("P").contains(c));
+        let coarse = has_positions.then(|| notes::coarse_positions(&self.scene)).flatten();
+        notes::nothing_hit(&self.scene, &self.camera, frame, srgb8.as_deref()).into_iter().chain(coarse).collect()
     }
 
     /// Missing files and attributes that mesh files refer to.

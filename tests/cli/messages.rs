@@ -26,6 +26,30 @@ fn control_characters_in_names_are_escaped() {
     assert!(out.starts_with("\\u001b[31mred\\u0007\\u009b1m.png 64x48"), "{out:?}");
 }
 
+/// Notes leave the exit code 0.
+#[test]
+fn a_picture_of_nothing_and_coarse_positions_are_said_in_a_line() {
+    let place = Place::new();
+    let render = ["render", "scene.toml", "--engine", "reference", "--strict"];
+    let said = |more: &[&str]| {
+        let ran = place.run(&[&render[..], more].concat());
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        ran.err
+    };
+    let away = ["--set", "camera.target=[0, 0.5, 8]"];
+    for output in [["-o", "o.png"], ["--exr", "o.exr"]] {
+        let err = said(&[&output[..], &away].concat());
+        let start = "no pixel shows a surface: the scene lies from (-1, -1, -1) to (1, 1, 1), behind the camera; ";
+        assert!(err.starts_with(start) && err.lines().count() == 1, "{err}");
+        assert_eq!(said(&output), "");
+    }
+    let far = ["--set", "mesh.0.translate=[0, 0, 6000000]", "--set", "camera.eye=[0, 0, 6000004]"];
+    let far = [&far[..], &["--set", "camera.target=[0, 0, 6000000]", "--exr", "o.exr"]].concat();
+    let err = said(&[&far[..], &["--channels", "P,Z"]].concat());
+    assert!(err.starts_with("P has steps of 5.0e-1, as f32") && err.lines().count() == 1, "{err}");
+    assert_eq!(said(&[&far[..], &["--channels", "Z"]].concat()), "");
+}
+
 #[test]
 fn long_lines_are_shortened() {
     let place = Place::new();

@@ -41,14 +41,19 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     };
     let mut engine = if is_reference { None } else { Engine::open(&options)? };
     let mut backend = Backend::of(engine.as_mut(), work.job())?;
-    if matches!(backend, Backend::Reference) && !is_reference {
-        note(format_args!("{NO_ADAPTER}; rendering on the CPU as --engine reference does"));
-    }
-    progress.of("rendering", work.share());
+    let has_no_adapter = matches!(backend, Backend::Reference) && !is_reference;
+    let doing = if has_no_adapter { "rendering on the CPU, as there is no adapter" } else { "rendering" };
+    progress.of(doing, work.share());
     let seen = work.render(&mut backend)?;
+    let notes = work.notes(&seen);
     let device = Backend::device_of(engine.as_ref(), work.job());
     let written = work.write(seen, &device, started, |doing| progress.now(doing))?;
     drop(progress);
+    // after all that may fail, since an error stands alone
+    if has_no_adapter {
+        note(format_args!("{NO_ADAPTER}; rendered on the CPU as --engine reference does"));
+    }
+    notes.iter().for_each(note);
     written.left_out.iter().filter(|left| **left == LeftOut::Style).for_each(note);
     if let Some(line) = Missing::line(work.missing()) {
         note(line);
