@@ -122,7 +122,7 @@ pub(crate) fn did_you_mean(word: &str, candidates: &[&str]) -> String {
     if near.is_empty() {
         let edits = |name: &&str| strsim::damerau_levenshtein(&word, name);
         let within = |edits: &usize| 3 * edits <= word.chars().count();
-        let least = candidates.iter().map(|name| edits(name)).min().filter(within);
+        let least = candidates.iter().map(edits).min().filter(within);
         near = candidates.iter().copied().filter(|name| Some(edits(name)) == least).collect();
     }
     let quoted: Vec<String> = near.iter().take(3).map(|name| format!("{name:?}")).collect();

@@ -79,8 +79,6 @@ async fn accept(listener: TcpListener, router: Router) {
 
 /// Answers the requests of one connection.
 async fn answer(stream: TcpStream, router: Router) {
-    // messages are whole, and wait for none that may follow
-    let _ = stream.set_nodelay(true);
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIMEOUT);
     let connection = http.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router));

@@ -1,8 +1,10 @@
 //! Work beyond the limits or the memory is refused in one line, before it begins.
 
 #[cfg(target_os = "linux")]
-use super::outputs::waits;
-use super::program::{Place, Ran, assert_one_line};
+use super::outputs::{limited, waits};
+use super::program::Place;
+#[cfg(target_os = "linux")]
+use super::program::{Ran, assert_one_line};
 #[cfg(target_os = "linux")]
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -39,9 +41,10 @@ fn meshes_larger_than_the_memory_are_refused() {
         place.write("s.toml", mesh(keys));
         let args = ["render", "s.toml", "-o", "o.png", "--memory", "8G"];
         timed(AT_ONCE, what, || place.refuses(&args, 1, &format!("{what} takes about")));
-        if cfg!(target_os = "linux") {
+        #[cfg(target_os = "linux")]
+        {
             // the limit of the process's address space counts too
-            let mut shell = place.limited("-v 10000000", &["render", "s.toml", "-o", "o.png"]);
+            let mut shell = limited(&place, "-v 10000000", &["render", "s.toml", "-o", "o.png"]);
             let ran = Ran::of(timed(AT_ONCE, what, || shell.output().unwrap()));
             assert_one_line(&ran, what);
             assert!(ran.code == 1 && ran.err.contains("--memory"), "{}", ran.err);
@@ -129,7 +132,7 @@ fn frames_beside_little_memory_end() {
     let place = Place::new();
     place.works(&["example", "caustic-ball", "--out", "."]);
     for kib in [150_000, 200_000, 250_000, 300_000, 400_000, 500_000, 600_000] {
-        let mut shell = place.limited(&format!("-v {kib}"), &["render", "caustic-ball.toml", "-o", "o.png"]);
+        let mut shell = limited(&place, &format!("-v {kib}"), &["render", "caustic-ball.toml", "-o", "o.png"]);
         let child = shell.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let ran = Ran::of(waits(child, BOUNDED).unwrap_or_else(|| panic!("{kib} KiB: no end")));
         match ran.code {

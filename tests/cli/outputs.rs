@@ -3,6 +3,8 @@
 use super::program::{Place, SCENE};
 #[cfg(unix)]
 use super::program::{Ran, assert_one_line};
+#[cfg(unix)]
+use crate::PROGRAM;
 use std::collections::BTreeMap;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -285,6 +287,15 @@ fn an_old_manifest_is_read() {
     assert_eq!(place.works(&["batch", "j.toml", "--resume"]), "j.toml: 0 frames, 1 before\n");
 }
 
+/// The program under a limit of the shell, as `-v 500000`.
+#[cfg(unix)]
+pub fn limited(place: &Place, limit: &str, args: &[&str]) -> Command {
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &format!("ulimit {limit}; exec \"$0\" \"$@\""), PROGRAM]).args(args);
+    shell.current_dir(place.path()).stdin(Stdio::null());
+    shell
+}
+
 /// A limit on the size of files ends a write as a full disk does, not the program.
 #[cfg(unix)]
 #[test]
@@ -294,7 +305,7 @@ fn files_over_the_limit_of_the_shell_are_refused_in_a_line() {
     for output in [png, exr] {
         // blocks of 512 or 1024 bytes, fewer than either file has
         let args = [&["render", "scene.toml", "--engine", "reference", "--size", "640x480"], &output[..]].concat();
-        let ran = Ran::of(place.limited("-f 1", &args).output().unwrap());
+        let ran = Ran::of(limited(&place, "-f 1", &args).output().unwrap());
         assert_one_line(&ran, output[1]);
         assert!(ran.code == 1 && ran.err.contains("raise the limit on the size of files (ulimit -f)"), "{}", ran.err);
         assert_eq!(place.names(), ["scene.toml"]);

@@ -77,15 +77,6 @@ impl Place {
         Ran::of(self.command(args).output().unwrap())
     }
 
-    /// As [`Place::command`], under a limit of the shell, as `-v 500000`.
-    #[cfg(unix)]
-    pub fn limited(&self, limit: &str, args: &[&str]) -> Command {
-        let mut shell = Command::new("sh");
-        shell.args(["-c", &format!("ulimit {limit}; exec \"$0\" \"$@\""), PROGRAM]).args(args);
-        shell.current_dir(self.path()).stdin(Stdio::null());
-        shell
-    }
-
     /// Runs and expects success, with nothing on stderr.
     pub fn works(&self, args: &[&str]) -> String {
         let ran = self.run(args);

@@ -31,7 +31,6 @@ fn wrong_command_lines() {
     let place = Place::new();
     let engine = |name: &'static str| vec!["render", "scene.toml", "-o", "out.png", "--engine", name];
     for (arguments, says) in [
-        (vec![], "no command given; see anamorph-lab --help"),
         (engine("gpu"), "no such engine"),
         (engine("rastr"), "raster-warp"),
         (engine("raster-warp:9"), "0 to 4 levels"),
@@ -46,6 +45,8 @@ fn wrong_command_lines() {
     ] {
         place.refuses(&arguments, 2, says);
     }
-    let help = place.works(&["--help"]);
-    assert!(help.contains("bench") && help.contains("gpu-report"), "{help}");
+    for arguments in [&["--help"][..], &[]] {
+        let help = place.works(arguments);
+        assert!(help.contains("bench") && help.contains("gpu-report"), "{help}");
+    }
 }

@@ -81,9 +81,9 @@ pub fn read_headed(path: &Path, loading: &Loading) -> Result<Numbers> {
 /// Reads numbers from a decoder, and on to where it compares its checksum, which lies behind them.
 fn read_packed(decoder: &mut impl Read, grid: &RawGrid, limits: Limits) -> Result<Vec<f32>> {
     let values = read_numbers(decoder, grid, limits)?;
-    match decoder.read(&mut [0]) {
-        Ok(_) => Ok(values),
+    match std::io::copy(&mut decoder.take(1), &mut std::io::sink()) {
         Err(e) => Err(Error::input(format!("the end of the numbers: {e}; is the file cut short or damaged?"))),
+        Ok(_) => Ok(values),
     }
 }
 
