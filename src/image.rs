@@ -36,5 +36,7 @@ pub use png::png_bytes;
 #[cfg(feature = "internals")]
 pub use png::toned8;
 pub use png::{opaque8, rgb8, srgb8, write_png, write_png_strips};
-pub use points::{read_points, read_text_points};
+#[cfg(feature = "cli")]
+pub use points::read_points;
+pub use points::read_text_points;
 pub use vectors::{read_pairs, read_vectors};

@@ -107,11 +107,11 @@ fn main() -> ExitCode {
         // where raster finds t in f64, by a formula of its own, it may take another of two triangles that are level to within rounding, and
         // t may be rounded to the f32 beside
         let own_t = has.f64 && (!has.by_tile() || has.software && has.atomics64);
-        let (counts, gap) = (|k: usize| judged.safe[k] || !own_t, u32::from(own_t));
-        let rounding = |k: usize| T_ROUNDING * f64::from(judged.scales[k]);
+        let counts = (0..judged.safe.len()).map(|k| judged.safe[k] || !own_t).collect();
+        let rounding = judged.scales.iter().map(|scale| T_ROUNDING * f64::from(*scale)).collect();
+        let allowed = Allowed { counts, gap: u32::from(own_t), rounding };
         let ways: &[Method] = if is_traced { &[Method::Trace] } else { &[Method::Raster, Method::Trace] };
-        let differ: u64 =
-            ways.iter().map(|m| differing(&mut engine, &scene, &camera, *m, &frame, (&counts, gap, &rounding))).sum();
+        let differ: u64 = ways.iter().map(|m| differing(&mut engine, &scene, &camera, *m, &frame, &allowed)).sum();
         if differ > 0 {
             println!("scene {number}, {}: {differ} pixels differ by raster with small, or by trace", camera.kind);
         }
@@ -145,15 +145,24 @@ fn main() -> ExitCode {
 /// Share of a pixel's scale of t that two ways to compute t may differ by where t is near 0: 16 roundings of a stored number (2^-48).
 const T_ROUNDING: f64 = 16.0 / (1_u64 << 48) as f64;
 
-/// How many pixels of those that count show another triangle by a method than in `frame`, or a t more than `gap` f32 numbers and more than
-/// `rounding` away.
+/// What two ways to compute a frame may differ in.
+struct Allowed {
+    /// The pixels that are compared.
+    counts: Vec<bool>,
+    /// So many f32 numbers lie between two t.
+    gap: u32,
+    /// So far apart are two t of a pixel, near 0.
+    rounding: Vec<f64>,
+}
+
+/// How many pixels show another triangle by a method than in `frame`, or a t that differs by more than is allowed.
 fn differing(
     engine: &mut Engine,
     scene: &Scene,
     camera: &Camera,
     method: Method,
     frame: &Frame,
-    (counts, gap, rounding): (&dyn Fn(usize) -> bool, u32, &dyn Fn(usize) -> f64),
+    allowed: &Allowed,
 ) -> u64 {
     let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
     let words = |f: &Frame| {
@@ -167,7 +176,7 @@ fn differing(
             let differs = |k: &usize| {
                 let ((t, id), (own_t, own_id)) = (by[*k], of_frame[*k]);
                 let off = f64::from((f32::from_bits(t) - f32::from_bits(own_t)).abs());
-                counts(*k) && (id != own_id || t.abs_diff(own_t) > gap && off > rounding(*k))
+                allowed.counts[*k] && (id != own_id || t.abs_diff(own_t) > allowed.gap && off > allowed.rounding[*k])
             };
             let tell = |k: &usize| {
                 let [own, other] = [of_frame[*k], by[*k]].map(|(t, id)| (f32::from_bits(t), id));

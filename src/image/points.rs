@@ -1,5 +1,6 @@
 //! Lists of 3-D points: .npy of shape N x 3, or text with one point per line.
 
+#[cfg(feature = "cli")]
 use super::npy::rows_of;
 use crate::input::{Error, Loading, Result};
 use glam::DVec3;
@@ -14,6 +15,7 @@ const MAX_TEXT: u64 = 1 << 33;
 ///
 /// # Errors
 /// [`Error::Input`] naming the file and the line or row: not there, another format, or a value that is no finite number.
+#[cfg(feature = "cli")]
 pub fn read_points(path: &Path, loading: &Loading) -> Result<Vec<DVec3>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     let points = match extension.as_deref() {
@@ -28,6 +30,7 @@ fn open(path: &Path, loading: &Loading) -> std::result::Result<File, String> {
     loading.open(path).map_err(|e| format!("cannot be read: {e}; check the path"))
 }
 
+#[cfg(feature = "cli")]
 fn read_npy(path: &Path, loading: &Loading) -> std::result::Result<Vec<DVec3>, String> {
     let points: Vec<DVec3> = rows_of::<3>(open(path, loading)?)?.into_iter().map(DVec3::from_array).collect();
     match points.iter().position(|p| !p.is_finite()) {
@@ -51,6 +54,7 @@ impl TextPoints {
         self.wide_line.is_some()
     }
 
+    #[cfg(feature = "cli")]
     fn only_points(self) -> std::result::Result<Vec<DVec3>, String> {
         match self.wide_line {
             Some((number, line)) => Err(not_three(number, &line)),

@@ -2,7 +2,9 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
-use std::time::{Duration, Instant};
+#[cfg(any(feature = "cli", test))]
+use std::time::Duration;
+use std::time::Instant;
 
 /// A part of some work. Threads say when it is done; clones are of the same work.
 #[derive(Debug, Clone)]
@@ -44,12 +46,14 @@ impl Share {
     }
 
     /// The fraction of the work that is done.
+    #[cfg(feature = "cli")]
     pub fn done(&self) -> f64 {
         self.work.done.load(Ordering::Relaxed) as f64 / UNITS
     }
 
     /// How long the rest takes at the pace since the first part was done, which may have waited for kernels to be compiled; `None` until
     /// another part is done.
+    #[cfg(feature = "cli")]
     pub fn left(&self) -> Option<Duration> {
         let &(since, first) = self.work.first.get()?;
         let done = self.done();

@@ -367,7 +367,7 @@ fn models_of_camodocal_basalt_and_orb_slam_are_their_formulas() {
             project: |d| {
                 let (longitude, latitude) = (d.x.atan2(d.z), -d.y.atan2(d.x.hypot(d.z)));
                 // the first column looks straight back, which is both ends of the turn
-                let longitude = if longitude > 3.141_592_653 { -longitude } else { longitude };
+                let longitude = if longitude > std::f64::consts::PI - 1e-9 { -longitude } else { longitude };
                 DVec2::new(
                     96.0 * (0.5 + longitude / std::f64::consts::TAU),
                     64.0 * (0.5 - latitude / std::f64::consts::PI),

@@ -8,8 +8,10 @@ pub(crate) mod lens;
 pub(crate) mod numbers;
 mod projection;
 mod roots;
+#[cfg(feature = "cli")]
 pub(crate) mod survey;
 mod tilt;
+mod without_rays;
 
 use super::central::{POSE, Pose};
 use crate::camera::calibration::{Calibrated, Intrinsics, Model, Shutter};
@@ -104,7 +106,7 @@ impl Recipe for FromFile {
         };
         let sensor = Sensor { calibrated: calibrated.clone(), lens: self.lens.clone() };
         let built = self.tessellation.build(Arc::new(sensor), &setting.of_size(size))?;
-        let missing = built.layers.iter().filter_map(|rays| survey::missing(rays, &calibrated));
+        let missing = built.layers.iter().filter_map(|rays| without_rays::missing(rays, &calibrated));
         Ok(Built { unfulfilled: self.note.iter().cloned().chain(missing).collect(), ..built })
     }
 

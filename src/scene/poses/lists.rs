@@ -37,7 +37,7 @@ pub fn poses(text: &str) -> Result<Vec<Pose>> {
         [_time, x, y, z, qw, qx, qy, qz, ..] if numbers.len() == 17 && has_commas => {
             Ok((DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw)))
         }
-        [ref matrix @ ..] if matches!(matrix.len(), 12 | 16) => of_matrix(*n, matrix),
+        _ if matches!(numbers.len(), 12 | 16) => of_matrix(*n, numbers),
         [_frame, ref matrix @ ..] if matches!(matrix.len(), 12 | 16) => of_matrix(*n, matrix),
         _ => Err(format!(
             "line {n}: {} numbers; TUM's poses have 8 (time, x, y, z, qx, qy, qz, qw), KITTI's 12, KITTI-360's 13 or 17, Replica's 16, EuRoC's 17 with commas",

@@ -166,11 +166,6 @@ impl Brown {
         (a / b, (slope(self.above()) - a / b * slope(&self.below)) / b, b)
     }
 
-    /// Where the radial part alone shows `p`.
-    pub(super) fn radial_place(&self, p: DVec2) -> DVec2 {
-        p * self.gain(p.length_squared()).0
-    }
-
     /// The distorted place of `p`, before the tilt.
     pub(super) fn seen(&self, p: DVec2) -> Seen {
         let (q, [p1, p2], [s13, s24]) = (p.length_squared(), self.tangential, self.prism);

@@ -236,6 +236,7 @@ pub fn load(path: &Path, loading: &Loading) -> Result<(&'static str, Contents)> 
 }
 
 /// Tells whether the text is a calibration of a format in [`FORMATS`].
+#[cfg(feature = "cli")]
 pub fn is_calibration(text: &str) -> bool {
     Document::parse(text).is_ok_and(|document| recognized(&document).is_some())
 }

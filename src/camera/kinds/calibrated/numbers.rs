@@ -17,6 +17,7 @@ impl FromFile {
 }
 
 /// The numbers of a calibration that are not 0, with their names.
+#[cfg(feature = "cli")]
 pub fn listed(intrinsics: &Intrinsics, model: &Model) -> Vec<(&'static str, f64)> {
     let (mut intrinsics, mut model) = (intrinsics.clone(), model.clone());
     let mut value = |name| number(&mut intrinsics, &mut model, name).map(|number| (name, *number));

@@ -1,10 +1,8 @@
-//! How much of its image a lens sees: its field of view, and the pixels without a ray.
+//! How much of its image a lens sees: its field of view, and the share of pixels with a ray.
 
 use super::file::Calibration;
 use super::lens::Lens;
-use crate::camera::Rays;
-use crate::camera::calibration::Calibrated;
-use crate::parallel;
+use super::without_rays::with_rays;
 use glam::{DVec2, DVec3};
 
 /// A lens over the image that it was calibrated with.
@@ -17,8 +15,8 @@ pub struct Survey {
     pub with_ray: u64,
 }
 
-/// Most pixels that are looked at: a few rows in many of a larger image.
-const PIXELS_MAX: u32 = 1 << 20;
+/// Most pixels that are looked at, evenly spread over a larger image.
+const PIXELS_MAX: u64 = 1 << 20;
 
 impl Survey {
     /// # Errors
@@ -33,7 +31,7 @@ impl Survey {
         let across = (0..=width).filter_map(|i| direction(i.into(), middle[1]));
         let down = (0..=height).filter_map(|j| direction(middle[0], j.into()));
         let has_ray = |i: u32, j: u32| direction(f64::from(i) + 0.5, f64::from(j) + 0.5).is_some();
-        let (pixels, with_ray) = count(width, height, has_ray);
+        let (pixels, with_ray) = with_rays([width, height], PIXELS_MAX, has_ray);
         Ok(Survey { field_of_view: [swept(across), swept(down)], pixels, with_ray })
     }
 }
@@ -47,47 +45,6 @@ fn swept(mut directions: impl Iterator<Item = DVec3>) -> f64 {
         last = d;
     }
     sum.to_degrees()
-}
-
-/// Pixels that were looked at, and those of them with a ray.
-fn count(width: u32, height: u32, has_ray: impl Fn(u32, u32) -> bool + Sync) -> (u64, u64) {
-    let rows = (PIXELS_MAX / width.max(1)).clamp(1, height);
-    let row = |k: u32| (u64::from(k) * u64::from(height) / u64::from(rows)) as u32;
-    let of_row = |k: u32| (0..width).filter(|i| has_ray(*i, row(k))).count() as u64;
-    (u64::from(width) * u64::from(rows), parallel::map(0..rows, of_row).into_iter().sum())
-}
-
-/// The line about pixels without a ray; `None` if all have one.
-pub(super) fn missing(rays: &Rays, calibrated: &Calibrated) -> Option<String> {
-    let Rays::Field(field) = rays else { return None };
-    let (pixels, with_ray) = count(field.width, field.height, |i, j| field.ray(i, j).is_some());
-    let about = if pixels < u64::from(field.width) * u64::from(field.height) { "about " } else { "" };
-    // one pixel of many is not rounded to 0.0 %
-    let share = (100.0 * (pixels - with_ray) as f64 / pixels as f64).max(0.1);
-    let end = widest(calibrated).map_or(String::new(), |degrees| format!(", {degrees:.1} degrees from its axis"));
-    (with_ray < pixels).then(|| {
-        format!("{about}{share:.1} % of the pixels have no ray: they are beyond the fold or the end of the lens{end}")
-    })
-}
-
-/// The largest angle from the axis at which the lens is seen to end along lines from the middle to the image's border, degrees.
-fn widest(calibrated: &Calibrated) -> Option<f64> {
-    /// Halvings of a line, after which its end is known to the last bit: at a fold the angle's error is the root of the place's.
-    const HALVINGS: u32 = 53;
-    let lens = Lens::new(&calibrated.model).ok()?;
-    let intrinsics = &calibrated.intrinsics;
-    let back = intrinsics.scale.inverse();
-    let size = DVec2::new(intrinsics.size.0.into(), intrinsics.size.1.into());
-    let corners = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|c| back * (c * size - 0.5 - intrinsics.centre));
-    let ends = corners.into_iter().filter(|corner| lens.direction(*corner).is_none()).map(|corner| {
-        let (mut seen, mut beyond) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (seen + beyond);
-            if lens.direction(corner * middle).is_some() { seen = middle } else { beyond = middle }
-        }
-        lens.direction(corner * seen).map_or(0.0, |d| d.truncate().length().atan2(d.z))
-    });
-    ends.reduce(f64::max).map(f64::to_degrees)
 }
 
 #[cfg(test)]
