@@ -35,6 +35,13 @@ pub fn families() -> Vec<Family> {
             rivals: BY_PIECES,
         },
         Family {
+            name: "eye on the mesh",
+            parameter: "distance from the eye to the triangle that it lies on",
+            values: &[1e-1, 1e-4, 1e-8, 1e-12, 1e-15, 0.0],
+            scene: eye_on_the_mesh,
+            rivals: BY_PIECES,
+        },
+        Family {
             name: "far from the origin",
             parameter: "distance over the scene's size",
             values: &[1e1, 1e3, 1e5, 1e7, 1e9, 1e11, 1e13],
@@ -118,6 +125,24 @@ fn vertices_on_rays(k: f64) -> Source {
         triangles.push([at[a + 1], at[b], at[b + 1]]);
     }
     scene(&ALONG_Z.replace("height = 2", "height = 3"), &triangles)
+}
+
+/// Triangles between the points of a lattice, many of them in one plane or in one place, around an eye on one of them.
+fn eye_on_the_mesh(k: f64) -> Source {
+    let mut rng = Rng(19);
+    let mut lattice = || 0.5 * (2.0 * rng.vector()).round();
+    let triangles: Vec<Triangle> = (0..120).map(|_| [0, 1, 2].map(|_| lattice())).collect();
+    // not all of them are slivers or points
+    let on = triangles
+        .iter()
+        .find(|[a, b, c]| (*b - *a).cross(*c - *a).length() > 0.1)
+        .map_or(DVec3::ZERO, |t| 0.5 * t[0] + 0.25 * (t[1] + t[2]));
+    let eye = on + k * DVec3::new(0.6, 0.0, 0.8);
+    let target = eye - DVec3::Z;
+    scene(
+        &format!("kind = \"pinhole\"\neye = {:?}\ntarget = {:?}\nvfov = 90", eye.to_array(), target.to_array()),
+        &triangles,
+    )
 }
 
 /// The camera too.
