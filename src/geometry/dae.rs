@@ -9,12 +9,13 @@ use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
 use geometry::read_geometry;
 use glam::{DAffine3, DMat3, DMat4, DVec3};
-use roxmltree::{Document, Node};
+use roxmltree::{Document, Node, NodeId};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
+use std::rc::Rc;
 
 /// Most nodes of a scene, each counted as often as it is placed.
-const MAX_NODES: usize = 1 << 20;
+const MAX_NODES: usize = 1 << 17;
 
 /// Reads a COLLADA file. The nodes of its scene are walked depth-first, in the file's order; that is the order of triangle ids. Polygons are
 /// fan-triangulated from their first vertex, strips and fans become triangles. Normals, colours of vertices (linear RGB) and the diffuse and
@@ -67,6 +68,14 @@ fn conventions(root: Node) -> Option<(String, String)> {
     (!is_usual).then(|| ("unit and axis".into(), why))
 }
 
+/// A node that waits to be placed.
+struct Placed<'a> {
+    node: Node<'a, 'a>,
+    world_from_parent: DAffine3,
+    /// The nodes by whose instances it is placed.
+    within: Rc<[NodeId]>,
+}
+
 struct Scene<'a> {
     ids: HashMap<&'a str, Node<'a, 'a>>,
     limits: Limits,
@@ -96,20 +105,30 @@ impl<'a> Scene<'a> {
             None => root.descendants().find(|n| n.has_tag_name("visual_scene")).unwrap_or(root),
         };
         let nodes = |of: Node<'a, 'a>| of.children().filter(|n| n.tag_name().name() == "node");
-        let mut stack: Vec<(Node<'a, 'a>, DAffine3)> = nodes(top).map(|node| (node, DAffine3::IDENTITY)).collect();
+        let place_in_world = |node| Placed { node, world_from_parent: DAffine3::IDENTITY, within: Rc::default() };
+        let mut stack: Vec<Placed> = nodes(top).map(place_in_world).collect();
         stack.reverse();
         let mut placed = 0;
-        while let Some((node, world_from_parent)) = stack.pop() {
+        while let Some(Placed { node, world_from_parent, within }) = stack.pop() {
             placed += 1;
             if placed > MAX_NODES || stack.len() > MAX_NODES {
-                return Err(Error::input(format!("more than {MAX_NODES} nodes; nodes must not place each other")));
+                return Err(Error::input(format!("more than {MAX_NODES} nodes; split the file")));
             }
             let world_from_node = world_from_parent * parent_from_node(node);
             let first = stack.len();
             for part in node.children() {
                 match part.tag_name().name() {
-                    "node" => stack.push((part, world_from_node)),
-                    "instance_node" => stack.push((self.find(part, "url")?, world_from_node)),
+                    "node" => {
+                        stack.push(Placed { node: part, world_from_parent: world_from_node, within: within.clone() })
+                    }
+                    "instance_node" => {
+                        let node = self.find(part, "url")?;
+                        if within.contains(&node.id()) {
+                            return Err(Error::input("a node is within itself; nodes must not place each other"));
+                        }
+                        let within = within.iter().copied().chain([node.id()]).collect();
+                        stack.push(Placed { node, world_from_parent: world_from_node, within });
+                    }
                     "instance_geometry" => {
                         let geometry = self.find(part, "url")?;
                         self.place_geometry(node, geometry, part, world_from_node)?;

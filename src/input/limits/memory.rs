@@ -4,6 +4,9 @@ use super::Limits;
 use crate::input::{Error, Result};
 use std::path::{Path, PathBuf};
 
+/// Work of fewer bytes is not refused, unless the user grants a number.
+const ASKED_FROM: u64 = 1 << 20;
+
 impl Limits {
     /// Bytes that may still be allocated: the rest of what is granted; or else the least of what the machine, the control
     /// group and the process's address space have left. `None` if the system does not say.
@@ -19,6 +22,10 @@ impl Limits {
     /// # Errors
     /// [`Error::Work`] with both numbers.
     pub(crate) fn check_memory(self, bytes: u64, what: impl std::fmt::Display, advice: &str) -> Result<()> {
+        // asking the system takes longer than using so little
+        if bytes < ASKED_FROM && self.memory.is_none() {
+            return Ok(());
+        }
         match self.free_memory() {
             Some(free) if bytes > free && !self.are_lifted => Err(too_large(bytes, free, what, advice)),
             _ => Ok(()),
@@ -76,9 +83,10 @@ fn free_in_group(folder: &Path, version: Version) -> Option<u64> {
         Version::V1 => ["memory.limit_in_bytes", "memory.usage_in_bytes"],
         Version::V2 => ["memory.max", "memory.current"],
     };
+    let most = number(most)?;
     // pages of files that were read or written count as used, and are given back when memory is needed
     let files = text("memory.stat").map_or(0, |stat| file_pages(&stat, version));
-    Some(number(most)?.saturating_sub(number(used)?.saturating_sub(files)))
+    Some(most.saturating_sub(number(used)?.saturating_sub(files)))
 }
 
 /// Bytes of the pages of files, by a control group's `memory.stat`. Pages without a file on disk (`shmem`) are not among them.
