@@ -10,6 +10,7 @@ use crate::input::{Error, Limits, Loading, Result};
 use geometry::read_geometry;
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use roxmltree::{Document, Node, NodeId};
+use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 use std::rc::Rc;
@@ -34,8 +35,9 @@ pub fn load(path: &Path, loading: &Loading) -> Result<Mesh> {
 /// As [`load`], from the file's bytes; `name` stands for the file in messages.
 fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
     let wrong = |what: String| Error::input(format!("{name}: {what}"));
-    let text = std::str::from_utf8(bytes).map_err(|_| wrong("is no UTF-8 text; save it as COLLADA in UTF-8".into()))?;
-    let document = Document::parse(text).map_err(|e| {
+    let text =
+        text_of(bytes).ok_or_else(|| wrong("is neither UTF-8 nor UTF-16 text; save it as COLLADA in UTF-8".into()))?;
+    let document = Document::parse(&text).map_err(|e| {
         // names a character that it did not expect, which may be a line's end
         wrong(format!("is no COLLADA: {e}").replace(char::is_control, " "))
     })?;
@@ -56,6 +58,16 @@ fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
     let missing = |(what, why): (String, String)| Missing { what: format!("{what} of {name}"), why };
     mesh.missing = left_out.into_iter().map(missing).collect();
     Ok(mesh)
+}
+
+/// UTF-8, or UTF-16 after its mark of the order of bytes.
+fn text_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
+    let units = |of: fn([u8; 2]) -> u16| bytes[2..].as_chunks::<2>().0.iter().map(move |pair| of(*pair));
+    match bytes {
+        [0xFF, 0xFE, ..] => String::from_utf16(&units(u16::from_le_bytes).collect::<Vec<_>>()).ok().map(Cow::Owned),
+        [0xFE, 0xFF, ..] => String::from_utf16(&units(u16::from_be_bytes).collect::<Vec<_>>()).ok().map(Cow::Owned),
+        _ => std::str::from_utf8(bytes).ok().map(Cow::Borrowed),
+    }
 }
 
 /// A note on the unit and the upward axis, unless they are meters and +y, as in a scene.

@@ -46,6 +46,13 @@ impl Line {
         let number = |token: &[u8]| parse_f64(token).ok_or_else(|| format!("{} is not a number", quoted(token)));
         Tokens::new(&self.text).map(number).collect()
     }
+
+    /// Whether a face has fewer vertices than its first number says.
+    fn lacks_vertices(&self) -> bool {
+        let mut tokens = Tokens::new(&self.text);
+        let count = tokens.next().and_then(parse_i64).and_then(|count| usize::try_from(count).ok());
+        count.is_some_and(|count| tokens.count() < count)
+    }
 }
 
 impl Reader<'_> {
@@ -85,7 +92,14 @@ fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
     }
     let (mut face_colors, mut short): (Vec<(usize, [f64; 3])>, usize) = (Vec::new(), 0);
     for _ in 0..faces {
-        let line = reader.next()?;
+        let mut line = reader.next()?;
+        // a few programs break the line of a face
+        while line.lacks_vertices()
+            && let Ok(more) = reader.next()
+        {
+            line.text.push(b' ');
+            line.text.extend(more.text);
+        }
         let (corners, color) = read_face(&line, vertices).map_err(|what| reader.wrong(&line, what))?;
         short += usize::from(corners.len() < 3);
         face_colors.extend(color.map(|color| (mesh.triangles.len(), color)));
@@ -220,6 +234,7 @@ mod tests {
         assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.1));
         assert_eq!(mesh.materials, [Material::default()]);
         for other in [
+            QUAD.replace("4 0 1 2 3", "4 0 1\n2 \n3"),
             QUAD.replace('\n', "\r\n"),
             QUAD.replace('\n', "\r"),
             QUAD.replace("OFF\n", "OFF"),

@@ -90,6 +90,17 @@ fn other_primitives_colours_and_what_is_left_out() {
 }
 
 #[test]
+fn text_may_be_utf_16() {
+    let whole = text(POLYLIST, NODE);
+    let marked: Vec<u16> = "\u{feff}".encode_utf16().chain(whole.encode_utf16()).collect();
+    let [little, big] =
+        [u16::to_le_bytes, u16::to_be_bytes].map(|bytes| marked.iter().copied().flat_map(bytes).collect::<Vec<u8>>());
+    for bytes in [little, big] {
+        assert_eq!(parse(&bytes, "a.dae", Limits::default()).unwrap(), read(&whole).unwrap());
+    }
+}
+
+#[test]
 fn what_is_wrong_is_said_in_a_line() {
     let whole = text(POLYLIST, NODE);
     for (from, to, part) in [

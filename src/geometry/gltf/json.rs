@@ -100,6 +100,9 @@ pub(super) fn prepare(json: &mut Value) {
             texture.entry("source").or_insert(source);
         }
     }
+    for scene in objects_mut(json, "scenes").filter_map(Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+    }
     objects_mut(json, "materials").for_each(|material| {
         use_specular_glossiness(material);
     });
