@@ -76,8 +76,8 @@
 //! # Features
 //!
 //! `cli` (default): the program `anamorph`, with what only it needs. `view` (default): `Viewer`, a page in the browser, and the program's
-//! command for it. `simplify` (by `cli`): the key `facets` of mirrors and lenses, by
-//! meshoptimizer, which takes a C++ compiler. `internals`: what this project's own tests and its laboratory use; it may
+//! command for it. `simplify` (by `cli`): the key `facets` of mirrors and lenses, and glTF whose buffers are compressed, by
+//! meshoptimizer, which takes a C++ compiler. `draco` (by `cli`): glTF whose meshes are compressed by Draco. `internals`: what this project's own tests and its laboratory use; it may
 //! change at any time.
 
 #![cfg_attr(not(feature = "internals"), deny(missing_docs))]

@@ -1,8 +1,10 @@
 //! glTF 2.0: the placed triangles of the default scene.
 
 mod accessor;
+mod draco;
 mod json;
 mod look;
+mod meshopt;
 mod pose;
 mod source;
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! The JSON of a glTF file: rewritten where the crate is stricter than the specification, and read where the crate rounds or leaves out.
 
+use super::draco::DRACO;
 use super::source::POINTERS;
 use crate::arrays::MapEach;
-use crate::input::{Error, Result};
 use glam::{DMat4, DQuat, DVec3};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -147,18 +147,14 @@ fn use_specular_glossiness(material: &mut Value) -> Option<()> {
 
 impl Kept {
     /// Of a document after [`prepare`].
-    ///
-    /// # Errors
-    /// [`Error::Input`] naming the mesh whose vertices only an extension can decode.
-    pub fn of(json: &Value) -> Result<Kept> {
-        check_compression(json)?;
+    pub fn of(json: &Value) -> Kept {
         let mut extensions = BTreeSet::new();
         gather_extensions(json, &mut extensions);
-        Ok(Kept {
+        Kept {
             nodes: objects(json, "nodes").map(|node| NodeParts::of(node, json)).collect(),
             materials: objects(json, "materials").map(MaterialParts::of).collect(),
             extensions,
-        })
+        }
     }
 }
 
@@ -218,47 +214,19 @@ pub(super) fn is_read(extension: &str) -> bool {
         POINTERS,
     ];
     /// Metadata, or a second form of data that is there in a form that is read, or an image's form, which its reader judges.
-    const PREFIXES: [&str; 9] = [
+    const PREFIXES: [&str; 10] = [
         "KHR_xmp",
         "EXT_structural_metadata",
         "EXT_mesh_features",
         "EXT_instance_features",
-        "KHR_draco_mesh_compression",
+        DRACO,
         "EXT_meshopt_compression",
+        "KHR_meshopt_compression",
         "KHR_texture_basisu",
         "EXT_texture_",
         "MSFT_texture_dds",
     ];
     READ.contains(&extension) || PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
-}
-
-/// Refuses meshes whose vertices are nowhere but in a compressed form.
-fn check_compression(json: &Value) -> Result<()> {
-    for (k, view) in objects(json, "bufferViews").enumerate() {
-        let names = view.get("extensions").and_then(Value::as_object).into_iter().flat_map(|e| e.keys());
-        let buffer = || json.get("buffers")?.get(view.get("buffer")?.as_u64()? as usize);
-        // a buffer without bytes: a decoder would fill it
-        let is_empty = buffer().is_some_and(|buffer| buffer.get("uri").is_none() && buffer.get("extensions").is_some());
-        if let Some(name) = names.filter(|name| name.ends_with("_meshopt_compression")).find(|_| is_empty) {
-            return Err(Error::input(format!(
-                "buffer view {k} is compressed by {name}, which is not read; export it without"
-            )));
-        }
-    }
-    const DRACO: &str = "KHR_draco_mesh_compression";
-    for (mesh, primitives) in objects(json, "meshes").enumerate() {
-        for (k, primitive) in objects(primitives, "primitives").enumerate() {
-            let is_compressed = primitive.get("extensions").is_some_and(|e| e.get(DRACO).is_some());
-            let accessor =
-                || json.get("accessors")?.get(primitive.get("attributes")?.get("POSITION")?.as_u64()? as usize);
-            if is_compressed && accessor().is_some_and(|a| a.get("bufferView").is_none()) {
-                return Err(Error::input(format!(
-                    "mesh {mesh}, primitive {k}: its vertices are compressed by {DRACO}, which is not read; export it without"
-                )));
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Collects the names of all extensions in a value and below it, except in `extras`, which are an application's own data.

@@ -9,8 +9,9 @@ use gltf::json::validation::{Error as Wrong, Validate};
 use gltf::json::{Path as JsonPath, Root};
 use gltf::{Document, buffer};
 
-use super::Files;
 use super::json::{self, Kept};
+use super::meshopt::Meshopt;
+use super::{Files, draco};
 use crate::geometry::texture::is_missing;
 use crate::input::{Error, Limits, Loading, Result};
 use serde_json::Value as Json;
@@ -53,18 +54,33 @@ impl Source {
         let wrong = |e| Error::input(format!("is not glTF 2.0: {e}"));
         let mut json: Json = serde_json::from_slice(json).map_err(wrong)?;
         json::prepare(&mut json);
-        let kept = Kept::of(&json)?;
+        let meshopt = Meshopt::take(&mut json)?;
+        let draco = draco::take(&mut json)?;
+        let kept = Kept::of(&json);
         let root: Root = serde_json::from_value(json).map_err(wrong)?;
         let material_error = check_root(&root)?;
         let document = Document::from_json_without_validation(root);
         let (mut buffers, mut known) = (Vec::new(), HashMap::new());
-        for buffer in document.buffers() {
+        let decoded = meshopt.views.len() + draco.iter().map(|primitive| primitive.buffers()).sum::<usize>();
+        for buffer in document.buffers().take(document.buffers().len() - decoded) {
+            if meshopt.placeholders.contains(&buffer.index()) {
+                buffers.push(Arc::default());
+                continue;
+            }
             let bytes = read_buffer(&buffer, access, &mut binary, &mut known)
                 .map_err(|message| Error::input(format!("buffer {}: {message}", buffer.index())))?;
             buffers.push(bytes);
         }
         drop(known);
-        Ok(Source { document, kept, buffers, material_error, limits: access.loading.limits() })
+        let limits = access.loading.limits();
+        for view in &meshopt.views {
+            buffers.push(Arc::new(view.decode(&buffers, limits)?));
+        }
+        for primitive in &draco {
+            let decoded = primitive.decode(&buffers, limits)?;
+            buffers.extend(decoded.into_iter().map(Arc::new));
+        }
+        Ok(Source { document, kept, buffers, material_error, limits })
     }
 
     /// The bytes of an image's file.
@@ -193,10 +209,9 @@ fn keeps_triangles(extension: &str) -> bool {
     const PREFIXES: [&str; 6] =
         ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"];
     const NAMES: [&str; 2] = ["MSFT_texture_dds", "MSFT_packing_normalRoughnessMetallic"];
-    /// Is passed over where its data is there uncompressed, too; a file that requires it has no other.
-    const COMPRESSIONS: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
-    let is_handled = NAMES.contains(&extension) || json::is_read(extension);
-    is_handled && !COMPRESSIONS.contains(&extension) || PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
+    NAMES.contains(&extension)
+        || json::is_read(extension)
+        || PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
 }
 
 /// The buffer's bytes. A file is read once: `known` holds the bytes by URI.
