@@ -145,7 +145,7 @@ fn main() -> ExitCode {
 /// Share of a pixel's scale of t that two ways to compute t may differ by where t is near 0: 16 roundings of a stored number (2^-48).
 const T_ROUNDING: f64 = 16.0 / (1_u64 << 48) as f64;
 
-/// What two ways to compute a frame may differ in.
+/// Differences that two ways to compute a frame may have.
 struct Allowed {
     /// The pixels that are compared.
     counts: Vec<bool>,

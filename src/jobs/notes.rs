@@ -7,6 +7,9 @@ use crate::reference::image::rows_of_image;
 use crate::scene::Scene;
 use glam::DVec3;
 
+/// Most pixels of a picture alone that the reference is asked about, on the CPU: some seconds through the slowest lens.
+const PIXELS_MAX: u64 = 1 << 20;
+
 /// Rows that are cast first, to find at little cost that something is hit.
 const FIRST_ROWS: u32 = 8;
 
@@ -15,7 +18,7 @@ const FIRST_ROWS: u32 = 8;
 const FAR: f64 = 128.0;
 
 /// The line about a frame in which no pixel shows a surface, with the positions of scene and camera. `None` if a pixel shows a surface, the scene
-/// has none, or the frame does not tell: a picture with several colors, such as a sky, without other channels.
+/// has none, or the frame does not tell: a picture without other channels that has several colors, as a sky has, or over [`PIXELS_MAX`] pixels.
 pub fn nothing_hit(scene: &Scene, camera: &Camera, frame: &Frame, srgb8: Option<&[u8]>) -> Option<String> {
     if scene.volume.is_some() || scene.mesh.triangles.is_empty() {
         return None;
@@ -41,7 +44,8 @@ fn is_empty(scene: &Scene, camera: &Camera, srgb8: &[u8]) -> bool {
     let mut pixels = srgb8.chunks_exact(4);
     let first = pixels.next();
     let is_empty = |step: u32| empty_by_channels(&rows_of_image(scene, camera, &[Channel::A], step)) == Some(true);
-    pixels.all(|pixel| Some(pixel) == first) && is_empty(camera.height.div_ceil(FIRST_ROWS)) && is_empty(1)
+    let is_small = u64::from(camera.width) * u64::from(camera.height) <= PIXELS_MAX;
+    is_small && pixels.all(|pixel| Some(pixel) == first) && is_empty(camera.height.div_ceil(FIRST_ROWS)) && is_empty(1)
 }
 
 /// Words for the position of the box from `lo` to `hi` relative to the ray of the middle pixel.

@@ -30,7 +30,7 @@ impl<'a> Keys<'a> {
         self.optional(key)?.ok_or(format!("{}.{key} is missing", self.camera))
     }
 
-    /// Those of absent keys are 0.
+    /// Numbers of absent keys are 0.
     fn numbers<const N: usize>(&self, keys: [&str; N]) -> Result<[f64; N]> {
         let mut all = [0.0; N];
         for (number, key) in all.iter_mut().zip(keys) {

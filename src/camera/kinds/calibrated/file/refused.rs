@@ -4,7 +4,7 @@ use super::document::Document;
 
 struct Known {
     recognizes: fn(&Document) -> bool,
-    /// What the file is, and the remedy.
+    /// Names the kind of file, and the remedy.
     says: &'static str,
 }
 
