@@ -206,7 +206,7 @@ impl Camera {
             Rays::Field(f) => Rays::Field(f.with_sample_offset(dx, dy)),
             Rays::Curves(c) => Rays::Curves(c.with_sample_offset(dx, dy)),
         };
-        let composition = self.composition.as_ref().map(|c| Arc::new(c.with_sample_offset((dx, dy))));
+        let composition = self.composition.as_ref().map(|c| Arc::new(c.with_sample_offset((dx, dy), self.sample)));
         Camera { layers: self.layers.iter().map(moved).collect(), composition, ..self.clone() }
     }
 

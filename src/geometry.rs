@@ -14,6 +14,7 @@ pub mod load;
 pub mod mesh;
 pub mod obj;
 pub mod off;
+pub mod opacity;
 mod parts;
 pub mod pattern;
 pub mod place;

@@ -54,10 +54,12 @@ pub use path::Seen;
 pub use path::Segment;
 pub use verdict::Verdict;
 
+use crate::camera::Camera;
 use crate::camera::bundle::Bundle;
+use crate::camera::exposure::Sample;
 use crate::camera::perturb::scene_size;
-use crate::geometry::mesh::{Material, Mesh};
-use crate::geometry::texture::Texture;
+use crate::geometry::mesh::Mesh;
+use crate::geometry::opacity::Threshold;
 use crate::geometry::time_steps::{Moment, MovingMesh, TimeSteps};
 use crate::parallel;
 use crate::scene::Scene;
@@ -86,6 +88,8 @@ pub struct Reference<'a> {
     mesh: &'a Mesh,
     /// Where it moves, and the moment.
     moving: Option<(&'a TimeSteps, Moment)>,
+    /// The sample whose rays are asked for, and its pixel: blended surfaces differ from sample to sample.
+    sample: Option<((u32, u32), Sample)>,
     /// Boxes of all moments.
     bvh: Arc<Bvh>,
     /// The mesh's size, by which rays are perturbed: [`crate::camera::perturb`].
@@ -122,12 +126,19 @@ impl<'a> Reference<'a> {
         let items = parallel::flat_map(0..all.mesh.triangles.len() as u32, item);
         let moving = all.steps.map(|steps| (steps, Moment::default()));
         let bvh = Arc::new(Bvh::build(items));
-        Reference { mesh: all.mesh, moving, bvh, scene_size: scene_size(all.bounds()), pictures: Arc::default() }
+        let scene_size = scene_size(all.bounds());
+        Reference { mesh: all.mesh, moving, sample: None, bvh, scene_size, pictures: Arc::default() }
     }
 
     /// The mesh as it is at a moment.
     pub fn at(&self, moment: Moment) -> Reference<'a> {
         Reference { moving: self.moving.map(|(steps, _)| (steps, moment)), ..self.clone() }
+    }
+
+    /// The mesh as a pixel of a camera sees it: at the moment of its exposure, and by its sample.
+    pub fn at_pixel(&self, scene: &Scene, camera: &Camera, pixel: (u32, u32)) -> Reference<'a> {
+        let sample = camera.sample.map(|sample| (pixel, sample));
+        Reference { sample, ..self.at(scene.moment(camera, pixel)) }
     }
 
     /// The visible hit of the bundle's central ray: the smallest `t` in `t_range` (ends inclusive), the
@@ -205,7 +216,7 @@ impl<'a> Reference<'a> {
         let t = intersect::end_on_plane(&aim.centre, &corners, t_range, self.scene_size).unwrap_or(m.t);
         let in_range = t_range[0] <= t && t <= t_range[1];
         let hit = Hit { t, triangle: id, bary: m.bary };
-        (seen && in_range && self.is_there(&hit)).then_some(hit)
+        (seen && in_range && self.is_there(hit.triangle, hit.bary)).then_some(hit)
     }
 
     fn corners(&self, id: u32) -> Corners {
@@ -246,24 +257,16 @@ impl<'a> Reference<'a> {
         }
     }
 
-    fn material(&self, id: u32) -> Option<&Material> {
-        self.mesh.material_of.get(id as usize).and_then(|&m| self.mesh.materials.get(m as usize))
-    }
-
     /// A triangle without a material shows both faces.
     fn two_sided(&self, id: u32) -> bool {
-        self.material(id).is_none_or(|m| m.two_sided)
+        self.mesh.material(id).is_none_or(|m| m.two_sided)
     }
 
-    /// The triangle's texture if it is an alpha mask.
-    fn mask_of(&self, id: u32) -> Option<&Texture> {
-        self.material(id)?.texture.as_ref().filter(|t| t.has_alpha_mask() && self.mesh.uvs_of(id as usize).is_some())
-    }
-
-    /// Whether the triangle has no hole at the hit.
-    fn is_there(&self, hit: &Hit) -> bool {
-        let uv = || self.mesh.uv_at(hit.triangle, hit.bary);
-        self.mask_of(hit.triangle).is_none_or(|texture| uv().is_none_or(|uv| texture.is_there(uv)))
+    /// Whether the triangle has a surface at a place, seen by the sample.
+    fn is_there(&self, id: u32, bary: [f64; 2]) -> bool {
+        let threshold =
+            self.sample.map_or(Threshold::HALF, |(pixel, s)| Threshold::of_sample(pixel, id, (s.number, s.count)));
+        self.mesh.is_there(id, bary, threshold)
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::region::Region;
 use crate::camera::Camera;
+use crate::camera::exposure::Sample;
 use crate::geometry::load::Object;
 use crate::input::{Error, Result};
 use glam::DVec2;
@@ -67,10 +68,10 @@ impl Composition {
     }
 
     /// The same with every pixel's place moved.
-    pub fn with_sample_offset(&self, (dx, dy): (f64, f64)) -> Composition {
+    pub fn with_sample_offset(&self, (dx, dy): (f64, f64), sample: Option<Sample>) -> Composition {
         let mut moved = Composition { place: DVec2::new(0.5 + dx, 0.5 + dy), ..self.clone() };
         for member in &mut moved.members {
-            member.camera = Arc::new(member.camera.with_sample_offset(dx, dy));
+            member.camera = Arc::new(Camera { sample, ..member.camera.with_sample_offset(dx, dy) });
         }
         moved
     }

@@ -62,8 +62,8 @@ pub struct Resident {
     grid: Option<Arc<Grid>>,
 }
 
-/// How an image is wrapped, its cutoff, its page, and its origin there.
-type AlphaMask = (u32, f32, u32, [u32; 2]);
+/// How an image is wrapped, its cutoff and its blended material's opacity, its page, and its origin there.
+type AlphaMask = (u32, (f32, Option<f32>), u32, [u32; 2]);
 
 pub struct ChunkOnDevice {
     pub buffers: Buffers,
@@ -252,7 +252,10 @@ impl Resident {
         if let Some(volume) = scene.volume.as_ref().filter(|_| plan.variant.volume.is_some()) {
             self.upload_volume(gpu, volume, scene, plan)?;
         }
-        let masks = materials.iter().map(|m| (m.cutoff > 0.0).then_some((m.texture, m.cutoff, m.page, m.origin)));
+        let masks = materials.iter().map(|m| {
+            let blend = (m.is_blended == 1).then_some(m.opacity);
+            (m.cutoff > 0.0 || blend.is_some()).then_some((m.texture, (m.cutoff, blend), m.page, m.origin))
+        });
         let masks = (pages, masks.collect());
         let keeps_masks = self.alpha_masks.0.has_the_images_of(&masks.0) && self.alpha_masks.1 == masks.1;
         self.alpha_masks = masks;

@@ -215,7 +215,7 @@ pub fn params(
         scene_size: plan.scene_size as f32,
         raster_budget,
         steps: plan.steps,
-        pad2: 0,
+        sample: camera.sample.map_or(0, |sample| sample.count | sample.number << 16),
         t_min: split3(camera.t_range[0]),
         t_max: split3(camera.t_range[1]),
         t_words: f64_pair_bits(camera.t_range),

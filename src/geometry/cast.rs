@@ -14,7 +14,7 @@ pub use exactly::ExactCaster;
 
 use super::bvh::{Aabb, Bvh, NONE};
 use super::mesh::Mesh;
-use super::texture::Texture;
+use super::opacity::Threshold;
 use crate::parallel;
 pub use ball::Ball;
 use corners::Corners;
@@ -179,11 +179,8 @@ fn hierarchy(mesh: &Mesh) -> Bvh {
 
 /// Whether the triangle or sphere of a hit shows that face, and has no hole there; `facing` is below 0 at its front.
 fn shows(mesh: &Mesh, hit: &Hit, facing: f64) -> bool {
-    let material = mesh.material_of.get(hit.triangle as usize).and_then(|m| mesh.materials.get(*m as usize));
-    let shows = facing < 0.0 || material.is_none_or(|m| m.two_sided);
-    let mask = material.and_then(|m| m.texture.as_ref()).filter(|t| t.has_alpha_mask());
-    let is_there = |mask: &Texture| mesh.uv_at(hit.triangle, hit.bary).is_none_or(|uv| mask.is_there(uv));
-    shows && mask.is_none_or(is_there)
+    let shows = facing < 0.0 || mesh.material(hit.triangle).is_none_or(|m| m.two_sided);
+    shows && mesh.is_there(hit.triangle, hit.bary, Threshold::HALF)
 }
 
 /// The nearer hit; the lower id among equals.

@@ -75,7 +75,7 @@ pub fn load(
 fn parse(bytes: &[u8], access: FileAccess, images: &Images, animation: Option<&AnimationSpec>) -> Result<Mesh> {
     let source = Source::parse(bytes, access)?;
     let pose = animation.map(|animation| Pose::at(&source, animation)).transpose()?;
-    let mut builder = Builder::new(&source, pose, images.read);
+    let mut builder = Builder::new(&source, pose, images);
     builder.place_scene()?;
     builder.hang_images(access)?;
     builder.list_unread();
@@ -125,21 +125,26 @@ struct Builder<'a> {
     /// The nodes at a time of an animation; `None`: as the file places them.
     pose: Option<Pose>,
     read: ImagesRead,
+    /// Materials of the mode `BLEND` are blended.
+    blends: bool,
     mesh: Mesh,
     default_is_used: bool,
     /// Number of triangles whose vertices fade within an image, by material.
     faded: BTreeMap<usize, usize>,
+    /// The mean opacity of `COLOR_0` of each triangle of a blended material, in steps of 1/255; the triangles after the last are opaque.
+    opacities: Vec<u8>,
     /// So many vertices need no other look at how much memory is free.
     unchecked_vertices: usize,
 }
 
 impl<'a> Builder<'a> {
-    fn new(source: &'a Source, pose: Option<Pose>, read: ImagesRead) -> Self {
-        let materials =
-            source.document.materials().zip(&source.kept.materials).map(|(m, kept)| look::material(&m, kept)).collect();
+    fn new(source: &'a Source, pose: Option<Pose>, images: &Images) -> Self {
+        let (read, blends) = (images.read, images.blends);
+        let materials = source.document.materials().zip(&source.kept.materials);
+        let materials = materials.map(|(m, kept)| look::material(&m, kept, blends)).collect();
         let mesh = Mesh { materials, ..Mesh::default() };
-        let (default_is_used, faded, unchecked_vertices) = (false, BTreeMap::new(), 1 << 20);
-        Builder { source, pose, read, mesh, default_is_used, faded, unchecked_vertices }
+        let (default_is_used, faded, opacities, unchecked_vertices) = (false, BTreeMap::new(), Vec::new(), 1 << 20);
+        Builder { source, pose, read, blends, mesh, default_is_used, faded, opacities, unchecked_vertices }
     }
 
     fn finish(mut self) -> Result<Mesh> {
@@ -151,6 +156,7 @@ impl<'a> Builder<'a> {
             let diffuse = if self.mesh.colors.is_empty() { Material::default().diffuse } else { [1.0; 3] };
             self.mesh.materials.push(Material { diffuse, two_sided: false, ..Material::default() });
         }
+        self.fade_materials();
         if self.mesh.corner_normals.iter().flatten().all(|&n| n == NO_NORMAL) {
             self.mesh.normals = Vec::new();
             self.mesh.corner_normals = Vec::new();
@@ -251,6 +257,7 @@ impl<'a> Builder<'a> {
         self.mesh.corner_normals.extend(triangles.iter().map(|t| t.map_each(normal_of)));
         let colors = self.read_colors(primitive, count)?;
         let is_there = self.visible(primitive, &triangles, colors.as_deref());
+        self.take_opacities(primitive, &triangles, colors.as_deref());
         let placed = triangles.iter().enumerate().map(|(k, t)| match is_there(k) {
             true => t.map_each(|corner| base + corner),
             // without area, so that it keeps its id

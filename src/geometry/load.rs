@@ -1,6 +1,6 @@
 //! Loading the meshes of a scene: read or generated, with their materials, and placed in the world.
 
-use super::mesh::{Material, Mesh, Missing, NO_COLOR, Part};
+use super::mesh::{HALF, Material, Mesh, Missing, NO_COLOR, NO_UV, Part};
 use super::parts::separate;
 use super::place::STRETCHES;
 use super::spec::{AnimationSpec, MeshSource, MeshSpec, TextureSpec};
@@ -70,6 +70,7 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images, lo
     let files = if spec.outside_files { gltf::Files::Anywhere } else { gltf::Files::Below };
     // what it says itself goes before what its file says
     let of_file = if spec.texture == TextureSpec::OfFile && spec.color.is_none() { &mut *images } else { &mut none };
+    of_file.blends = spec.blend;
 
     let mut mesh = match &spec.source {
         MeshSource::Builtin(builtin) => generate::generate(builtin, loading.limits())?,
@@ -108,17 +109,23 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images, lo
             let name = spec.called();
             return Err(Error::input(format!("mesh {name}: has no texture coordinates; leave texture out")));
         }
+        let cutoff = if spec.blend { Some(HALF) } else { *cutoff };
         let texture = match images.read.reads(cutoff.is_some()) {
-            true => Some(Texture { cutoff: *cutoff, ..Texture::new(images.load(file, loading)?) }),
+            true => Some(Texture { cutoff, ..Texture::new(images.load(file, loading)?) }),
             false => None,
         };
         for material in &mut mesh.materials {
             material.texture.clone_from(&texture);
+            material.blend = spec.blend.then_some(1.0);
             material.diffuse = spec.color.unwrap_or([1.0; 3]);
         }
         mesh.repeat_uvs(repeat.as_vec2());
     }
     light_unlit(&mut mesh, images.read);
+    if mesh.is_blended() && mesh.corner_uvs.is_empty() {
+        // kernels look up opacities where they find texture coordinates
+        mesh.corner_uvs = vec![[NO_UV; 3]; mesh.triangles.len()];
+    }
     Ok(mesh)
 }
 
@@ -137,6 +144,7 @@ fn light_unlit(mesh: &mut Mesh, read: ImagesRead) {
             let plain = Material {
                 name: std::mem::take(&mut material.name),
                 two_sided: material.two_sided,
+                blend: material.blend,
                 ..Material::default()
             };
             *material = Material { diffuse: [0.0; 3], emissive: shines, ..plain };

@@ -1,5 +1,6 @@
 //! Triangles and spheres as every loader and generator returns them, in f64.
 
+use super::opacity::Threshold;
 use super::pattern::Pattern;
 use super::texture::Texture;
 use crate::arrays::MapEach;
@@ -19,6 +20,9 @@ pub const NO_UV: u32 = u32::MAX;
 
 /// Marks a corner without a colour in [`Mesh::corner_colors`].
 pub const NO_COLOR: u32 = u32::MAX;
+
+/// The least opacity of a surface whose file or key says no other.
+pub const HALF: f32 = 0.5;
 
 /// Triangles over shared positions. Triangle `k` of the mesh is triangle `k` in file order, so ids
 /// follow from the position in `triangles` alone. A sphere takes the place of a triangle there: its three corners are its centre, so that
@@ -203,10 +207,38 @@ impl Mesh {
         self.materials.iter().any(|m| m.pattern.is_some())
     }
 
-    /// Whether some texture is an alpha mask.
+    /// Whether some material is not there everywhere on its triangles.
     pub fn has_alpha_masks(&self) -> bool {
-        let is_masked = |m: &Material| m.texture.as_ref().is_some_and(Texture::has_alpha_mask);
-        !self.corner_uvs.is_empty() && self.materials.iter().any(is_masked)
+        !self.corner_uvs.is_empty() && self.materials.iter().any(Material::has_alpha)
+    }
+
+    /// Whether some material is blended.
+    pub fn is_blended(&self) -> bool {
+        self.materials.iter().any(|m| m.blend.is_some())
+    }
+
+    /// Whether a triangle may have holes, by its material's mask or because it is blended.
+    pub fn has_alpha(&self, triangle: u32) -> bool {
+        let is_placed = |m: &Material| m.blend.is_some() || self.uvs_of(triangle as usize).is_some();
+        self.material(triangle).is_some_and(|m| m.has_alpha() && is_placed(m))
+    }
+
+    /// Whether a triangle has a surface at a place; where it is blended, whether a ray of this threshold sees it.
+    pub fn is_there(&self, triangle: u32, bary: [f64; 2], threshold: Threshold) -> bool {
+        let Some(material) = self.material(triangle).filter(|m| m.has_alpha()) else { return true };
+        let texture = material.texture.as_ref().filter(|t| t.has_alpha_mask());
+        let placed = texture.and_then(|texture| Some((texture, self.uv_at(triangle, bary)?)));
+        match (material.blend, placed) {
+            (None, Some((texture, uv))) => texture.is_there(uv),
+            (None, None) => true,
+            (Some(factor), Some((texture, uv))) => threshold.is_reached_by(texture.at(uv)[3] as f32 * factor),
+            (Some(factor), None) => threshold.is_reached_by(factor),
+        }
+    }
+
+    /// The material of a triangle; `None`: the default one.
+    pub fn material(&self, triangle: u32) -> Option<&Material> {
+        self.material_of.get(triangle as usize).and_then(|m| self.materials.get(*m as usize))
     }
 }
 
@@ -236,6 +268,8 @@ pub struct Material {
     pub diffuse: [f32; 3],
     /// Texture that multiplies the colour, on triangles with texture coordinates.
     pub texture: Option<Texture>,
+    /// A blended material's opacity in [0, 1], by which its image's is multiplied; `None`: the image's cutoff says where there is a surface.
+    pub blend: Option<f32>,
     /// Specular reflectance at normal incidence, linear RGB; 0: a matte surface.
     pub specular: [f32; 3],
     /// Roughness of the microfacets, in [0, 1].
@@ -265,6 +299,11 @@ impl Material {
         (self.roughness * self.roughness).max(ALPHA_MIN)
     }
 
+    /// Whether there may be places without a surface.
+    pub fn has_alpha(&self) -> bool {
+        self.blend.is_some() || self.texture.as_ref().is_some_and(Texture::has_alpha_mask)
+    }
+
     /// Whether it is shinier than matte, or emits light.
     pub fn is_glossy(&self) -> bool {
         self.specular != [0.0; 3] || self.metallic > 0.0 || self.emissive != [0.0; 3]
@@ -280,6 +319,7 @@ impl Default for Material {
             name,
             diffuse,
             texture: None,
+            blend: None,
             specular: black,
             roughness,
             metallic,

@@ -52,6 +52,11 @@ pub fn load(path: &Path, images: &mut Images, loading: &Loading) -> Result<Mesh>
                 true => map.with_images(|image| images.find(image, loading), &mut mesh.missing, loading.limits())?,
                 false => map.without_images(loading),
             };
+            if images.blends {
+                material.blend = map.blend();
+            } else if images.read == ImagesRead::All {
+                mesh.missing.extend(map.unblended());
+            }
         }
     }
     Ok(mesh)

@@ -34,6 +34,8 @@ pub struct MeshSpec {
     pub two_sided: Option<bool>,
     /// The nodes or groups of its file are objects with names of their own.
     pub has_parts: bool,
+    /// Materials with an opacity are blended, by samples.
+    pub blend: bool,
     /// Corners without a normal get vertex normals.
     pub smooth: bool,
     /// Linear RGB in [0, 1] for the whole mesh, without the images and colours of its file; `None` keeps the source's materials.
@@ -123,6 +125,7 @@ impl MeshSpec {
             places: None,
             two_sided: Some(true),
             has_parts: false,
+            blend: false,
             smooth: false,
             outside_files: false,
             animation: None,
@@ -157,13 +160,14 @@ impl MeshSpec {
 }
 
 /// The keys that every mesh may have, whatever its source.
-const PLACING: [&str; 14] = [
+const PLACING: [&str; 15] = [
     "name",
     "translate",
     "rotate",
     "scale",
     "places",
     "two_sided",
+    "blend",
     "smooth",
     "color",
     "texture",
@@ -192,7 +196,7 @@ pub(crate) fn read_look(field: &Field) -> Result<MeshSpec> {
 }
 
 /// Keys of meshes that spheres do not have.
-const OF_TRIANGLES: [&str; 2] = ["smooth", "texture"];
+const OF_TRIANGLES: [&str; 3] = ["blend", "smooth", "texture"];
 
 /// `[[spheres]]`.
 pub(crate) fn read_spheres(field: &Field) -> Result<MeshSpec> {
@@ -216,6 +220,7 @@ fn read_keys(table: &Table, source: MeshSource) -> Result<MeshSpec> {
         places: table.optional("places", Places::read)?,
         two_sided: table.or("two_sided", Some(true), read_sides)?,
         has_parts: table.or("objects", false, read_objects)?,
+        blend: table.or("blend", false, Field::boolean)?,
         smooth: table.or("smooth", false, Field::boolean)?,
         color: table.optional("color", Field::color)?,
         texture: table.or("texture", TextureSpec::OfFile, read_texture)?,

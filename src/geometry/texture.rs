@@ -180,6 +180,8 @@ impl ImagesRead {
 pub struct Images {
     known: HashMap<PathBuf, Arc<Texels>>,
     pub read: ImagesRead,
+    /// Materials with an opacity are blended; otherwise they are there where it reaches their cutoff.
+    pub blends: bool,
 }
 
 impl Images {

@@ -173,7 +173,7 @@ pub struct Params {
     pub scene_size: f32,
     pub raster_budget: f32,
     pub steps: u32,
-    pub pad2: u32,
+    pub sample: u32,
     pub t_min: [f32; 4],
     pub t_max: [f32; 4],
     pub t_words: [u32; 4],
@@ -317,6 +317,10 @@ pub struct Material {
     pub pattern: u32,
     pub pattern_dark: [f32; 3],
     pub pattern_size: f32,
+    pub opacity: f32,
+    pub is_blended: u32,
+    pub pad0: u32,
+    pub pad1: u32,
 }
 
 /// Lines and strokes, see the WGSL.

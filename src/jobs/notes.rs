@@ -86,6 +86,12 @@ pub fn coarse_positions(scene: &Scene) -> Option<String> {
     })
 }
 
+/// The line about blended surfaces in a picture of one sample, which shows them as opaque or not at all.
+pub fn unblended(scene: &Scene, samples: u32) -> Option<String> {
+    let line = "blend = true needs samples: one sample shows surfaces that are at least half opaque; add --samples 64";
+    (samples == 1 && scene.mesh.is_blended()).then(|| line.into())
+}
+
 /// A point to a thousandth.
 fn short(p: DVec3) -> String {
     let [x, y, z] = p.to_array().map_each(|x| (x * 1e3).round() / 1e3 + 0.0);

@@ -200,13 +200,16 @@ impl Work {
         self.job.channels.is_some() && self.files.exr.is_none()
     }
 
-    /// Notes for the user about a frame, a line each: nothing is hit, or positions are coarse.
+    /// Notes for the user about a frame, a line each: nothing is hit, positions are coarse, or blending lacks samples.
     #[cfg(feature = "cli")]
     pub fn notes(&self, seen: &Seen) -> Vec<String> {
         let Rendered { frame, srgb8, .. } = &seen.rendered;
         let has_positions = self.files.exr.is_some() && self.asked.iter().any(|c| Channel::named("P").contains(c));
         let coarse = has_positions.then(|| notes::coarse_positions(&self.scene)).flatten();
-        notes::nothing_hit(&self.scene, &self.camera, frame, srgb8.as_deref()).into_iter().chain(coarse).collect()
+        let is_colored = srgb8.is_some() || self.asked.iter().any(|c| [Channel::R, Channel::G, Channel::B].contains(c));
+        let unblended = is_colored.then(|| notes::unblended(&self.scene, self.job.samples)).flatten();
+        let empty = notes::nothing_hit(&self.scene, &self.camera, frame, srgb8.as_deref());
+        empty.into_iter().chain(coarse).chain(unblended).collect()
     }
 
     /// Missing files and attributes that mesh files refer to.

@@ -88,7 +88,7 @@ impl Reference<'_> {
     /// Both triangles have the same three corners, or both spheres are the same: wherever one is hit, so is the other.
     fn hides_twin(&self, seen: u32, other: u32) -> bool {
         let same_size = self.mesh.radius(seen) == self.mesh.radius(other);
-        self.mask_of(seen).is_none() && same_size && self.corners(seen).v == self.corners(other).v
+        !self.mesh.has_alpha(seen) && same_size && self.corners(seen).v == self.corners(other).v
     }
 
     /// A curve crosses the surface of a hit at so small an angle that t is uncertain by more than [`super::GAP`].
@@ -131,7 +131,7 @@ impl Reference<'_> {
                     let m = Meeting { t, sign, bary };
                     let seen = m.sign < 0 || self.two_sided(id);
                     let hit = Hit { t: m.t, triangle: id, bary: m.bary };
-                    if seen && range[0] <= m.t && m.t <= range[1] && self.is_there(&hit) {
+                    if seen && range[0] <= m.t && m.t <= range[1] && self.is_there(hit.triangle, hit.bary) {
                         limits[k] = limits[k].min(visit(k, hit));
                     }
                 }

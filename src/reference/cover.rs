@@ -44,7 +44,7 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
         let mut depth = Depth::over_box(bundle, &beam, &n.corners, reference.scene_size);
         let in_range = depth.take_ends(bundle, &n.corners, t_range, reference.scene_size);
         let set = sets.root(k);
-        open[set] |= !in_range || reference.mask_of(n.id).is_some();
+        open[set] |= !in_range || reference.mesh.has_alpha(n.id);
     }
     let perturbed = bundle.perturbed(reference.scene_size).0;
     let mut count = vec![0_i32; nearby.len()];

@@ -30,7 +30,7 @@ pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> Explained {
     }
     let (scene, camera) = (&*scene.with_optics(camera), &*own_for_few(camera));
     let path = Path::of_pixel(camera, i, j);
-    let reference = Reference::of_scene(scene).at(scene.moment(camera, (i, j)));
+    let reference = Reference::of_scene(scene).at_pixel(scene, camera, (i, j));
     let finding = reference.finding(camera, &path, (i, j));
     let shown = reference.shown_by(camera, &finding, path);
     let mut text = format!("pixel {i},{j}\n");

@@ -162,14 +162,14 @@ impl<'a> CameraView<'a> {
 
     pub fn values(&self, i: u32, j: u32) -> PixelValues {
         let path = Path::of_pixel(self.camera, i, j);
-        let reference = self.reference.at(self.scene.moment(self.camera, (i, j)));
+        let reference = self.reference.at_pixel(self.scene, self.camera, (i, j));
         let shown = reference.shown(self.camera, path);
         self.shown(&reference, &shown, (i, j))
     }
 
     pub fn judged(&self, i: u32, j: u32) -> Judged {
         let path = Path::of_pixel(self.camera, i, j);
-        let reference = self.reference.at(self.scene.moment(self.camera, (i, j)));
+        let reference = self.reference.at_pixel(self.scene, self.camera, (i, j));
         let finding = reference.finding(self.camera, &path, (i, j));
         let shown = reference.shown_by(self.camera, &finding, path);
         let scale = (self.extent / shown.path.speed(shown.seen.as_ref())) as f32;

@@ -131,11 +131,13 @@ impl Reference<'_> {
 
     /// The opaque part of a triangle in the box. Holes are *sampled*, as curves are, see [`super::finding`].
     fn presence(&self, bundle: &Bundle, id: u32, corners: &Corners) -> Presence {
-        let Some(texture) = self.mask_of(id) else { return Presence::Everywhere };
+        if !self.mesh.has_alpha(id) {
+            return Presence::Everywhere;
+        }
         let is_there = |(x, y): &&(f64, f64)| {
             let ray = bundle.ray(x * MARGIN_PX, y * MARGIN_PX);
             let bary = corners.weights_on_plane(ray.origin, ray.direction);
-            self.mesh.uv_at(id, bary).is_none_or(|uv| texture.is_there(uv))
+            self.is_there(id, bary)
         };
         match PLACES.iter().filter(is_there).count() {
             0 => Presence::Nowhere,

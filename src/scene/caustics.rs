@@ -150,8 +150,9 @@ impl Caustics {
             *material = Material {
                 diffuse: [1.0 / crate::scene::light::AMBIENT; 3],
                 two_sided: material.two_sided,
-                // light passes where it is masked
+                // light passes where it is masked, or less than half opaque
                 texture: material.texture.as_ref().filter(|t| t.has_alpha_mask()).map(Texture::white),
+                blend: material.blend,
                 ..Material::default()
             };
         }

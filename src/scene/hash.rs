@@ -62,6 +62,9 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
         if let Some(texture) = material.texture.as_ref().filter(|texture| texture.has_alpha_mask()) {
             image(&mut h, texture);
         }
+        if let Some(opacity) = material.blend {
+            h.number(f64::from(opacity));
+        }
         if let Some(pattern) = material.pattern {
             h.word(pattern.kind as u64);
             h.number(pattern.size);

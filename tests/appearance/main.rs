@@ -5,6 +5,7 @@ mod common;
 #[path = "../common/pictures.rs"]
 mod pictures;
 
+mod blend;
 mod caustics;
 mod decided;
 mod gloss;

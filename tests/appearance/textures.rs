@@ -69,7 +69,7 @@ fn floor(size: f64, height: f64, repeat: f32, texture: Texture) -> Scene {
 }
 
 /// Every kind of rays, from above the floor.
-fn families(size: (u32, u32)) -> Vec<(&'static str, Camera)> {
+pub fn families(size: (u32, u32)) -> Vec<(&'static str, Camera)> {
     let of = |text: &str| camera_of("", size, text).unwrap();
     let look = "eye = [0.3, 0.9, 3]\ntarget = [0, -0.4, 0]";
     let pinhole = format!("{look}\nvfov = 50");
@@ -489,7 +489,7 @@ fn texture_coordinates_are_a_channel() {
 }
 
 /// Large squares and small triangles at all angles, with rings cut out of them.
-fn masked_shapes() -> Scene {
+pub fn masked_shapes() -> Scene {
     let ring = |x: u32, y: u32| {
         let [x, y] = [x, y].map(|k| (f64::from(k) + 0.5) / 32.0 - 0.5);
         let off = (x * x + y * y).sqrt();

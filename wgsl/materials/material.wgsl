@@ -18,4 +18,8 @@ struct Material {
     pattern: u32,
     pattern_dark: vec3<f32>,
     pattern_size: f32,          // world units
+    opacity: f32,           // of a blended material: the factor of its image's
+    is_blended: u32,        // 1: samples see it by its opacity, whatever the cutoff
+    pad0: u32,
+    pad1: u32,
 }

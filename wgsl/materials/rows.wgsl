@@ -3,7 +3,7 @@
 // Needs: Material, table_texel
 // Binds: materials, surfaces
 
-const MATERIAL_ROWS: u32 = 7u;
+const MATERIAL_ROWS: u32 = 8u;
 
 fn material_row(index: u32, k: u32) -> vec4<u32> {
     return textureLoad(materials, table_texel(MATERIAL_ROWS * index + k), 0);
@@ -17,10 +17,12 @@ fn material_at(index: u32) -> Material {
     let emissive = material_row(index, 4u);
     let light = material_row(index, 5u);
     let dark = material_row(index, 6u);
+    let blend = material_row(index, 7u);
     return Material(
         bitcast<vec3<f32>>(diffuse.xyz), diffuse.w, image.xy, image.zw, levels.x, levels.y, levels.z, bitcast<f32>(levels.w),
         bitcast<vec3<f32>>(specular.xyz), bitcast<f32>(specular.w), bitcast<vec3<f32>>(emissive.xyz), bitcast<f32>(emissive.w),
         bitcast<vec3<f32>>(light.xyz), light.w, bitcast<vec3<f32>>(dark.xyz), bitcast<f32>(dark.w),
+        bitcast<f32>(blend.x), blend.y, 0u, 0u,
     );
 }
 

@@ -1,7 +1,7 @@
 // The hits of a pair's triangle, merged into the visibility buffer.
 // Provides: COUNTING, merge_hits
 // Needs: Bundle, COUNT_FRAGMENTS_KEPT, Cell, ONE_SIDED, TILE, cell_depth, first_bit, merge, pixel_depth, real, real3, start_of,
-//   tile_corner, tile_layer, triangle_id, triangle_reversed, visibility_key, without_bit
+//   take_place, tile_corner, tile_layer, triangle_id, triangle_reversed, visibility_key, without_bit
 // Binds: counters, params, step
 
 override COUNTING: bool = false;
@@ -20,8 +20,10 @@ fn merge_hits(cell: Cell, slot: u32, triangle: vec4<u32>, whole: Bundle, v: arra
     loop {
         let bit = first_bit(covered);
         covered = without_bit(covered, bit);
+        let place = corner + vec2<u32>(bit % TILE, bit / TILE);
+        take_place(place);
         let meeting = pixel_depth(depth, cell, bit % TILE, bit / TILE);
-        let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
+        let pixel = place.y * params.width + place.x;
         if meeting.visible && start_of(pixel) != id {
             merge(pixel, ~visibility_key(layer, meeting.t, id));
             kept++;

@@ -69,7 +69,7 @@ struct Params {
     scene_size: f32,        // by which rays are perturbed (perturb.wgsl); 0 for rays that are not
     raster_budget: f32,     // what raster may still cost before trace takes over
     steps: u32,             // time steps of each vertex
-    pad2: u32,
+    sample: u32,            // the number of samples, and in the upper half the number of this one; 0: rays through pixel centers
     t_min: vec4<f32>,       // ends of t_range, each the exact sum of three
     t_max: vec4<f32>,
     t_words: vec4<u32>,     // both as f64, low words first

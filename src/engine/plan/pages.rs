@@ -140,6 +140,10 @@ impl Pages {
             pattern: material.pattern.map_or(0, |p| p.kind as u32),
             pattern_dark: material.pattern.map_or([1.0; 3], |p| p.dark),
             pattern_size: material.pattern.map_or(1.0, |p| p.size as f32),
+            opacity: material.blend.unwrap_or(1.0),
+            is_blended: material.blend.is_some().into(),
+            pad0: 0,
+            pad1: 0,
         };
         let placed = self.image_of.get(index).copied().flatten().map(|k| &self.images[k]);
         let (Some(placed), Some(texture)) = (placed, &material.texture) else { return plain };

@@ -12,14 +12,14 @@ use gltf::texture::{Info, WrappingMode};
 use super::Builder;
 use super::json::{MaterialParts, is_read};
 use super::source::{FileAccess, Found, Source};
-use crate::geometry::mesh::{DIELECTRIC, Material, Missing, NO_UV};
+use crate::geometry::mesh::{DIELECTRIC, HALF, Material, Mesh, Missing, NO_UV};
 use crate::geometry::texture::{Absent, ImagesRead, Texels, Texture, Wrap, decode, unread_format};
 use crate::input::{Error, Result};
 
-/// A material without its images.
-pub(super) fn material(from: &gltf::Material, kept: &MaterialParts) -> Material {
+/// A material without its images; with `blends` one of the mode `BLEND` is blended.
+pub(super) fn material(from: &gltf::Material, kept: &MaterialParts, blends: bool) -> Material {
     let pbr = from.pbr_metallic_roughness();
-    let [r, g, b, _] = pbr.base_color_factor();
+    let [r, g, b, opacity] = pbr.base_color_factor();
     // what images say of these two is not read
     let has_image = pbr.metallic_roughness_texture().is_some();
     Material {
@@ -32,6 +32,7 @@ pub(super) fn material(from: &gltf::Material, kept: &MaterialParts) -> Material 
             Some(_) => [0.0; 3],
             None => from.emissive_factor().map_each(|c| (c * kept.emissive_strength).clamp(0.0, f32::MAX)),
         },
+        blend: (blends && from.alpha_mode() == AlphaMode::Blend).then_some(opacity.clamp(0.0, 1.0)),
         two_sided: from.double_sided(),
         is_unlit: kept.is_unlit,
         ..Material::default()
@@ -43,8 +44,15 @@ fn cutoff(material: &gltf::Material) -> Option<f32> {
     match material.alpha_mode() {
         AlphaMode::Opaque => None,
         AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)),
-        AlphaMode::Blend => Some(0.5),
+        AlphaMode::Blend => Some(HALF),
     }
+}
+
+/// The mean opacity of a triangle's vertices.
+fn mean_opacity(colors: Option<&[[f32; 4]]>, triangle: &[u32; 3]) -> f64 {
+    let of = |corner: u32| colors.map_or(1.0, |c| f64::from(c[corner as usize][3]));
+    // three equal f32 numbers have a sum that f64 holds, so that their mean is that number
+    (of(triangle[0]) + of(triangle[1]) + of(triangle[2])) / 3.0
 }
 
 impl Builder<'_> {
@@ -58,12 +66,9 @@ impl Builder<'_> {
         let material = primitive.material();
         let pbr = material.pbr_metallic_roughness();
         let factor = f64::from(pbr.base_color_factor()[3]);
-        let least = cutoff(&material).filter(|_| self.read != ImagesRead::None).map(f64::from);
-        let opacity = |t: &[u32; 3]| {
-            let of = |corner: u32| colors.map_or(1.0, |c| f64::from(c[corner as usize][3]));
-            // three equal f32 numbers have a sum that f64 holds, so that their mean is that number
-            (of(t[0]) + of(t[1]) + of(t[2])) / 3.0
-        };
+        let is_cut = self.read != ImagesRead::None && !self.is_blended(&material);
+        let least = cutoff(&material).filter(|_| is_cut).map(f64::from);
+        let opacity = |t: &[u32; 3]| mean_opacity(colors, t);
         let is_there: Vec<bool> = match least {
             Some(least) => triangles.iter().map(|t| factor * opacity(t) >= least).collect(),
             None => Vec::new(),
@@ -75,6 +80,38 @@ impl Builder<'_> {
             }
         }
         move |k| is_there.get(k).copied().unwrap_or(true)
+    }
+
+    fn is_blended(&self, material: &gltf::Material) -> bool {
+        self.blends && material.alpha_mode() == AlphaMode::Blend
+    }
+
+    /// Takes the opacities of `COLOR_0` at the triangles of a primitive that come next, if its material is blended.
+    pub(super) fn take_opacities(
+        &mut self,
+        primitive: &Primitive,
+        triangles: &[[u32; 3]],
+        colors: Option<&[[f32; 4]]>,
+    ) {
+        if colors.is_some() && self.is_blended(&primitive.material()) {
+            self.opacities.resize(self.mesh.triangles.len(), u8::MAX);
+            let steps = |t| (255.0 * mean_opacity(colors, t)).round() as u8;
+            self.opacities.extend(triangles.iter().map(steps));
+        }
+    }
+
+    /// Gives triangles of blended materials that `COLOR_0` makes less opaque a copy of their material with that opacity.
+    pub(super) fn fade_materials(&mut self) {
+        let mut copies = HashMap::new();
+        let Mesh { materials, material_of, .. } = &mut self.mesh;
+        for (material, opacity) in material_of.iter_mut().zip(&self.opacities).filter(|(_, o)| **o != u8::MAX) {
+            *material = *copies.entry((*material, *opacity)).or_insert_with(|| {
+                let plain = &materials[*material as usize];
+                let blend = plain.blend.map(|factor| factor * f32::from(*opacity) / 255.0);
+                materials.push(Material { blend, ..plain.clone() });
+                materials.len() as u32 - 1
+            });
+        }
     }
 
     fn leave_out(&mut self, what: impl Into<String>, why: impl Into<String>) {
@@ -114,11 +151,11 @@ impl Builder<'_> {
             let name = material.name().unwrap_or_default();
             kept.unread.iter().for_each(|part| unread.entry(part).or_default().push(name));
             let opacity = material.pbr_metallic_roughness().base_color_factor()[3];
-            if material.alpha_mode() == AlphaMode::Blend && 0.0 < opacity && opacity < 1.0 {
-                let drawn = if opacity >= 0.5 { "it is drawn opaque" } else { "below 0.5 it is not drawn" };
+            if material.alpha_mode() == AlphaMode::Blend && !self.blends && 0.0 < opacity && opacity < 1.0 {
+                let drawn = if opacity >= HALF { "it is drawn opaque" } else { "below 0.5 it is not drawn" };
                 self.mesh.missing.push(Missing {
                     what: format!("transparency of material {name:?}"),
-                    why: format!("its opacity is {opacity}; {drawn}"),
+                    why: format!("its opacity is {opacity}; {drawn} without blend = true"),
                 });
             }
         }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::Vec2;
 
 use crate::geometry::lex::{Lines, Tokens, parse_f64, quoted, with_line_feeds};
-use crate::geometry::mesh::{Material, Missing};
+use crate::geometry::mesh::{HALF, Material, Missing};
 use crate::geometry::texture::{Absent, Texels, Texture, Wrap, with_opacity};
 use crate::input::{Error, Limits, Loading, Result};
 
@@ -17,6 +17,8 @@ pub struct Mapped {
     pub material: Material,
     /// Its diffuse colour is its image's.
     is_white: bool,
+    /// Its opacity in [0, 1], and the line that says so.
+    opacity: Option<(f32, String)>,
     map: Option<Map>,
     mask: Option<Map>,
 }
@@ -32,9 +34,6 @@ struct Map {
     offset: Vec2,
 }
 
-/// The least opacity at which a material with a mask is there.
-const CUTOFF: f32 = 0.5;
-
 impl Mapped {
     fn new(parsed: ParsedMaterial) -> Mapped {
         let material = Material {
@@ -47,7 +46,7 @@ impl Mapped {
             ..Material::default()
         };
         let is_white = parsed.diffuse.is_none() && parsed.map.is_some();
-        Mapped { material, is_white, map: parsed.map, mask: parsed.mask }
+        Mapped { material, is_white, opacity: parsed.opacity.or(parsed.unclear), map: parsed.map, mask: parsed.mask }
     }
 
     /// How texture coordinates lie in the image: times the scale, and moved.
@@ -58,6 +57,19 @@ impl Mapped {
     /// It has an alpha mask.
     pub fn is_masked(&self) -> bool {
         self.mask.is_some()
+    }
+
+    /// Its opacity for blending; `None`: it is opaque.
+    pub fn blend(&self) -> Option<f32> {
+        let opacity = self.opacity.as_ref().map_or(1.0, |own| own.0);
+        (opacity < 1.0 || self.is_masked()).then_some(opacity)
+    }
+
+    /// What is left out of it where it is not blended.
+    pub fn unblended(&self) -> Option<Missing> {
+        let (opacity, line) = self.opacity.as_ref().filter(|own| own.0 < 1.0)?;
+        let why = format!("{line}: its opacity is {opacity}; it is drawn opaque without blend = true");
+        Some(Missing { what: format!("transparency of material {:?}", self.material.name), why })
     }
 
     /// The material if its images are not read. As in [`Mapped::with_images`], it is white if only an image colours it.
@@ -103,7 +115,7 @@ impl Mapped {
         let wrap = |map: &Map| [if map.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2];
         let placed = self.map.as_ref().or(self.mask.as_ref());
         let Some(wrap_here) = placed.map(wrap) else { return Ok(material) };
-        let cutoff = mask.is_some().then_some(CUTOFF);
+        let cutoff = mask.is_some().then_some(HALF);
         let texels = match (colours, mask) {
             (colours, Some((mask, opacity))) => {
                 let offset = match &self.map {
@@ -164,7 +176,7 @@ pub(super) fn load(folder: &Path, libraries: &[&str], loading: &Loading) -> Resu
 }
 
 /// Parses MTL text: names; `Kd`, `Ks` and `Ke` as linear RGB, the first two clamped to [0, 1]; `Ns`, and `illum`, below 2 of which
-/// nothing shines; `map_Kd`, by whose image that is multiplied, and `map_d`, where
+/// nothing shines; `d`, or 1 - `Tr`, as opacity; `map_Kd`, by whose image that is multiplied, and `map_d`, where
 /// there is no surface, with their options `-clamp`, `-o` and `-s`; images lie relative to the folder of `file`. Materials with an image
 /// but no `Kd` are white, those with neither keep the default colour; a `Kd` given as a spectrum or in XYZ is skipped.
 ///
@@ -183,7 +195,7 @@ pub(super) fn parse(text: &[u8], file: &Path) -> Result<Vec<Mapped>> {
                 let name = tokens.name();
                 materials.push(ParsedMaterial { name, ..ParsedMaterial::default() });
             }
-            key @ (b"Kd" | b"Ks" | b"Ke" | b"Ns" | b"illum" | b"map_Kd" | b"map_d") => {
+            key @ (b"Kd" | b"Ks" | b"Ke" | b"Ns" | b"illum" | b"d" | b"Tr" | b"map_Kd" | b"map_d") => {
                 let key = String::from_utf8_lossy(key);
                 let Some(material) = materials.last_mut() else {
                     return Err(wrong(format!("{key} before the first newmtl; name the material first")));
@@ -201,6 +213,8 @@ pub(super) fn parse(text: &[u8], file: &Path) -> Result<Vec<Mapped>> {
                     "Ke" => material.emissive = colour(f64::from(f32::MAX))?.unwrap_or(material.emissive),
                     "Ns" => material.exponent = number()?,
                     "illum" => material.is_matte = number()? < 2.0,
+                    "d" => material.opacity = Some((parse_opacity(tokens.clone()).map_err(wrong)?, at.clone())),
+                    "Tr" => material.unclear = Some(((1.0 - number()?).clamp(0.0, 1.0) as f32, at.clone())),
                     "map_Kd" => material.map = map()?,
                     _ => material.mask = map()?,
                 }
@@ -222,6 +236,10 @@ struct ParsedMaterial {
     exponent: f64,
     /// Its model of light has no highlight.
     is_matte: bool,
+    /// By `d`, and the line that says so.
+    opacity: Option<(f32, String)>,
+    /// By `Tr`, which counts without `d` alone: some programs write `Tr` = `d`.
+    unclear: Option<(f32, String)>,
     map: Option<Map>,
     mask: Option<Map>,
 }
@@ -276,6 +294,14 @@ fn take_numbers(tokens: &mut Tokens) -> Vec<f32> {
         *tokens = ahead;
     }
     values
+}
+
+/// The opacity of `d`, which may follow `-halo`.
+fn parse_opacity(mut tokens: Tokens) -> std::result::Result<f32, String> {
+    if tokens.clone().next() == Some(b"-halo") {
+        tokens.next();
+    }
+    parse_number(tokens, "d").map(|opacity| opacity.clamp(0.0, 1.0) as f32)
 }
 
 fn parse_number(mut tokens: Tokens, key: &str) -> std::result::Result<f64, String> {
@@ -386,7 +412,7 @@ mod tests {
         let no_mask = "m.png: a.mtl:3: map_d: the file does not exist; nothing is masked".to_owned();
         assert_eq!(with(0, &[]), ([0.8; 3], None, vec![no_colour.clone(), no_mask.clone()]));
         assert_eq!(with(0, &["c.png"]), ([1.0; 3], Some(([0.25; 4], None)), vec![no_mask]));
-        assert_eq!(with(0, &["m.png"]), ([0.8; 3], Some(([1.0, 1.0, 1.0, 0.25], Some(CUTOFF))), vec![no_colour]));
+        assert_eq!(with(0, &["m.png"]), ([0.8; 3], Some(([1.0, 1.0, 1.0, 0.25], Some(HALF))), vec![no_colour]));
         let (diffuse, texture, missing) = with(1, &[]);
         assert_eq!((diffuse, texture, missing.len()), ([1.0, 0.0, 0.0], None, 1));
     }
