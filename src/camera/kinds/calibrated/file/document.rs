@@ -104,7 +104,9 @@ fn from_opencv(text: &str) -> String {
         let key = line.trim_start().trim_start_matches(is_of_key).len();
         let (key, rest) = line.split_at(line.len() - key);
         match rest.strip_prefix(':') {
-            Some(value) if !(key.trim().is_empty() || value.is_empty() || value.starts_with([' ', '\t', '\r', '\n'])) => {
+            Some(value)
+                if !(key.trim().is_empty() || value.is_empty() || value.starts_with([' ', '\t', '\r', '\n'])) =>
+            {
                 format!("{key}: {value}")
             }
             _ => line.into(),

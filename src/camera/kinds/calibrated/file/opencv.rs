@@ -139,7 +139,9 @@ fn of_tree(root: &Tree) -> Result<OpenCvFile> {
     let as_written = |why: String| format!("{NOT}: {why}");
     let need = |spellings: &[&str], name: &str| find(root, spellings).ok_or(as_written(format!("{name} is missing")));
     if let Some(file) = root.get("cam0_calib").and_then(Tree::text) {
-        return Err(format!("a configuration of VINS-Fusion, not a lens; use the file {file:?} that its cam0_calib names"));
+        return Err(format!(
+            "a configuration of VINS-Fusion, not a lens; use the file {file:?} that its cam0_calib names"
+        ));
     }
     let (name, matrix) = need(&MATRIX, "camera_matrix")?;
     let (rows, cols, data) = numbers(matrix, 3).map_err(|why| as_written(format!("{name}: {why}")))?;

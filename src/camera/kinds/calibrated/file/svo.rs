@@ -72,7 +72,9 @@ fn of_vikit(camera: &Tree) -> Result<Calibration> {
         }
         "PinholeAtan" => Model::field_of_view(d[0]),
         other => {
-            return Err(format!("cam_model: {other:?} is not known; use ATAN, Pinhole, or Pinhole with NoDistortion, RadialTangential, Equidistant or Atan"));
+            return Err(format!(
+                "cam_model: {other:?} is not known; use ATAN, Pinhole, or Pinhole with NoDistortion, RadialTangential, Equidistant or Atan"
+            ));
         }
     };
     Ok(Calibration::new(intrinsics(size, focal, centre)?, model))
