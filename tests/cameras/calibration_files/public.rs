@@ -28,8 +28,8 @@ fn public(origin: &'static str, size: [f64; 2], text: &'static str, project: fn(
     Public { origin, file: "camera.yaml", keys: "", size, text, project }
 }
 
-/// Places in each image: 48 x 36, evenly spread, of which at least 1,000 have a ray.
-const PLACES: (u32, u32) = (48, 36);
+/// Places in each image: 64 x 48, evenly spread, of which at least 1,000 have a ray.
+const PLACES: (u32, u32) = (64, 48);
 
 /// Largest error of a place. Places are under 2^13 px, which round to 2^-40 px, and the formulas amplify that by under 2^7.
 const PIXEL: f64 = 1.0 / (1u64 << 33) as f64;

@@ -18,12 +18,43 @@ fn files_that_are_known_and_not_read_are_named() {
         ("a.json", "{\"a\": ", "not a calibration: EOF"),
         ("a.txt", "hello", "not a calibration of a format that is read: COLMAP, "),
         ("a.yaml", "cam0:\n  camera_model: [pinhole\n", "(as YAML: "),
+        (
+            "a.yaml",
+            "%YAML:1.0\nimage_width: 752\nimage_height: 480\ncam0_calib: \"cam0_mei.yaml\"\n",
+            "a configuration of VINS-Fusion, not a lens; use the file \"cam0_mei.yaml\" that its cam0_calib names",
+        ),
+        (
+            "a.yaml",
+            "cam_model: PinholeAtan\ncam_width: 96\ncam_height: 64\ncam_fx: 0.5\ncam_fy: 0.8\ncam_cx: 0.5\ncam_cy: 0.5\ncam_d0: 0.9\n",
+            "cam_fx: 0.5: PinholeAtan has pixels; use ATAN for fractions of the image",
+        ),
         ("a.xmp", "<x:xmpmeta xmlns:x='adobe:ns:meta/'/>", "an XMP of RealityCapture"),
         ("a.csv", "#name,x,y,alt\na.jpg,1,2,3\n", "a list of RealityCapture's cameras"),
     ] {
         let error = in_file(file, text, POSE).unwrap_err();
         let said = error.to_string();
         assert!(error.exit_code() == 2 && said.contains(says) && !said.contains('\n'), "{text}: {said}");
+    }
+}
+
+#[test]
+fn a_file_of_omnidir_is_of_no_other_model() {
+    let text = "image_width: 96\nimage_height: 64\ncamera_matrix: [60, 0.5, 47.5, 0, 58, 31, 0, 0, 1]\n\
+                distortion_coefficients: [0.1, 0, 0, 0]\nxi: 0.9\n";
+    let folder = tempfile::tempdir().unwrap();
+    let read = |text: &str, keys: &str| {
+        std::fs::write(folder.path().join("cam.yml"), text).unwrap();
+        camera_in(folder.path(), &format!("kind = 'opencv'\nfile = 'cam.yml'\n{keys}{POSE}"), None)
+    };
+    assert!(read(text, "").is_ok());
+    for (text, keys, says) in [
+        (text, "model = 'brown'\n", "the file has xi, so it is of cv::omnidir"),
+        (&text.replace("0.1, 0, 0, 0", "0.1, 0, 0, 0, 0"), "", "5 distortion coefficients; cv::omnidir has 4"),
+        (&text.replace("xi: 0.9", "xi: [1, 2]"), "", "xi must be a finite number"),
+        (&text.replace("xi: 0.9\n", ""), "", "camera_matrix: must be [fx, 0, cx; 0, fy, cy; 0, 0, 1]"),
+    ] {
+        let error = read(text, keys).unwrap_err().to_string();
+        assert!(error.contains(says) && !error.contains('\n'), "{text}: {error}");
     }
 }
 

@@ -52,6 +52,21 @@ fn yaml_of_kalibr_euroc_svo_and_vikit_is_read() {
             ..NARROW
         },
         Case {
+            name: "vikit's pinhole without distortion",
+            text: vikit("PinholeNoDistortion", ["60", "58", "47.5", "31"], &[]),
+            project: |d| to_pixel([60.0, 58.0], [47.5, 31.0], flat(d)),
+            ..NARROW
+        },
+        Case {
+            name: "vikit's PinholeAtan",
+            text: vikit("PinholeAtan", ["60", "58", "47.5", "31"], &["0.9"]),
+            project: |d| {
+                let r = flat(d).length();
+                to_pixel([60.0, 58.0], [47.5, 31.0], flat(d) * ((2.0 * r * 0.45f64.tan()).atan() / (0.9 * r)))
+            },
+            ..NARROW
+        },
+        Case {
             // PTAM: fractions of the image, pixel centres at whole numbers
             name: "vikit's ATAN",
             text: vikit("ATAN", ["0.625", "0.90625", "0.5", "0.5"], &["0.9"]),
