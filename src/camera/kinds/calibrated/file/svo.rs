@@ -41,7 +41,7 @@ fn of_list(camera: &Tree) -> Result<Calibration> {
         .map_or(Ok(Vec::new()), |d| d.need_numbers("parameters"))?;
     let k = if name == "none" { &[] } else { &k[..] };
     let (kind, numbers) = (camera.need_text("type")?, camera.need_numbers("intrinsics")?);
-    // OCamCalib's polynomial, centre, and c, d, e; the inverse polynomial and the radii of the mask follow
+    // OCamCalib's polynomial, center, and c, d, e; the inverse polynomial and the radii of the mask follow
     if let ("omni", [heights @ .., cx, cy, c, d, e]) = (kind, &numbers[..numbers.len().min(10)])
         && numbers.len() == 24
     {
