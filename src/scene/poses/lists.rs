@@ -113,6 +113,62 @@ mod tests {
         assert_eq!(poses(&format!("0 0 1\n{two}\n")).unwrap().len(), 2);
     }
 
+    /// First lines of public lists: the eye is as written, and the camera looks along the third column of the rotation.
+    #[test]
+    fn heads_of_public_lists_are_read() {
+        let column = |q: [f64; 4]| {
+            let [x, y, z, w] = q;
+            DVec3::new(2.0 * (x * z + w * y), 2.0 * (y * z - w * x), w * w + z * z - x * x - y * y)
+        };
+        for (origin, text, eye, forward) in [
+            (
+                "MichaelGrupp/evo: test/data/fr2_desk_groundtruth.txt (TUM)",
+                "# ground truth trajectory\n# file: 'rgbd_dataset_freiburg2_desk.bag'\n# timestamp tx ty tz qx qy qz qw\n\
+                 1311868163.8697 -0.1357 -1.4217 1.4764 0.6453 -0.5498 0.3363 -0.4101\n",
+                [-0.1357, -1.4217, 1.4764],
+                column([0.6453, -0.5498, 0.3363, -0.4101]),
+            ),
+            (
+                "MichaelGrupp/evo: test/data/V102_groundtruth.csv (EuRoC)",
+                "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1]\n\
+                 1403715524907143168,0.515356,1.996773,0.971104,0.161996,0.789985,-0.205376,0.554528,-0.002276,-0.009616,-0.005214,\
+                 -0.002153,0.020744,0.075806,-0.013337,0.103464,0.093086\n",
+                [0.515356, 1.996773, 0.971104],
+                column([0.789985, -0.205376, 0.554528, 0.161996]),
+            ),
+            (
+                "MichaelGrupp/evo: test/data/KITTI_00_gt.txt",
+                "9.999796e-01 1.566466e-03 -6.198571e-03 -1.406429e-01 -1.587952e-03 9.999927e-01 -3.462706e-03 -8.515762e-02 \
+                 6.193102e-03 3.472479e-03 9.999747e-01 2.574964e+00\n",
+                [-0.1406429, -0.08515762, 2.574964],
+                DVec3::new(-6.198571e-03, -3.462706e-03, 0.9999747),
+            ),
+            (
+                "changh95/3d_pose_viewer: cam0_to_world.txt (KITTI-360)",
+                "1 0.997378 -2.658562e-02 0.067320 -1.666421e+03 -0.069423 -8.827610e-02 0.993674 -1.973146e+03 -0.020474 \
+                 -9.957414e-01 -0.089889 1.182260e+02 0.000000 0 0.000000 1 \n",
+                [-1666.421, -1973.146, 118.226],
+                DVec3::new(0.067320, 0.993674, -0.089889),
+            ),
+            (
+                "langsungn/MonoGS: traj.txt (as Replica)",
+                "9.062491181555123454e-01 -2.954311239679592860e-01 3.023788796086531172e-01 -3.569159214564542326e-01 \
+                 -4.227440547687880690e-01 -6.333245673155291078e-01 6.482186796076164770e-01 -6.602722315763628336e-01 \
+                 8.759610522377010340e-17 -7.152764804085384176e-01 -6.988415818870352680e-01 8.192365926179191460e-01 \
+                 0.000000000000000000e+00 0.000000000000000000e+00 0.000000000000000000e+00 1.000000000000000000e+00\n",
+                [-0.35691592145645423, -0.6602722315763628, 0.8192365926179191],
+                DVec3::new(0.3023788796086531, 0.6482186796076165, -0.6988415818870353),
+            ),
+        ] {
+            let found = poses(text).unwrap_or_else(|e| panic!("{origin}: {e}"));
+            let [(found_eye, rotation)] = found[..] else { panic!("{origin}: {found:?}") };
+            assert_eq!(found_eye, DVec3::from(eye), "{origin}");
+            let found = rotation.normalize() * DVec3::Z;
+            // matrices of six digits are as far from orthogonal
+            assert!((found - forward.normalize()).length() < 2e-6, "{origin}: {found}");
+        }
+    }
+
     #[test]
     fn a_wrong_matrix_is_refused() {
         let [a, b, c, d] = MATRIX;

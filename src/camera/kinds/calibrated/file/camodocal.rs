@@ -1,5 +1,5 @@
-//! camodocal's YAML, which VINS-Fusion and KITTI-360 have: `model_type` MEI, KANNALA_BRANDT, PINHOLE, PINHOLE_FULL or SCARAMUZZA. The first
-//! pixel has its centre at (0, 0).
+//! camodocal's YAML, which VINS-Fusion and KITTI-360 have: `model_type` MEI, KANNALA_BRANDT, PINHOLE, PINHOLE_FULL or SCARAMUZZA, in
+//! either case. The first pixel has its centre at (0, 0).
 
 use super::document::{Document, Tree};
 use super::{Calibration, Contents, intrinsics, ocam};
@@ -28,7 +28,8 @@ fn camera(tree: &Tree) -> Result<Calibration> {
         }
     };
     let (projection, distortion) = (of("projection_parameters"), of("distortion_parameters"));
-    let (plane, model) = match tree.need_text("model_type")? {
+    let kind = tree.need_text("model_type")?;
+    let (plane, model) = match kind.to_ascii_uppercase().as_str() {
         "MEI" => {
             let xi = of("mirror_parameters")(&["xi"])?[0];
             let bent = Coefficients::of_opencv(&distortion(&["k1", "k2", "p1", "p2"])?);
@@ -51,9 +52,9 @@ fn camera(tree: &Tree) -> Result<Calibration> {
             let scale = DMat2::from_cols(DVec2::new(affine[0], affine[2]), DVec2::new(affine[1], 1.0));
             return ocam::camera(size, scale, DVec2::new(affine[3], affine[4]), &heights);
         }
-        other => {
+        _ => {
             return Err(format!(
-                "model_type: {other:?} is not known; use MEI, KANNALA_BRANDT, PINHOLE, PINHOLE_FULL or SCARAMUZZA"
+                "model_type: {kind:?} is not known; use MEI, KANNALA_BRANDT, PINHOLE, PINHOLE_FULL or SCARAMUZZA"
             ));
         }
     };

@@ -44,9 +44,9 @@ impl<'a> Document<'a> {
             let tree = Seed(&Cell::new(0)).deserialize(&mut json).and_then(|tree| json.end().map(|()| tree));
             return tree.map(Document::Tree).map_err(|e| one_line(&e));
         }
-        check_brackets(text)?;
-        // OpenCV's first line is no directive of YAML; a comment keeps the numbers of the lines
-        let yaml = text.replacen("%YAML:1.0", "# YAML 1.0", 1);
+        let first = first_document(text);
+        check_brackets(first)?;
+        let yaml = if first.starts_with(OPENCV) { from_opencv(first) } else { first.into() };
         let first = serde_norway::Deserializer::from_str(&yaml).next();
         match first.map(|document| Seed(&Cell::new(0)).deserialize(document)) {
             Some(Ok(tree @ Tree::Table(_))) => Ok(Document::Tree(tree)),
@@ -77,6 +77,42 @@ impl<'a> Document<'a> {
             _ => None,
         }
     }
+}
+
+/// Cuts a YAML text after its first document.
+fn first_document(text: &str) -> &str {
+    let (mut end, mut has_begun) = (0, false);
+    for line in text.split_inclusive('\n') {
+        let is_mark = line.trim_end() == "---";
+        if is_mark && has_begun {
+            return &text[..end];
+        }
+        has_begun |= !(is_mark || line.trim().is_empty() || line.starts_with(['#', '%']));
+        end += line.len();
+    }
+    text
+}
+
+/// First line of a YAML file of OpenCV.
+const OPENCV: &str = "%YAML:1.0";
+
+/// Converts YAML as OpenCV reads it to YAML: its first line becomes a comment, so that lines keep their numbers, and a space follows each
+/// key's colon. ORB-SLAM's own settings have `Viewer.PointSize:2` and `data:[...]`.
+fn from_opencv(text: &str) -> String {
+    let spaced = |line: &str| {
+        let is_of_key = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '.' | '-');
+        let key = line.trim_start().trim_start_matches(is_of_key).len();
+        let (key, rest) = line.split_at(line.len() - key);
+        match rest.strip_prefix(':') {
+            Some(value)
+                if !(key.trim().is_empty() || value.is_empty() || value.starts_with([' ', '\t', '\r', '\n'])) =>
+            {
+                format!("{key}: {value}")
+            }
+            _ => line.into(),
+        }
+    };
+    text.replacen(OPENCV, "# YAML 1.0", 1).split_inclusive('\n').map(spaced).collect()
 }
 
 pub fn one_line(e: &dyn fmt::Display) -> String {
@@ -343,6 +379,18 @@ mod tests {
     #[test]
     fn the_first_of_several_yaml_documents_counts() {
         assert_eq!(tree("a: 1\n---\na: 2\n---\n"), tree("a: 1\n"));
+        // messages of an hour have more brackets than a calibration may have
+        let messages = format!("# of a topic\n---\na: 1\n{}", "---\na: [2]\n".repeat(BRACKETS_MAX + 1));
+        assert_eq!(tree(&messages), tree("a: 1\n"));
+    }
+
+    #[test]
+    fn keys_of_opencv_need_no_space() {
+        let text = "%YAML:1.0\r\n---\r\na.b:2\r\nc: !!opencv-matrix\n  data:[1,\n    2]\nd: \"x:y\"\ne:\n  - 1:2\n";
+        let spaced = "a.b: 2\nc:\n  data: [1, 2]\nd: 'x:y'\ne:\n  - '1:2'\n";
+        assert_eq!(tree(text), tree(spaced));
+        // YAML has no such key
+        assert!(matches!(Document::parse("a:2\n").unwrap(), Document::Text(..)));
     }
 
     #[test]

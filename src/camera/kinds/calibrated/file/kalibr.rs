@@ -2,10 +2,10 @@
 //! models. Their pixels are OpenCV's: the first has its centre at (0, 0).
 
 use super::document::{Document, Tree, whole};
-use super::{Calibration, Contents, intrinsics};
+use super::{Calibration, Contents, intrinsics, ocam};
 use crate::arrays::MapEach;
 use crate::camera::calibration::{Coefficients, Model, Projection};
-use glam::DVec2;
+use glam::{DMat2, DVec2};
 
 type Result<T> = std::result::Result<T, String>;
 
@@ -47,7 +47,18 @@ pub fn sensor(document: &Document) -> Result<Contents> {
     let k = k.map_or(Ok(Vec::new()), |key| tree.need_numbers(key))?;
     let distortion = text("distortion_model", if k.is_empty() { "none" } else { "radtan" })?;
     let numbers = tree.need_numbers("intrinsics")?;
+    if tree.get("omni_affine").is_some() {
+        return Contents::of_one(kimeras_omni(tree, &k));
+    }
     Contents::of_one(calibration(size(tree)?, text("camera_model", "pinhole")?, &numbers, distortion, &k))
+}
+
+/// Kimera's `omni` is Scaramuzza's model: the heights are the distortion, and its z points to the scene.
+fn kimeras_omni(tree: &Tree, heights: &[f64]) -> Result<Calibration> {
+    let [c, d, e] = tree.need_list("omni_affine")?;
+    let scale = DMat2::from_cols(DVec2::new(1.0, d), DVec2::new(c, e));
+    let polynomial: Vec<f64> = heights.iter().map(|a| -a).collect();
+    ocam::camera(size(tree)?, scale, DVec2::from(tree.need_list::<2>("omni_distortion_center")?), &polynomial)
 }
 
 fn size(camera: &Tree) -> Result<[u64; 2]> {

@@ -3,7 +3,7 @@
 
 use super::document::{Document, Tree, whole};
 use super::{Calibration, Contents, xml};
-use crate::camera::calibration::{Intrinsics, Model};
+use crate::camera::calibration::{Coefficients, Intrinsics, Model, Projection};
 use crate::input::{Error, Loading};
 use glam::DVec2;
 use std::path::Path;
@@ -16,6 +16,8 @@ pub struct OpenCvFile {
     pub intrinsics: Intrinsics,
     /// As in the file: `k1, k2, p1, p2, ...`, or the fisheye's four.
     coefficients: Vec<f64>,
+    /// Mirror parameter of `cv::omnidir`.
+    xi: Option<f64>,
     /// The file's model: whether it is the fisheye, and the line that says so.
     fisheye: Option<(bool, String)>,
     /// Part of the file that rays do not follow.
@@ -25,6 +27,9 @@ pub struct OpenCvFile {
 impl OpenCvFile {
     /// With the model that is named (whether it is the fisheye), or else the file's, or else Brown's.
     pub fn calibration(self, named: Option<bool>) -> Result<Calibration> {
+        if let Some(xi) = self.xi {
+            return self.omnidir(xi, named);
+        }
         let notes: Vec<String> =
             self.model_note().filter(|_| named.is_none()).into_iter().chain(self.note.clone()).collect();
         let is_fisheye = named.or(self.fisheye.map(|f| f.0)).unwrap_or(false);
@@ -42,6 +47,19 @@ impl OpenCvFile {
         };
         let note = (!notes.is_empty()).then(|| notes.join("; "));
         Ok(Calibration { note, ..Calibration::new(self.intrinsics, model) })
+    }
+
+    /// Mei's model with k1, k2, p1, p2 and a skew.
+    fn omnidir(self, xi: f64, named: Option<bool>) -> Result<Calibration> {
+        match (named, self.coefficients.len()) {
+            (Some(_), _) => Err("the file has xi, so it is of cv::omnidir; use kind = \"calibrated\"".into()),
+            (None, 4) => {
+                let distortions = vec![Coefficients::of_opencv(&self.coefficients)];
+                let model = Model { projection: Projection::Unified { xi }, distortions };
+                Ok(Calibration { note: self.note, ..Calibration::new(self.intrinsics, model) })
+            }
+            (None, count) => Err(format!("{count} distortion coefficients; cv::omnidir has 4")),
+        }
     }
 
     /// What the file does not say: which model its four coefficients belong to.
@@ -120,24 +138,36 @@ fn file(document: &Document) -> Result<OpenCvFile> {
 fn of_tree(root: &Tree) -> Result<OpenCvFile> {
     let as_written = |why: String| format!("{NOT}: {why}");
     let need = |spellings: &[&str], name: &str| find(root, spellings).ok_or(as_written(format!("{name} is missing")));
+    if let Some(file) = root.get("cam0_calib").and_then(Tree::text) {
+        return Err(format!(
+            "a configuration of VINS-Fusion, not a lens; use the file {file:?} that its cam0_calib names"
+        ));
+    }
     let (name, matrix) = need(&MATRIX, "camera_matrix")?;
     let (rows, cols, data) = numbers(matrix, 3).map_err(|why| as_written(format!("{name}: {why}")))?;
     let [fx, skew, cx, zero, fy, cy, zero_x, zero_y, one] = data[..] else {
         return Err(format!("{name}: {} numbers in {rows} x {cols}; it must be 3 x 3", data.len()));
     };
-    if (rows, cols) != (3, 3) || [skew, zero, zero_x, zero_y] != [0.0; 4] || one != 1.0 {
+    let xi = root.get("xi").map(|xi| {
+        let numbers = xi.numbers().or_else(|| Some(vec![xi.number()?]));
+        numbers.filter(|n| n.len() == 1).map_or(Err(as_written("xi must be a finite number".into())), |n| Ok(n[0]))
+    });
+    let xi = xi.transpose()?;
+    let is_skewed = skew != 0.0 && xi.is_none();
+    if (rows, cols) != (3, 3) || [zero, zero_x, zero_y] != [0.0; 3] || one != 1.0 || is_skewed {
         return Err(format!("{name}: must be [fx, 0, cx; 0, fy, cy; 0, 0, 1]"));
     }
     let size = size(root).map_err(as_written)?;
-    let intrinsics =
+    let mut intrinsics =
         super::intrinsics(size, DVec2::new(fx, fy), DVec2::new(cx, cy)).map_err(|why| format!("{name}: {why}"))?;
+    intrinsics.scale.y_axis.x = skew;
     let (name, list) = need(&COEFFICIENTS, "distortion_coefficients")?;
     let (rows, cols, data) = numbers(list, 1).map_err(|why| as_written(format!("{name}: {why}")))?;
     if rows.checked_mul(cols) != Some(data.len()) {
         return Err(format!("{name}: {} numbers in {rows} x {cols}", data.len()));
     }
     let fisheye = said_model(root, &data)?;
-    Ok(OpenCvFile { intrinsics, coefficients: data, fisheye, note: cropped(root) })
+    Ok(OpenCvFile { intrinsics, coefficients: data, xi, fisheye, note: cropped(root) })
 }
 
 /// The rows, columns and numbers of a matrix; a list alone has `rows`.

@@ -1,9 +1,9 @@
 //! Cameras of SVO and maplab (a list `cameras`), and of vikit (`cam_model`). The first pixel has its centre at (0, 0).
 
 use super::document::{Document, Tree};
-use super::{Calibration, Contents, intrinsics, kalibr};
+use super::{Calibration, Contents, intrinsics, kalibr, ocam};
 use crate::camera::calibration::Model;
-use glam::DVec2;
+use glam::{DMat2, DVec2};
 
 type Result<T> = std::result::Result<T, String>;
 
@@ -14,9 +14,9 @@ fn vikit(root: &Tree) -> Vec<(u64, &Tree)> {
     all.filter(|(_, camera)| camera.get("cam_model").is_some()).collect()
 }
 
-/// The cameras of a list, each below `camera` or not.
+/// The cameras of a list, each below `camera` or not, or the one at the root.
 fn listed(root: &Tree) -> Vec<&Tree> {
-    let items = root.get("cameras").map_or(&[][..], Tree::items);
+    let items = root.get("cameras").map_or(std::slice::from_ref(root), Tree::items);
     let cameras = items.iter().map(|item| item.get("camera").unwrap_or(item));
     cameras.filter(|camera| camera.has(&["type", "intrinsics"])).collect()
 }
@@ -40,7 +40,15 @@ fn of_list(camera: &Tree) -> Result<Calibration> {
         .filter(|d| d.get("parameters").is_some())
         .map_or(Ok(Vec::new()), |d| d.need_numbers("parameters"))?;
     let k = if name == "none" { &[] } else { &k[..] };
-    kalibr::calibration(size, camera.need_text("type")?, &camera.need_numbers("intrinsics")?, name, k)
+    let (kind, numbers) = (camera.need_text("type")?, camera.need_numbers("intrinsics")?);
+    // OCamCalib's polynomial, center, and c, d, e; the inverse polynomial and the radii of the mask follow
+    if let ("omni", [heights @ .., cx, cy, c, d, e]) = (kind, &numbers[..numbers.len().min(10)])
+        && numbers.len() == 24
+    {
+        let scale = DMat2::from_cols(DVec2::new(1.0, *d), DVec2::new(*e, *c));
+        return ocam::camera(size, scale, DVec2::new(*cx, *cy), heights);
+    }
+    kalibr::calibration(size, kind, &numbers, name, k)
 }
 
 fn of_vikit(camera: &Tree) -> Result<Calibration> {
@@ -50,6 +58,8 @@ fn of_vikit(camera: &Tree) -> Result<Calibration> {
     let (mut focal, mut centre) = (DVec2::new(fx, fy), DVec2::new(cx, cy));
     let model = match camera.need_text("cam_model")? {
         "Pinhole" => Model::brown(&d),
+        "PinholeRadialTangential" => Model::brown(&d[..4]),
+        "PinholeNoDistortion" => Model::brown(&[]),
         "PinholeEquidistant" => Model::fisheye(&d[..4]),
         // PTAM's numbers are fractions of the image
         "ATAN" => {
@@ -57,8 +67,14 @@ fn of_vikit(camera: &Tree) -> Result<Calibration> {
             (focal, centre) = (focal * pixels, centre * pixels - 0.5);
             Model::field_of_view(d[0])
         }
+        "PinholeAtan" if fx < 10.0 => {
+            return Err(format!("cam_fx: {fx}: PinholeAtan has pixels; use ATAN for fractions of the image"));
+        }
+        "PinholeAtan" => Model::field_of_view(d[0]),
         other => {
-            return Err(format!("cam_model: {other:?} is not known; use Pinhole, PinholeEquidistant or ATAN"));
+            return Err(format!(
+                "cam_model: {other:?} is not known; use ATAN, Pinhole, or Pinhole with NoDistortion, RadialTangential, Equidistant or Atan"
+            ));
         }
     };
     Ok(Calibration::new(intrinsics(size, focal, centre)?, model))
