@@ -1,5 +1,7 @@
 //! What users of the library see, used as they use it: by public names alone. Without an adapter all of it goes by the reference.
 
+#[path = "library/builder.rs"]
+mod builder;
 #[path = "library/fit.rs"]
 mod fit;
 
