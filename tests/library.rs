@@ -4,6 +4,8 @@
 mod builder;
 #[path = "library/fit.rs"]
 mod fit;
+#[path = "library/sparse.rs"]
+mod sparse;
 
 use anamorph::{
     Batch, BatchEvent, BatchOptions, Camera, Caster, Channel, Error, Job, Limits, Mesh, NO_ID, Placed, Plane,

@@ -212,15 +212,17 @@ impl Images {
             loading.note(path);
             return Ok(Ok(known.clone()));
         }
-        let bytes = match loading.read(path) {
-            Ok(bytes) => bytes,
+        let start = match loading.prefix(path) {
+            Ok(start) => start,
             Err(e) if is_missing(&e) => return Ok(Err(Absent::NoFile)),
             Err(e) => return Err(Error::unreadable(path, e)),
         };
-        if let Some(format) = unread_format(&bytes) {
+        if let Some(format) = unread_format(start.bytes()) {
             return Ok(Err(Absent::Format(format)));
         }
         let is_tga = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
+        let is_image = if is_tga { is_tga_start(start.bytes()) } else { has_known_start(start.bytes()) };
+        let bytes = start.read_if(is_image).map_err(|e| Error::unreadable(path, e))?;
         let image = match is_tga {
             // its bytes do not tell it
             true => decoded_as(&bytes, Some(ImageFormat::Tga)),
@@ -262,6 +264,20 @@ pub fn unread_format(bytes: &[u8]) -> Option<&'static str> {
         (4, b"jP  \r\n", "JPEG 2000"),
     ];
     FORMATS.iter().find(|(at, magic, _)| bytes.get(*at..).is_some_and(|b| b.starts_with(magic))).map(|f| f.2)
+}
+
+/// Whether a file that starts so may be an image. Others are refused by their first bytes.
+pub fn has_known_start(bytes: &[u8]) -> bool {
+    is_tiff(bytes) || image::guess_format(bytes).is_ok()
+}
+
+fn is_tiff(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"II*\0") || bytes.starts_with(b"MM\0*")
+}
+
+/// Whether the third byte is a type of TGA images: with a palette, of colors or gray, each also compressed.
+fn is_tga_start(bytes: &[u8]) -> bool {
+    matches!(bytes.get(2), Some(1..=3 | 9..=11))
 }
 
 /// Whether the error means that the file does not exist.
@@ -320,7 +336,7 @@ const NO_IMAGE: &str = "is no PNG, JPEG or HDR, nor WebP, BMP, TGA, TIFF or GIF,
 /// As [`decoded`], from the bytes of a format; `None`: the one that they tell.
 fn decoded_as(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage> {
     let wrong = |e: String| Error::input(format!("{NO_IMAGE}: {e}"));
-    if format.is_none() && (bytes.starts_with(b"II*\0") || bytes.starts_with(b"MM\0*")) {
+    if format.is_none() && is_tiff(bytes) {
         return decoded_tiff(bytes).map_err(wrong);
     }
     let reader = match format {
