@@ -119,7 +119,7 @@ mod tests {
         let bytes = vec![b'a'; PREFIX_BYTES as usize + 1];
         let error = prefix(&dir, &bytes, none).read_all().unwrap_err().to_string();
         assert!(error.starts_with("a file of 65537 bytes takes about"), "{error}");
-        // what is read already takes no more
+        // the first bytes are in memory already
         assert_eq!(prefix(&dir, &bytes[1..], none).read_all().unwrap().len(), bytes.len() - 1);
     }
 }

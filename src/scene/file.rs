@@ -216,7 +216,7 @@ pub(crate) fn parse_table(text: &str) -> Result<Node> {
     Ok(parse::parse(text, format, Path::new(ARGUMENTS))?.placed(Place::Argument))
 }
 
-/// The name of such a table in errors of the parser.
+/// The name of a program's table in errors of the parser.
 const ARGUMENTS: &str = "arguments";
 
 /// Reads a table that a program gave. Errors name it by `key`; relative paths start from `folder`.

@@ -29,7 +29,7 @@ fn npy(kind: &str, shape: &str) -> Vec<u8> {
     [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes()].concat()
 }
 
-/// Tells the error of a scene with these keys beside an image and a camera, of which some keys may be.
+/// The error of a scene of these keys, with an image, and with a pinhole camera unless the keys begin with a camera.
 fn error_of(keys: &str, folder: &Path) -> String {
     let camera = "camera = { kind = 'pinhole', eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }\n";
     let camera = if keys.starts_with("camera") { "" } else { camera };
@@ -38,7 +38,7 @@ fn error_of(keys: &str, folder: &Path) -> String {
     scene.and_then(|scene| scene.camera()).map(drop).expect_err(keys).to_string()
 }
 
-/// Each file by its name and first bytes, the keys that name it, and the error.
+/// Checks the errors of files. Each has a name, its first bytes, the keys that name it as `FILE`, and a part of the error.
 fn check(cases: Vec<(&str, Vec<u8>, &str, &str)>) {
     let folder = tempfile::tempdir().unwrap();
     for (file, start, keys, says) in cases {
