@@ -21,9 +21,8 @@ fn main() -> Result<()> {
     for view in 0..VIEWS {
         let angle = f64::from(view) / f64::from(VIEWS) * std::f64::consts::TAU;
         let (x, z) = (3.0 * angle.sin(), 3.0 * angle.cos());
-        // the keys of a scene file's [camera]
-        let table = format!("kind = \"fisheye\"\neye = [{x}, 1, {z}]\ntarget = [0, 0, 0]\nfov = 120");
-        let camera = Camera::parse(&table, ".", &scene, Some(SIZE))?;
+        let fisheye = Camera::builder("fisheye").key("eye", [x, 1.0, z]).key("target", [0.0; 3]).key("fov", 120.0);
+        let camera = fisheye.size(SIZE.0, SIZE.1).build(&scene)?;
         let rendered = renderer.render(&scene, &camera, &options)?;
         let ids = rendered.frame.u32(Channel::TriangleId).unwrap_or_default();
         let shown = ids.iter().filter(|id| **id != NO_ID).count();

@@ -1,6 +1,7 @@
 //! The public API: a few types over the layers below.
 
 mod batch;
+mod builder;
 mod camera;
 mod caster;
 mod gradients;
@@ -12,12 +13,14 @@ mod project;
 mod renderer;
 mod scene;
 mod time;
+mod values;
 #[cfg(feature = "view")]
 mod view;
 mod views;
 mod volume;
 
 pub use self::batch::Batch;
+pub use self::builder::CameraBuilder;
 pub use self::camera::{Camera, camera_kinds, colmap_images, project};
 pub use self::caster::{Caster, RayHit};
 pub use self::gradients::{GradientArray, GradientParameter, Gradients, Numbers};
@@ -27,6 +30,7 @@ pub use self::project::{Device, project_many, splat};
 pub use self::renderer::{RenderOptions, Rendered, Renderer, check, reference};
 pub use self::scene::{Placed, Scene};
 pub use self::time::{Exposure, LineOrder};
+pub use self::values::{Table, Value};
 #[cfg(feature = "view")]
 pub use self::view::Viewer;
 pub use self::views::Views;

@@ -8,9 +8,11 @@ pub mod load;
 pub mod loading;
 pub mod overrides;
 pub mod parse;
+pub mod prefix;
 pub mod reader;
 pub mod tree;
 
 pub use error::{Error, Result};
 pub use limits::Limits;
 pub use loading::Loading;
+pub use prefix::Prefix;

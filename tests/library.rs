@@ -1,7 +1,11 @@
 //! What users of the library see, used as they use it: by public names alone. Without an adapter all of it goes by the reference.
 
+#[path = "library/builder.rs"]
+mod builder;
 #[path = "library/fit.rs"]
 mod fit;
+#[path = "library/sparse.rs"]
+mod sparse;
 
 use anamorph::{
     Batch, BatchEvent, BatchOptions, Camera, Caster, Channel, Error, Job, Limits, Mesh, NO_ID, Placed, Plane,

@@ -1,7 +1,7 @@
 //! Cameras, and projection of points.
 
-use super::Scene;
 use super::project::refuse_optics;
+use super::{CameraBuilder, Scene};
 use crate::arrays::MapEach;
 use crate::camera::Field;
 use crate::camera::kinds::raymap::RayArrays;
@@ -10,6 +10,7 @@ use crate::camera::project::{Images, Projector};
 use crate::camera::spec::CameraSpec;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;
+use crate::input::tree::Node;
 use crate::input::{Error, Loading, Result};
 use crate::parallel;
 use crate::scene::file::{self, CameraKeys};
@@ -33,10 +34,20 @@ impl Camera {
     /// # Errors
     /// [`Error::Input`] for a wrong key, values that contradict each other, or no size; [`Error::Missing`] or [`Error::Read`] for a file that cannot be read.
     pub fn parse(table: &str, folder: impl AsRef<Path>, scene: &Scene, size: Option<(u32, u32)>) -> Result<Camera> {
+        Camera::of_table(file::parse_table(table)?, folder.as_ref(), scene, size)
+    }
+
+    /// A camera of this kind from typed values instead of text: see [`CameraBuilder`].
+    pub fn builder(kind: &str) -> CameraBuilder {
+        CameraBuilder::new(kind)
+    }
+
+    /// The camera of a parsed table, as [`Camera::parse`] and [`CameraBuilder::build`] make it.
+    pub(super) fn of_table(table: Node, folder: &Path, scene: &Scene, size: Option<(u32, u32)>) -> Result<Camera> {
         let loading = Loading::new(scene.scene.limits);
-        let spec = file::camera_of(table, folder.as_ref(), &loading)?;
+        let spec = file::camera_of(&table, folder, &loading)?;
         let camera = Camera::of_spec(&spec, size.or(scene.scene.size), scene, &loading)?;
-        Ok(Camera { keys: Arc::new(CameraKeys::of_table(table, folder.as_ref())?), ..camera })
+        Ok(Camera { keys: Arc::new(CameraKeys::of_table(table, folder)), ..camera })
     }
 
     /// A camera of given rays `P + t D`, one for each of `width x height` pixels, row by row from the top; `t_range` has the ends of t. A pixel

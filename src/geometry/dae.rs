@@ -28,15 +28,23 @@ const MAX_NODES: usize = 1 << 17;
 /// a vertex is not finite, nodes place each other; it has no triangles, or more than 2^28. [`Error::Work`] if they do not fit the free memory.
 pub fn load(path: &Path, loading: &Loading) -> Result<Mesh> {
     let name = path.display().to_string();
-    let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
+    let unreadable = |e| Error::unreadable(path, e);
+    let start = loading.prefix(path).map_err(unreadable)?;
+    // UTF-16 has zero bytes
+    if start.has_zero() && !matches!(start.bytes(), [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]) {
+        return Err(Error::input(format!("{name}: {NO_TEXT}")));
+    }
+    let bytes = start.read_all().map_err(unreadable)?;
     parse(&bytes, &name, loading.limits())
 }
+
+/// Ends the line of an error.
+const NO_TEXT: &str = "is neither UTF-8 nor UTF-16 text; save it as COLLADA in UTF-8";
 
 /// As [`load`], from the file's bytes; `name` stands for the file in messages.
 fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
     let wrong = |what: String| Error::input(format!("{name}: {what}"));
-    let text =
-        text_of(bytes).ok_or_else(|| wrong("is neither UTF-8 nor UTF-16 text; save it as COLLADA in UTF-8".into()))?;
+    let text = text_of(bytes).ok_or_else(|| wrong(NO_TEXT.into()))?;
     let document = Document::parse(&text).map_err(|e| {
         // names a character that it did not expect, which may be a line's end
         wrong(format!("is no COLLADA: {e}").replace(char::is_control, " "))

@@ -64,7 +64,10 @@ pub fn load(
     loading: &Loading,
 ) -> Result<Mesh> {
     let name = path.display().to_string();
-    let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
+    let unreadable = |e| Error::unreadable(path, e);
+    let start = loading.prefix(path).map_err(unreadable)?;
+    source::check_start(start.bytes(), start.length()).map_err(|e| e.at(&name))?;
+    let bytes = start.read_all().map_err(unreadable)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut mesh = parse(&bytes, FileAccess { folder, files, loading }, images, animation).map_err(|e| e.at(&name))?;
     mesh.missing.iter_mut().for_each(|missing| missing.why = format!("{name}: {}", missing.why));

@@ -80,14 +80,23 @@ pub fn is_height_image(path: &Path) -> bool {
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: it is damaged, is no height image, or is too large.
 pub fn read(path: &Path, loading: &Loading) -> Result<Grid> {
-    let bytes = loading.read(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
+    let unreadable = |e| Error::unreadable(path, format_args!("{e}; check the path"));
+    let wrong = |why| Error::input(format!("{}: {why}", path.display()));
+    let start = loading.prefix(path).map_err(unreadable)?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let may_be_grid = match extension.as_str() {
+        "asc" => !start.has_zero() && asc::check_start(start.bytes(), start.length()).map(|()| true).map_err(wrong)?,
+        "png" => start.bytes().starts_with(b"\x89PNG"),
+        // TIFF and BigTIFF
+        _ => matches!(start.bytes(), [b'I', b'I', b'*' | b'+', 0, ..] | [b'M', b'M', 0, b'*' | b'+', ..]),
+    };
+    let bytes = start.read_if(may_be_grid).map_err(unreadable)?;
     let grid = match extension.as_str() {
         "asc" => asc::read(&bytes),
         "png" => read_png(&bytes),
         _ => geotiff::read(&bytes),
     };
-    grid.map_err(|why| Error::input(format!("{}: {why}", path.display())))
+    grid.map_err(wrong)
 }
 
 /// The triangles of a height image.

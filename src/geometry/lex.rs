@@ -138,6 +138,9 @@ pub(super) fn quoted(token: &[u8]) -> String {
     format!("\"{short}\"")
 }
 
+/// Why a text that goes on after a zero byte is refused.
+pub(super) const HAS_ZEROS: &str = "has zero bytes in its text; is it damaged?";
+
 /// The f64 nearest to the decimal number, ties to even; `None` if the token is no number. May be infinite or NaN.
 pub(super) fn parse_f64(token: &[u8]) -> Option<f64> {
     parse_short_decimal(token).or_else(|| std::str::from_utf8(token).ok()?.parse().ok())

@@ -165,7 +165,16 @@ pub fn load_textured(path: &Path, loading: &Loading) -> Result<Textured> {
 }
 
 fn read(path: &Path, loading: &Loading) -> Result<Vec<u8>> {
-    loading.read(path).map_err(|e| Error::unreadable(path, e))
+    let unreadable = |e| Error::unreadable(path, e);
+    let start = loading.prefix(path).map_err(unreadable)?;
+    if start.has_zero() {
+        return Err(is_binary(&path.display().to_string()));
+    }
+    start.read_all().map_err(unreadable)
+}
+
+fn is_binary(name: &str) -> Error {
+    Error::input(format!("{name}: is binary, not OBJ text; use an OBJ, glTF or GLB file"))
 }
 
 /// The parsed chunks, with one triangle among them at least, and what is in the whole file.
@@ -175,7 +184,7 @@ fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, texcoords: Texcoords
         return Err(Error::input(format!("{name}: is empty; an OBJ file with faces is needed")));
     }
     if text.contains(&0) {
-        return Err(Error::input(format!("{name}: is binary, not OBJ text; use an OBJ, glTF or GLB file")));
+        return Err(is_binary(name));
     }
     let text = &*lex::with_line_feeds(text);
 

@@ -1,6 +1,6 @@
 //! OFF: polygons as text, with the colours and normals of vertices and the colours of faces: <http://www.geomview.org/docs/html/OFF.html>.
 
-use super::lex::{Lines, Tokens, parse_f64, parse_i64, quoted, with_line_feeds};
+use super::lex::{HAS_ZEROS, Lines, Tokens, parse_f64, parse_i64, quoted, with_line_feeds};
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_COLOR, NO_NORMAL, check_memory};
 use super::texture::{full_color, linear_color};
 use crate::arrays::MapEach;
@@ -18,9 +18,21 @@ use std::path::Path;
 /// [`Error::Work`] if the mesh does not fit the free memory.
 pub fn load(path: &Path, loading: &Loading) -> Result<Mesh> {
     let name = path.display().to_string();
-    let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
-    parse(&bytes, &name, loading.limits())
+    let unreadable = |e| Error::unreadable(path, e);
+    let start = loading.prefix(path).map_err(unreadable)?;
+    if start.goes_on_after_zero() {
+        return Err(Error::input(format!("{name}: {HAS_ZEROS}")));
+    }
+    // comments may move the header behind what is read first
+    if !start.bytes().contains(&b'#') {
+        let text = with_line_feeds(start.bytes().strip_prefix(BYTE_ORDER_MARK).unwrap_or(start.bytes()));
+        read_header(&mut Reader { name: &name, lines: Lines::new(&text) }, start.length(), loading.limits())?;
+    }
+    parse(&start.read_all().map_err(unreadable)?, &name, loading.limits())
 }
+
+/// UTF-8's, at the start of a text.
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// Attributes of vertices, in the order in which they follow the coordinates.
 #[derive(Debug, Clone, Copy, Default)]
@@ -75,17 +87,9 @@ impl Reader<'_> {
 
 /// As [`load`], from the file's bytes; `name` stands for the file in messages.
 fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
-    let text = with_line_feeds(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes));
+    let text = with_line_feeds(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes));
     let mut reader = Reader { name, lines: Lines::new(&text) };
-    let (has, [vertices, faces]) = read_header(&mut reader)?;
-    // a vertex and a face are a line each
-    if vertices.saturating_add(faces) > bytes.len() {
-        let size = bytes.len();
-        return Err(Error::input(format!(
-            "{name}: its header says {vertices} vertices and {faces} faces, in {size} bytes"
-        )));
-    }
-    check_memory(limits, (faces as u64, vertices as u64), format_args!("{name}: {faces} faces"), "use fewer")?;
+    let (has, [vertices, faces]) = read_header(&mut reader, bytes.len() as u64, limits)?;
     let (mut mesh, mut colors) = (Mesh::default(), Vec::new());
     for _ in 0..vertices {
         read_vertex(&mut reader, has, &mut mesh, &mut colors)?;
@@ -129,8 +133,9 @@ fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// The word OFF with the letters before it, and the numbers of vertices and faces behind it or in the next line.
-fn read_header(reader: &mut Reader) -> Result<(Attributes, [usize; 2])> {
+/// Reads the word OFF with the letters before it, and the numbers of vertices and faces behind it or in the next line. Refuses more of these
+/// than a file of `length` bytes, or memory, holds.
+fn read_header(reader: &mut Reader, length: u64, limits: Limits) -> Result<(Attributes, [usize; 2])> {
     let line = reader.next()?;
     let word = Tokens::new(&line.text).next().unwrap_or_default().to_vec();
     let Some(end) = word.windows(3).position(|w| w == b"OFF") else {
@@ -153,10 +158,18 @@ fn read_header(reader: &mut Reader) -> Result<(Attributes, [usize; 2])> {
     let counts = if Tokens::new(&rest.text).next().is_some() { rest } else { reader.next()? };
     let count = |token: Option<&[u8]>| parse_i64(token?).and_then(|n| usize::try_from(n).ok());
     let mut tokens = Tokens::new(&counts.text);
-    match [count(tokens.next()), count(tokens.next())] {
-        [Some(vertices), Some(faces)] => Ok((has, [vertices, faces])),
-        _ => Err(reader.wrong(&counts, "expected the numbers of vertices, faces and edges, as 8 6 0")),
+    let [Some(vertices), Some(faces)] = [count(tokens.next()), count(tokens.next())] else {
+        return Err(reader.wrong(&counts, "expected the numbers of vertices, faces and edges, as 8 6 0"));
+    };
+    let name = reader.name;
+    // a vertex and a face are a line each
+    if (vertices as u64).saturating_add(faces as u64) > length {
+        return Err(Error::input(format!(
+            "{name}: its header says {vertices} vertices and {faces} faces, in {length} bytes"
+        )));
     }
+    check_memory(limits, (faces as u64, vertices as u64), format_args!("{name}: {faces} faces"), "use fewer")?;
+    Ok((has, [vertices, faces]))
 }
 
 fn read_vertex(reader: &mut Reader, has: Attributes, mesh: &mut Mesh, colors: &mut Vec<[f64; 3]>) -> Result<()> {

@@ -6,6 +6,7 @@ mod read;
 #[cfg(test)]
 mod tests;
 
+use super::lex::HAS_ZEROS;
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_NORMAL, NO_UV, check_memory};
 use super::texture::{Images, ImagesRead, Texture, linear_of_srgb};
 use crate::arrays::MapEach;
@@ -64,12 +65,22 @@ fn read_file<T>(
     parse: impl FnOnce(&[u8], Limits) -> std::result::Result<T, Wrong>,
 ) -> Result<T> {
     let name = path.display().to_string();
-    let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
-    parse(&bytes, loading.limits()).map_err(|e| match e {
+    let told = |e| match e {
         Wrong::Line(line, text) => Error::input(format!("{name}:{line}: {text}")),
         Wrong::File(text) => Error::input(format!("{name}: {text}")),
         Wrong::Memory(e) => e.at(&name),
-    })
+    };
+    let unreadable = |e| Error::unreadable(path, e);
+    let start = loading.prefix(path).map_err(unreadable)?;
+    // a header may be longer than what is read first, if it is text
+    if !start.bytes().starts_with(b"ply") || start.has_zero() || Header::is_whole(start.bytes()) {
+        let (header, _) = Header::parse(start.bytes()).map_err(told)?;
+        if header.encoding == Encoding::Ascii && start.goes_on_after_zero() {
+            return Err(Error::input(format!("{name}: {HAS_ZEROS}")));
+        }
+        check_sizes(&header, start.length(), loading.limits()).map_err(told)?;
+    }
+    parse(&start.read_all().map_err(unreadable)?, loading.limits()).map_err(told)
 }
 
 /// What is wrong with a file.
@@ -83,7 +94,7 @@ enum Wrong {
 /// The mesh, and the names of its images.
 fn parse(bytes: &[u8], limits: Limits) -> std::result::Result<(Mesh, Vec<String>), Wrong> {
     let (header, mut body) = Header::parse(bytes)?;
-    check_sizes(&header, bytes.len(), limits)?;
+    check_sizes(&header, bytes.len() as u64, limits)?;
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     let mut has = Attributes::default();
     for element in &header.elements {
@@ -115,11 +126,11 @@ fn parse(bytes: &[u8], limits: Limits) -> std::result::Result<(Mesh, Vec<String>
 }
 
 /// Refuses what a header promises beyond the file's bytes, or beyond memory.
-fn check_sizes(header: &Header, bytes: usize, limits: Limits) -> std::result::Result<(), Wrong> {
+fn check_sizes(header: &Header, bytes: u64, limits: Limits) -> std::result::Result<(), Wrong> {
     for element in &header.elements {
-        // an element of a text is a line; a binary one may have no property, and no bytes
-        let is_empty = element.properties.is_empty() && header.encoding != Encoding::Ascii;
-        if element.count > bytes || is_empty && element.count > 0 {
+        // a binary element may have no property, and no bytes
+        let least = element.least_bytes(header.encoding);
+        if (element.count as u64).saturating_mul(least.max(1)) > bytes || least == 0 && element.count > 0 {
             let (name, count, plural) = (&element.name, element.count, if element.count == 1 { "" } else { "s" });
             return Err(Wrong::File(format!("its header says {count} {name}{plural}, in a file of {bytes} bytes")));
         }

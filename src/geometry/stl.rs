@@ -20,24 +20,24 @@ const TRIANGLE: usize = 50;
 /// a corner that is not finite; [`Error::Work`] if the triangles do not fit the free memory.
 pub fn load(path: &Path, loading: &Loading) -> Result<Mesh> {
     let name = path.display();
-    let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
-    parse(&bytes, &name.to_string(), loading.limits())
+    let unreadable = |e| Error::unreadable(path, e);
+    let start = loading.prefix(path).map_err(unreadable)?;
+    if !is_text(start.bytes(), start.length()) {
+        check_binary(start.bytes(), start.length(), &name.to_string(), loading.limits())?;
+    }
+    parse(&start.read_all().map_err(unreadable)?, &name.to_string(), loading.limits())
 }
 
 /// As [`load`], from the file's bytes; `name` stands for the file in messages.
 fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
-    let corners = if is_text(bytes) { read_text(bytes, name)? } else { read_binary(bytes, name)? };
-    let wrong = |text: String| Error::input(format!("{name}: {text}"));
+    let length = bytes.len() as u64;
+    let corners = if is_text(bytes, length) {
+        read_text(bytes, name)?
+    } else {
+        read_binary(bytes, check_binary(bytes, length, name, limits)?)
+    };
     let triangles = corners.len();
-    if triangles == 0 {
-        return Err(wrong("has no triangles; export it as a mesh".into()));
-    }
-    if triangles > MAX_TRIANGLES {
-        return Err(wrong(format!("{triangles} triangles, at most 2^28 are possible; split the file")));
-    }
-    // of a closed mesh every second triangle adds a vertex
-    let (count, vertices) = (triangles as u64, triangles as u64 / 2 + 2);
-    check_memory(limits, (count, vertices), format_args!("{name}: {triangles} triangles"), "use fewer")?;
+    check_count(triangles as u64, name, limits)?;
     let mut mesh = Mesh {
         materials: vec![Material::default()],
         material_of: vec![0; triangles],
@@ -47,7 +47,9 @@ fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
     let mut known: HashMap<[u64; 3], u32> = HashMap::new();
     for (k, triangle) in corners.into_iter().enumerate() {
         if !triangle.iter().all(|v| v.is_finite()) {
-            return Err(wrong(format!("triangle {k} has a corner that is not finite; use finite numbers")));
+            return Err(Error::input(format!(
+                "{name}: triangle {k} has a corner that is not finite; use finite numbers"
+            )));
         }
         mesh.triangles.push(triangle.map_each(|v| {
             // 0 and -0 are one place
@@ -60,35 +62,60 @@ fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// Programs write `solid` at the start of binary files, too, which are as long as their triangles.
-fn is_text(bytes: &[u8]) -> bool {
-    let holds_all = |count: usize| HEADER + TRIANGLE * count <= bytes.len();
+/// Refuses no triangles, too many, or more than memory holds.
+fn check_count(triangles: u64, name: &str, limits: Limits) -> Result<()> {
+    if triangles == 0 {
+        return Err(Error::input(format!("{name}: has no triangles; export it as a mesh")));
+    }
+    if triangles > MAX_TRIANGLES as u64 {
+        return Err(Error::input(format!("{name}: {triangles} triangles, at most 2^28 are possible; split the file")));
+    }
+    // of a closed mesh every second triangle adds a vertex
+    let vertices = triangles / 2 + 2;
+    check_memory(limits, (triangles, vertices), format_args!("{name}: {triangles} triangles"), "use fewer")
+}
+
+/// Programs write `solid` at the start of binary files, too, which are as long as their triangles. `bytes` are the file's first, or all of its
+/// `length`.
+fn is_text(bytes: &[u8], length: u64) -> bool {
     // a text has no zero byte
-    let is_binary = bytes.contains(&0) && binary_count(bytes).is_some_and(holds_all);
+    let is_binary = bytes.contains(&0) && binary_count(bytes).is_some_and(|count| count <= held(length));
     !is_binary && bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
-fn binary_count(bytes: &[u8]) -> Option<usize> {
+fn binary_count(bytes: &[u8]) -> Option<u64> {
     let count = bytes.get(HEADER - 4..HEADER)?.try_into().ok()?;
-    Some(u32::from_le_bytes(count) as usize)
+    Some(u32::from_le_bytes(count).into())
 }
 
-fn read_binary(bytes: &[u8], name: &str) -> Result<Vec<[DVec3; 3]>> {
+/// The triangles that a binary file of this length holds.
+fn held(length: u64) -> u64 {
+    length.saturating_sub(HEADER as u64) / TRIANGLE as u64
+}
+
+/// The number of triangles of a binary file, by its first bytes and its length.
+fn check_binary(bytes: &[u8], length: u64, name: &str, limits: Limits) -> Result<usize> {
     let Some(count) = binary_count(bytes) else {
         return Err(Error::input(format!("{name}: is no STL file: neither a text that begins with solid, nor binary")));
     };
-    let (triangles, _) = bytes[HEADER..].as_chunks::<TRIANGLE>();
-    let Some(triangles) = triangles.get(..count) else {
-        let held = triangles.len();
+    let held = held(length);
+    if count > held {
         return Err(Error::input(format!(
             "{name}: {count} triangles by its header, {held} in the file; is it cut short?"
         )));
-    };
+    }
+    check_count(count, name, limits)?;
+    Ok(count as usize)
+}
+
+/// The corners of so many triangles, which are in the file.
+fn read_binary(bytes: &[u8], count: usize) -> Vec<[DVec3; 3]> {
+    let (triangles, _) = bytes[HEADER..].as_chunks::<TRIANGLE>();
     let number = |t: &[u8; TRIANGLE], k: usize| {
         f64::from(f32::from_le_bytes([t[4 * k], t[4 * k + 1], t[4 * k + 2], t[4 * k + 3]]))
     };
     let corner = |t: &[u8; TRIANGLE], k: usize| DVec3::new(number(t, k), number(t, k + 1), number(t, k + 2));
-    Ok(triangles.iter().map(|t| [3, 6, 9].map_each(|k| corner(t, k))).collect())
+    triangles.iter().take(count).map(|t| [3, 6, 9].map_each(|k| corner(t, k))).collect()
 }
 
 fn read_text(bytes: &[u8], name: &str) -> Result<Vec<[DVec3; 3]>> {

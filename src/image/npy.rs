@@ -97,8 +97,12 @@ const WHOLE: &str = "they must be f4 or f8 (float32 or float64), or, of a volume
 ///
 /// # Errors
 /// What is wrong, without the file's name.
-pub(super) fn read_npy_vectors(file: File, each: u64) -> std::result::Result<(u32, u32, Vec<f64>), String> {
-    let (shape, numbers) = read_array(file, |shape| match *shape {
+pub(super) fn read_npy_vectors(
+    file: File,
+    each: u64,
+    limits: Limits,
+) -> std::result::Result<(u32, u32, Vec<f64>), String> {
+    let (shape, numbers) = read_array(file, limits, |shape| match *shape {
         [height, width, depth] if depth == each => {
             check_size(width, height).map_err(|e| e.to_string())?;
             Ok(width * height * each)
@@ -117,7 +121,7 @@ const MAX_ROWS: u64 = 1 << 32;
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or cut short.
 pub fn read_npy_rows<const C: usize>(path: &Path, loading: &Loading) -> Result<Vec<[f64; C]>> {
-    rows_of(open(path, loading)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+    rows_of(open(path, loading)?, loading.limits()).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
 /// Reads an f32 or f64 array in C order, shape N x C, of which C is one of `columns`: C, and the numbers row by row. `check` refuses a number of
@@ -138,8 +142,8 @@ pub fn read_npy_columns(
             Err(format!("the array's shape is {shape:?}; it must be {known}"))
         }
     };
-    let read =
-        read_array(open(path, loading)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
+    let read = read_array(open(path, loading)?, loading.limits(), count)
+        .map_err(|why| Error::input(format!("{}: {why}", path.display())));
     // one of `columns` by the check above
     read.map(|(shape, numbers)| (shape[1] as usize, numbers))
 }
@@ -161,8 +165,8 @@ pub fn read_npy_grid(path: &Path, loading: &Loading) -> Result<Grid> {
         [height, width] => check_size(width, height).map(|()| width * height).map_err(|e| e.to_string()),
         _ => Err(format!("the array's shape is {shape:?}; it must be N, or height x width")),
     };
-    let read =
-        read_array(open(path, loading)?, count).map_err(|why| Error::input(format!("{}: {why}", path.display())));
+    let read = read_array(open(path, loading)?, loading.limits(), count)
+        .map_err(|why| Error::input(format!("{}: {why}", path.display())));
     // both sides are far under 2^32 by the check above
     let size = |shape: &[u64]| shape.get(1).map(|width| (*width as u32, shape[0] as u32));
     read.map(|(shape, numbers)| Grid { size: size(&shape), numbers })
@@ -202,15 +206,15 @@ fn volume_of(file: File, side_max: u64, limits: Limits) -> std::result::Result<(
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, it ends early, or a fourth row is another.
 pub fn read_npy_affines(path: &Path, loading: &Loading) -> Result<Vec<DAffine3>> {
-    affines_of(open(path, loading)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+    affines_of(open(path, loading)?, loading.limits()).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
 pub(super) fn open(path: &Path, loading: &Loading) -> Result<File> {
     loading.open(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))
 }
 
-fn affines_of(file: File) -> std::result::Result<Vec<DAffine3>, String> {
-    let (shape, numbers) = read_array(file, |shape| match *shape {
+fn affines_of(file: File, limits: Limits) -> std::result::Result<Vec<DAffine3>, String> {
+    let (shape, numbers) = read_array(file, limits, |shape| match *shape {
         [n, rows @ (3 | 4), 4] if n <= MAX_ROWS => Ok(n * rows * 4),
         _ => Err(format!("the array's shape is {shape:?}; it must be N x 4 x 4 or N x 3 x 4")),
     })?;
@@ -225,18 +229,19 @@ fn affines_of(file: File) -> std::result::Result<Vec<DAffine3>, String> {
 }
 
 /// As [`read_npy_rows`], without the file's name.
-pub(super) fn rows_of<const C: usize>(file: File) -> std::result::Result<Vec<[f64; C]>, String> {
+pub(super) fn rows_of<const C: usize>(file: File, limits: Limits) -> std::result::Result<Vec<[f64; C]>, String> {
     let count = |shape: &[u64]| match *shape {
         [rows, columns] if columns == C as u64 && rows <= MAX_ROWS => Ok(rows * columns),
         _ => Err(format!("the array's shape is {shape:?}; it must be N x {C}")),
     };
-    let (_, numbers) = read_array(file, count)?;
+    let (_, numbers) = read_array(file, limits, count)?;
     Ok(numbers.chunks_exact(C).map(|row| std::array::from_fn(|k| row[k])).collect())
 }
 
 /// The shape of an array and its numbers, as many as `count` makes of the shape.
 fn read_array(
     file: File,
+    limits: Limits,
     count: impl FnOnce(&[u64]) -> std::result::Result<u64, String>,
 ) -> std::result::Result<(Vec<u64>, Vec<f64>), String> {
     let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
@@ -247,6 +252,9 @@ fn read_array(
     }
     let count = count(&header.shape)?;
     check_length(&header, count, bytes_in_file, header_bytes)?;
+    // each becomes an f64
+    let memory = limits.check_memory(8 * count, format_args!("an array of {count} numbers"), "use a smaller one");
+    memory.map_err(|e| e.to_string())?;
     let number = |bytes: &[u8]| header.number.read(bytes, header.big_endian);
     let numbers = read_numbers(&mut reader, header.number.size(), count as usize, number)?;
     Ok((header.shape, numbers))

@@ -4,7 +4,6 @@
 use super::npy::rows_of;
 use crate::input::{Error, Loading, Result};
 use glam::DVec3;
-use std::fs::File;
 use std::path::Path;
 
 /// Largest text file, bytes: about 10^8 points.
@@ -26,13 +25,10 @@ pub fn read_points(path: &Path, loading: &Loading) -> Result<Vec<DVec3>> {
     points.map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-fn open(path: &Path, loading: &Loading) -> std::result::Result<File, String> {
-    loading.open(path).map_err(|e| format!("cannot be read: {e}; check the path"))
-}
-
 #[cfg(feature = "cli")]
 fn read_npy(path: &Path, loading: &Loading) -> std::result::Result<Vec<DVec3>, String> {
-    let points: Vec<DVec3> = rows_of::<3>(open(path, loading)?)?.into_iter().map(DVec3::from_array).collect();
+    let file = loading.open(path).map_err(|e| format!("cannot be read: {e}; check the path"))?;
+    let points: Vec<DVec3> = rows_of::<3>(file, loading.limits())?.into_iter().map(DVec3::from_array).collect();
     match points.iter().position(|p| !p.is_finite()) {
         Some(index) => Err(format!("point {index} is not finite; leave it out")),
         None => Ok(points),
@@ -77,11 +73,15 @@ pub fn read_text_points(path: &Path, loading: &Loading) -> Result<TextPoints> {
 }
 
 fn read_text(path: &Path, loading: &Loading) -> std::result::Result<TextPoints, String> {
-    let bytes = open(path, loading)?.metadata().map_err(|e| e.to_string())?.len();
+    let cannot = |e| format!("cannot be read: {e}; check the path");
+    let start = loading.prefix(path).map_err(cannot)?;
+    let bytes = start.length();
     if bytes > MAX_TEXT {
         return Err(format!("{bytes} bytes are over the limit of {MAX_TEXT}; use .npy"));
     }
-    let text = std::fs::read_to_string(path).map_err(|e| format!("cannot be read: {e}; write plain text"))?;
+    let no_text = || "is no UTF-8 text; write plain text".to_string();
+    start.check_text().map_err(|_| no_text())?;
+    let text = String::from_utf8(start.read_all().map_err(cannot)?).map_err(|_| no_text())?;
     let lines = text.trim_start_matches('\u{feff}').lines().enumerate().map(|(k, line)| (k + 1, line.trim()));
     let mut read = TextPoints { points: Vec::new(), triples: Some(Vec::new()), wide_line: None };
     let mut first = true;

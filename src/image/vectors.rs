@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use super::exr::read_planes;
 use super::npy::read_npy_vectors;
 use crate::image::frame::Channel;
-use crate::input::{Error, Loading, Result};
+use crate::input::{Error, Limits, Loading, Result};
 
 /// Reads width, height and one vector per pixel, row by row from the top: .npy of f32 or f64 in C order
 /// with shape height x width x 3, or EXR with R G B = x y z. Values may be NaN or infinite.
@@ -36,7 +36,8 @@ fn read<const N: usize>(
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("npy") => {
-            read_npy(super::npy::open(path, loading)?).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+            let read = read_npy(super::npy::open(path, loading)?, loading.limits());
+            read.map_err(|why| Error::input(format!("{}: {why}", path.display())))
         }
         Some("exr") => {
             let (width, height, planes) = read_planes(path, channels, holds, loading)?;
@@ -47,8 +48,8 @@ fn read<const N: usize>(
     }
 }
 
-fn read_npy<const N: usize>(file: File) -> std::result::Result<(u32, u32, Vec<[f64; N]>), String> {
-    let (width, height, numbers) = read_npy_vectors(file, N as u64)?;
+fn read_npy<const N: usize>(file: File, limits: Limits) -> std::result::Result<(u32, u32, Vec<[f64; N]>), String> {
+    let (width, height, numbers) = read_npy_vectors(file, N as u64, limits)?;
     Ok((width, height, numbers.chunks_exact(N).map(|n| std::array::from_fn(|k| n[k])).collect()))
 }
 

@@ -1,5 +1,6 @@
 //! A load of input files: its limits, and a record of the files that it has read.
 
+use super::Prefix;
 use super::files::{Inputs, stamp};
 use super::limits::Limits;
 use std::cell::{Ref, RefCell};
@@ -46,21 +47,29 @@ impl Loading {
     /// The bytes of a file.
     ///
     /// # Errors
-    /// If it cannot be read, or is not a regular file: a device may never end, and a pipe may have no writer.
+    /// If it cannot be read, does not fit the free memory, or is not a regular file: a device may never end, and a pipe may have no writer.
     pub fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        self.open(path)?.read_to_end(&mut bytes)?;
-        Ok(bytes)
+        self.prefix(path)?.read_all()
     }
 
-    /// The bytes of a file, or of a pipe that the program was started with: `/dev/stdin`, or `/dev/fd/N`, as a shell passes for
+    /// A file whose first bytes are read, for readers that may refuse it by these and its length.
+    ///
+    /// # Errors
+    /// The errors of [`Loading::open`].
+    pub fn prefix(&self, path: &Path) -> io::Result<Prefix> {
+        Prefix::read(self.open(path)?, self.limits)
+    }
+
+    /// The bytes of a text file, or of a pipe that the program was started with: `/dev/stdin`, or `/dev/fd/N`, as a shell passes for
     /// `<(command)`.
     ///
     /// # Errors
-    /// The errors of [`Loading::read`], and 1 GiB or more from a pipe.
+    /// The errors of [`Loading::read`], a file that is no text, and 1 GiB or more from a pipe.
     pub fn read_or_pipe(&self, path: &Path) -> io::Result<Vec<u8>> {
         if !is_own_pipe(path) {
-            return self.read(path);
+            let start = self.prefix(path)?;
+            start.check_text()?;
+            return start.read_all();
         }
         self.note(path);
         let mut bytes = Vec::new();
@@ -76,9 +85,10 @@ impl Loading {
     /// # Errors
     /// The errors of [`Loading::read`], and bytes that are not UTF-8.
     pub fn read_to_string(&self, path: &Path) -> io::Result<String> {
-        let mut text = String::new();
-        self.open(path)?.read_to_string(&mut text)?;
-        Ok(text)
+        let start = self.prefix(path)?;
+        start.check_text()?;
+        let no_text = |_| io::Error::new(io::ErrorKind::InvalidData, "it is no UTF-8 text");
+        String::from_utf8(start.read_all()?).map_err(no_text)
     }
 
     /// A file, open to be read.

@@ -207,25 +207,33 @@ fn read_keyed(text: &str, format: parse::Format, source: &Source, overrides: &[S
     Ok(root)
 }
 
-/// A table alone, as a program gives it: TOML, or JSON where it begins with a brace. Errors name it by `key`; relative paths start from
-/// `folder`.
+/// Parses a table alone, as a program gives it: TOML, or JSON where it begins with a brace.
+///
+/// # Errors
+/// [`crate::input::error::Error::Input`] for text that is neither.
+pub(crate) fn parse_table(text: &str) -> Result<Node> {
+    let format = if text.trim_start().starts_with('{') { parse::Format::Json } else { parse::Format::Toml };
+    Ok(parse::parse(text, format, Path::new(ARGUMENTS))?.placed(Place::Argument))
+}
+
+/// The name of a program's table in errors of the parser.
+const ARGUMENTS: &str = "arguments";
+
+/// Reads a table that a program gave. Errors name it by `key`; relative paths start from `folder`.
 fn read_table<T>(
-    text: &str,
+    table: &Node,
     key: &str,
     (folder, loading): (&Path, &Loading),
     read: impl FnOnce(&Field) -> Result<T>,
 ) -> Result<T> {
-    let format = if text.trim_start().starts_with('{') { parse::Format::Json } else { parse::Format::Toml };
-    let path = Path::new("arguments");
-    let root = parse::parse(text, format, path)?.placed(Place::Argument);
-    read(&Field::new(&Source::new(path, folder, loading), key, &root))
+    read(&Field::new(&Source::new(Path::new(ARGUMENTS), folder, loading), key, table))
 }
 
 /// The camera of a `[camera]` table.
 ///
 /// # Errors
 /// As [`load`].
-pub fn camera_of(table: &str, folder: &Path, loading: &Loading) -> Result<CameraSpec> {
+pub(crate) fn camera_of(table: &Node, folder: &Path, loading: &Loading) -> Result<CameraSpec> {
     read_table(table, "camera", (folder, loading), read_camera)
 }
 
@@ -234,7 +242,7 @@ pub fn camera_of(table: &str, folder: &Path, loading: &Loading) -> Result<Camera
 /// # Errors
 /// As [`load`].
 pub fn projector_light_of(table: &str, folder: &Path, loading: &Loading) -> Result<ProjectorSpec> {
-    read_table(table, "projector_light", (folder, loading), read_projector)
+    read_table(&parse_table(table)?, "projector_light", (folder, loading), read_projector)
 }
 
 /// The mesh of a `[[mesh]]` table.
@@ -242,7 +250,7 @@ pub fn projector_light_of(table: &str, folder: &Path, loading: &Loading) -> Resu
 /// # Errors
 /// As [`load`].
 pub fn mesh_of(table: &str, folder: &Path, loading: &Loading) -> Result<MeshSpec> {
-    read_table(table, "mesh", (folder, loading), |field| read_mesh(field, &[]))
+    read_table(&parse_table(table)?, "mesh", (folder, loading), |field| read_mesh(field, &[]))
 }
 
 /// Where a mesh of arrays is, and what it looks like: a `[[mesh]]` table without a source.
@@ -250,7 +258,7 @@ pub fn mesh_of(table: &str, folder: &Path, loading: &Loading) -> Result<MeshSpec
 /// # Errors
 /// As [`load`].
 pub fn look_of(table: &str, folder: &Path, loading: &Loading) -> Result<MeshSpec> {
-    read_table(table, "mesh", (folder, loading), read_look)
+    read_table(&parse_table(table)?, "mesh", (folder, loading), read_look)
 }
 
 /// Where a volume of an array is, and what it looks like: a `[volume]` table without a file.
@@ -258,7 +266,7 @@ pub fn look_of(table: &str, folder: &Path, loading: &Loading) -> Result<MeshSpec
 /// # Errors
 /// As [`load`].
 pub fn volume_look_of(table: &str, folder: &Path, loading: &Loading) -> Result<VolumeSpec> {
-    read_table(table, "volume", (folder, loading), read_volume_look)
+    read_table(&parse_table(table)?, "volume", (folder, loading), read_volume_look)
 }
 
 /// Reads a scene from its tree of values.

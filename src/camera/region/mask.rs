@@ -1,7 +1,7 @@
 //! Masks: images whose white texels are a region.
 
 use crate::arrays::MapEach;
-use crate::geometry::texture::decoded;
+use crate::geometry::texture::{decoded, has_known_start};
 use crate::input::{Error, Loading, Result};
 use glam::{DVec2, UVec2};
 use std::path::Path;
@@ -27,7 +27,10 @@ impl Mask {
     /// # Errors
     /// [`Error::Missing`] or [`Error::Read`] if it cannot be read; [`Error::Input`] naming it if it is no image, or no texel is inside.
     pub fn load(path: &Path, loading: &Loading) -> Result<Mask> {
-        let bytes = loading.read(path).map_err(|e| Error::unreadable(path, e))?;
+        let unreadable = |e| Error::unreadable(path, e);
+        let start = loading.prefix(path).map_err(unreadable)?;
+        let is_image = has_known_start(start.bytes());
+        let bytes = start.read_if(is_image).map_err(unreadable)?;
         let texels = decoded(&bytes).map_err(|e| e.at(path.display()))?.into_rgba16();
         let is_inside = |[r, g, b, opacity]: [u32; 4]| r + g + b >= 3 * HALF && opacity >= HALF;
         let inside: Vec<bool> = texels.pixels().map(|texel| is_inside(texel.0.map_each(u32::from))).collect();

@@ -12,8 +12,8 @@ use gltf::{Document, buffer};
 use super::json::{self, Kept};
 use super::meshopt::Meshopt;
 use super::{Files, draco};
-use crate::geometry::texture::is_missing;
-use crate::input::{Error, Limits, Loading, Result};
+use crate::geometry::texture::{has_known_start, is_missing};
+use crate::input::{Error, Limits, Loading, Prefix, Result};
 use serde_json::Value as Json;
 
 /// How to find the files that a glTF file names.
@@ -51,7 +51,6 @@ impl Source {
         if json.is_empty() {
             return Err(Error::input("is empty; a glTF 2.0 file is needed"));
         }
-        let wrong = |e| Error::input(format!("is not glTF 2.0: {e}"));
         let mut json: Json = serde_json::from_slice(json).map_err(wrong)?;
         json::prepare(&mut json);
         let meshopt = Meshopt::take(&mut json)?;
@@ -92,7 +91,7 @@ impl Source {
         let json = &self.document.as_json().images[image.index()];
         let view = json.buffer_view.and_then(|k| self.document.views().nth(k.value()));
         match (view, &json.uri) {
-            (None, Some(uri)) => Ok(match read_uri(uri, access)? {
+            (None, Some(uri)) => Ok(match read_uri(uri, access, |start| Ok(has_known_start(start.bytes())))? {
                 Found::Present(bytes) => Found::Present(bytes.into()),
                 Found::Missing(file) => Found::Missing(file),
             }),
@@ -107,27 +106,65 @@ impl Source {
     }
 }
 
+fn wrong(e: serde_json::Error) -> Error {
+    Error::input(format!("is not glTF 2.0: {e}"))
+}
+
+/// Refuses a file by its first bytes and its length: a GLB that is cut short, or text that is no JSON.
+///
+/// # Errors
+/// [`Error::Input`] as [`Source::parse`] gives it.
+pub(super) fn check_start(bytes: &[u8], length: u64) -> Result<()> {
+    let json = match bytes {
+        [b'g', b'l', b'T', b'F', ..] => {
+            glb_length(bytes, length)?;
+            let size = word(bytes, GLB_HEADER)?;
+            let chunk = bytes.get(GLB_HEADER + 8..).filter(|_| bytes[GLB_HEADER + 4..].starts_with(b"JSON"));
+            chunk.map(|chunk| &chunk[..chunk.len().min(size as usize)])
+        }
+        _ => Some(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)),
+    };
+    // bytes that end too early may go on in the file
+    match json.filter(|json| !json.is_empty()).map(serde_json::from_slice::<serde::de::IgnoredAny>) {
+        Some(Err(e)) if !e.is_eof() => Err(wrong(e)),
+        _ => Ok(()),
+    }
+}
+
 /// The extension by which animations move other things than nodes.
 pub(super) const POINTERS: &str = "KHR_animation_pointer";
 
-/// The JSON and BIN chunks of a GLB file; chunks of other types are skipped.
-fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
-    let truncated = || Error::input("GLB is cut short; copy or export it again");
-    let word = |at: usize| -> Result<u32> {
-        let word = bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).ok_or_else(truncated)?;
-        Ok(u32::from_le_bytes(word))
-    };
-    let (version, length) = (word(4)?, word(8)? as usize);
+/// Bytes of a GLB before its chunks.
+const GLB_HEADER: usize = 12;
+
+fn truncated() -> Error {
+    Error::input("GLB is cut short; copy or export it again")
+}
+
+fn word(bytes: &[u8], at: usize) -> Result<u32> {
+    let word = bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).ok_or_else(truncated)?;
+    Ok(u32::from_le_bytes(word))
+}
+
+/// The length in the header of a GLB, whose file is at least as long.
+fn glb_length(bytes: &[u8], in_file: u64) -> Result<usize> {
+    let (version, length) = (word(bytes, 4)?, word(bytes, 8)?);
     if version != 2 {
         return Err(Error::input(format!("GLB version {version}, only 2 can be read; export it as glTF 2.0")));
     }
-    if length > bytes.len() {
+    if u64::from(length) > in_file {
         return Err(truncated());
     }
+    Ok(length as usize)
+}
+
+/// The JSON and BIN chunks of a GLB file; chunks of other types are skipped.
+fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
+    let length = glb_length(bytes, bytes.len() as u64)?;
     let (mut json, mut binary) = (None, None);
-    let mut at = 12;
+    let mut at = GLB_HEADER;
     while at < length {
-        let (size, kind) = (word(at)? as usize, word(at + 4)?.to_le_bytes());
+        let (size, kind) = (word(bytes, at)? as usize, word(bytes, at + 4)?.to_le_bytes());
         let chunk = bytes.get(at + 8..at + 8 + size).ok_or_else(truncated)?;
         match &kind {
             b"JSON" if json.is_none() => json = Some(chunk),
@@ -225,7 +262,7 @@ fn read_buffer<'a>(
         buffer::Source::Bin => binary.take().ok_or("has no uri and no BIN chunk; export it again")?.to_vec().into(),
         buffer::Source::Uri(uri) => match known.get(uri) {
             Some(bytes) => bytes.clone(),
-            None => match read_uri(uri, access)? {
+            None => match read_uri(uri, access, |start| check_length(start.length(), buffer).map(|()| true))? {
                 Found::Present(bytes) => known.entry(uri).or_insert(bytes.into()).clone(),
                 Found::Missing(file) => {
                     return Err(format!("{} cannot be read: the file does not exist", file.display()));
@@ -233,15 +270,22 @@ fn read_buffer<'a>(
             },
         },
     };
-    if bytes.len() < buffer.length() {
-        let (is, says) = (bytes.len(), buffer.length());
-        return Err(format!("has {is} of its {says} bytes; copy or export it again"));
-    }
+    check_length(bytes.len() as u64, buffer)?;
     Ok(bytes)
 }
 
-/// The bytes of a file, or of a `data:` URI.
-fn read_uri(uri: &str, access: FileAccess) -> std::result::Result<Found<Vec<u8>>, String> {
+fn check_length(has: u64, buffer: &gltf::Buffer) -> std::result::Result<(), String> {
+    let says = buffer.length();
+    if has < says as u64 { Err(format!("has {has} of its {says} bytes; copy or export it again")) } else { Ok(()) }
+}
+
+/// The bytes of a `data:` URI or of a file. `needs_rest` refuses a file by its first bytes and its length, or tells whether more than these are
+/// needed.
+fn read_uri(
+    uri: &str,
+    access: FileAccess,
+    needs_rest: impl FnOnce(&Prefix) -> std::result::Result<bool, String>,
+) -> std::result::Result<Found<Vec<u8>>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         return decode_data(data).map(Found::Present);
     }
@@ -255,11 +299,14 @@ fn read_uri(uri: &str, access: FileAccess) -> std::result::Result<Found<Vec<u8>>
             "{name:?} is outside of the glTF's folder; move it there, or set outside_files = true in the [[mesh]]"
         ));
     }
-    match access.loading.read(&file) {
-        Ok(bytes) => Ok(Found::Present(bytes)),
-        Err(e) if is_missing(&e) => Ok(Found::Missing(file)),
-        Err(e) => Err(format!("{} cannot be read: {e}", file.display())),
-    }
+    let unreadable = |e| format!("{} cannot be read: {e}", file.display());
+    let start = match access.loading.prefix(&file) {
+        Ok(start) => start,
+        Err(e) if is_missing(&e) => return Ok(Found::Missing(file)),
+        Err(e) => return Err(unreadable(e)),
+    };
+    let is_needed = needs_rest(&start)?;
+    start.read_if(is_needed).map(Found::Present).map_err(unreadable)
 }
 
 /// The bytes of a `data:` URI, from behind the colon.

@@ -2,6 +2,7 @@
 
 use super::{Georeference, Grid, check_sides};
 use glam::DVec2;
+use std::iter::Peekable;
 
 /// The values in the header.
 #[derive(Default)]
@@ -25,20 +26,10 @@ const NO_DATA: f64 = -9999.0;
 pub fn read(bytes: &[u8]) -> Result<Grid, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "is no ASCII grid: it is not text".to_string())?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut header = Header::default();
     let mut lines = text.lines().enumerate().peekable();
-    while let Some((k, line)) = lines.next_if(|(_, line)| !starts_with_number(line)) {
-        header.read_line(line).map_err(|why| format!("line {}: {why}", k + 1))?;
-    }
-    let missing = |key: &str| format!("is no ASCII grid: {key} is missing at its beginning");
-    let columns = header.columns.ok_or_else(|| missing("ncols"))?;
-    let rows = header.rows.ok_or_else(|| missing("nrows"))?;
-    check_sides(columns, rows)?;
+    let header = Header::read(&mut lines)?;
+    let [columns, rows] = header.sides(bytes.len() as u64)?;
     let expected = columns * rows;
-    // checked before allocating: a height and the space after it take at least two bytes
-    if expected.saturating_sub(1) > bytes.len() as u64 / 2 {
-        return Err(format!("ends early: the header says {columns} x {rows} heights"));
-    }
     let no_data = header.no_data.unwrap_or(NO_DATA);
     let mut samples = Vec::with_capacity(expected as usize);
     for (k, line) in lines {
@@ -57,6 +48,18 @@ pub fn read(bytes: &[u8]) -> Result<Grid, String> {
     Ok(Grid { columns, rows, samples, georeference: header.georeference(columns, rows)? })
 }
 
+/// Refuses a file by its first bytes and its length: a header that promises more heights than are there.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn check_start(bytes: &[u8], length: u64) -> Result<(), String> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut lines = text.strip_prefix('\u{feff}').unwrap_or(&text).lines().enumerate().peekable();
+    let header = Header::read(&mut lines)?;
+    // the header is whole where heights follow it
+    if lines.peek().is_some() { header.sides(length).map(drop) } else { Ok(()) }
+}
+
 /// Lines of heights do, also with NaN; lines of the header start with a key.
 fn starts_with_number(line: &str) -> bool {
     line.split_ascii_whitespace().next().is_some_and(|word| word.parse::<f64>().is_ok())
@@ -71,6 +74,27 @@ fn shortened(text: &str) -> String {
 }
 
 impl Header {
+    fn read<'a>(lines: &mut Peekable<impl Iterator<Item = (usize, &'a str)>>) -> Result<Header, String> {
+        let mut header = Header::default();
+        while let Some((k, line)) = lines.next_if(|(_, line)| !starts_with_number(line)) {
+            header.read_line(line).map_err(|why| format!("line {}: {why}", k + 1))?;
+        }
+        Ok(header)
+    }
+
+    /// Columns and rows, whose heights a file of `length` bytes may hold.
+    fn sides(&self, length: u64) -> Result<[u64; 2], String> {
+        let missing = |key: &str| format!("is no ASCII grid: {key} is missing at its beginning");
+        let columns = self.columns.ok_or_else(|| missing("ncols"))?;
+        let rows = self.rows.ok_or_else(|| missing("nrows"))?;
+        check_sides(columns, rows)?;
+        // a height and the space after it take at least two bytes
+        if (columns * rows).saturating_sub(1) > length / 2 {
+            return Err(format!("ends early: the header says {columns} x {rows} heights"));
+        }
+        Ok([columns, rows])
+    }
+
     fn read_line(&mut self, line: &str) -> Result<(), String> {
         let mut words = line.split_ascii_whitespace();
         let Some(key) = words.next() else { return Ok(()) };

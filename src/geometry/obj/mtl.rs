@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::Vec2;
 
-use crate::geometry::lex::{Lines, Tokens, parse_f64, quoted, with_line_feeds};
+use crate::geometry::lex::{HAS_ZEROS, Lines, Tokens, parse_f64, quoted, with_line_feeds};
 use crate::geometry::mesh::{HALF, Material, Missing};
 use crate::geometry::texture::{Absent, Texels, Texture, Wrap, with_opacity};
 use crate::input::{Error, Limits, Loading, Result};
@@ -169,7 +169,12 @@ pub(super) fn load(folder: &Path, libraries: &[&str], loading: &Loading) -> Resu
     last.reverse();
     let mut materials = Vec::new();
     for file in last {
-        let text = loading.read(&file).map_err(|e| Error::unreadable(&file, e))?;
+        let unreadable = |e| Error::unreadable(&file, e);
+        let start = loading.prefix(&file).map_err(unreadable)?;
+        if start.goes_on_after_zero() {
+            return Err(Error::input(format!("{}: {HAS_ZEROS}", file.display())));
+        }
+        let text = start.read_all().map_err(unreadable)?;
         materials.extend(parse(&text, &file)?);
     }
     Ok(materials)

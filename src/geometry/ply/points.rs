@@ -20,7 +20,7 @@ pub fn load_points(path: &Path, loading: &Loading) -> Result<Points> {
 
 fn parse(bytes: &[u8], limits: Limits) -> std::result::Result<Points, Wrong> {
     let (header, mut body) = Header::parse(bytes)?;
-    check_sizes(&header, bytes.len(), limits)?;
+    check_sizes(&header, bytes.len() as u64, limits)?;
     let Some(place) = header.elements.iter().position(|e| e.name == "vertex") else {
         return Err(Wrong::File("has no vertices, of which spheres are made".into()));
     };

@@ -134,6 +134,12 @@ impl Kind {
 }
 
 impl Element {
+    /// The fewest bytes that one of these elements takes: a text's is a line.
+    pub fn least_bytes(&self, encoding: Encoding) -> u64 {
+        let least = |p: &Property| p.length.unwrap_or(p.kind).bytes() as u64;
+        if encoding == Encoding::Ascii { 1 } else { self.properties.iter().map(least).sum() }
+    }
+
     /// The number of a property that is a number.
     pub fn number(&self, name: &str) -> Option<usize> {
         self.properties.iter().position(|p| p.name == name && p.length.is_none())
@@ -154,6 +160,12 @@ impl Element {
 }
 
 impl Header {
+    /// Whether the end of a header is among a file's first bytes.
+    pub fn is_whole(bytes: &[u8]) -> bool {
+        const END: &[u8] = b"end_header";
+        bytes.windows(END.len()).any(|word| word == END)
+    }
+
     /// Reads the header. Lines of no known keyword are skipped: old versions of Blender write some.
     ///
     /// # Errors

@@ -41,15 +41,9 @@ impl CameraKeys {
         CameraKeys { camera, meshes, spheres, names_files, dir: dir.into() }
     }
 
-    /// Of a `[camera]` table alone, TOML or JSON, whose relative paths start from `folder`.
-    ///
-    /// # Errors
-    /// [`Error::Input`] for text that is neither.
-    pub fn of_table(table: &str, folder: &Path) -> Result<CameraKeys> {
-        // the files that it names are not read yet
-        super::read_table(table, "camera", (folder, &Loading::default()), |field| {
-            Ok(CameraKeys { camera: Some(field.node().clone()), dir: folder.into(), ..CameraKeys::default() })
-        })
+    /// The keys of a `[camera]` table alone, whose relative paths start from `folder`.
+    pub(crate) fn of_table(table: Node, folder: &Path) -> CameraKeys {
+        CameraKeys { camera: Some(table), dir: folder.into(), ..CameraKeys::default() }
     }
 
     /// The camera's number of this key, as `vfov` or `eye.0`, or that of its file, as `fx`.

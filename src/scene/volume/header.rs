@@ -2,12 +2,13 @@
 //! teem.sourceforge.net/nrrd/format.html) and MetaImage (.mhd, .mha; of ITK).
 
 use super::SIDE_MAX;
-use super::load::{Numbers, RawGrid, read_numbers};
+use super::load::{Numbers, RawGrid, check_length, read_numbers};
 use super::spec::Placement;
 use crate::image::NumberType;
 use crate::input::{Error, Limits, Loading, Result, files};
 use flate2::read::{GzDecoder, ZlibDecoder};
 use glam::DVec3;
+use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -70,12 +71,20 @@ pub fn read_headed(path: &Path, loading: &Loading) -> Result<Numbers> {
     .map_err(|e| wrong(format!("the numbers are not where the header says: {e}")))?;
     let (grid, limits) = (&header.grid, loading.limits());
     let values = match header.packing {
-        Packing::None => read_numbers(&mut data, grid, limits),
+        Packing::None => bytes_left(&mut data)
+            .map_err(|e| wrong(e.to_string()))
+            .and_then(|left| check_length(left, grid))
+            .and_then(|()| read_numbers(&mut data, grid, limits)),
         Packing::Gzip => read_packed(&mut GzDecoder::new(data), grid, limits),
         Packing::Zlib => read_packed(&mut ZlibDecoder::new(data), grid, limits),
     };
     let values = values.map_err(|e| e.at(path.display()))?;
     Ok(Numbers { shape: header.grid.shape, values, placement: header.placement })
+}
+
+/// The bytes of a file from where it is read on.
+fn bytes_left(data: &mut BufReader<File>) -> std::io::Result<u64> {
+    Ok(data.get_ref().metadata()?.len().saturating_sub(data.stream_position()?))
 }
 
 /// Reads numbers from a decoder, and on to where it compares its checksum, which lies behind them.

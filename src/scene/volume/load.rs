@@ -109,6 +109,15 @@ fn read_raw(path: &Path, grid: &RawGrid, loading: &Loading) -> Result<Vec<f32>> 
     read_numbers(&mut file, grid, loading.limits()).map_err(|e| e.at(path.display()))
 }
 
+/// Refuses fewer bytes than the grid's numbers have.
+pub(super) fn check_length(has: u64, grid: &RawGrid) -> Result<()> {
+    let all = grid.bytes();
+    if has < all {
+        return Err(Error::input(format!("the file ends early: {has} bytes of numbers, {all} are promised")));
+    }
+    Ok(())
+}
+
 /// Reads as many numbers as the grid has, and nothing behind them.
 pub(super) fn read_numbers(reader: &mut impl Read, grid: &RawGrid, limits: Limits) -> Result<Vec<f32>> {
     let RawGrid { number, big_endian, .. } = *grid;
@@ -116,9 +125,6 @@ pub(super) fn read_numbers(reader: &mut impl Read, grid: &RawGrid, limits: Limit
     limits.check_memory(grid.bytes() + 4 * count, format_args!("a volume of {count} numbers"), "use a coarser one")?;
     let mut bytes = Vec::new();
     reader.take(grid.bytes()).read_to_end(&mut bytes).map_err(|e| Error::input(format!("the numbers: {e}")))?;
-    if bytes.len() as u64 != grid.bytes() {
-        let (has, all) = (bytes.len(), grid.bytes());
-        return Err(Error::input(format!("the file ends early: {has} bytes of numbers, {all} are promised")));
-    }
+    check_length(bytes.len() as u64, grid)?;
     Ok(bytes.chunks_exact(number.size()).map(|bytes| number.read(bytes, big_endian) as f32).collect())
 }

@@ -13,7 +13,8 @@ const LOOK: &str = "eye = [0.4, 1.5, 4]\ntarget = [0, 0, 0]";
 const BOUNDS: (DVec3, DVec3) = (DVec3::new(-1.5, -1.0, -1.5), DVec3::new(1.5, 1.0, 1.5));
 
 fn camera(keys: &str) -> Camera {
-    let spec = file::camera_of(&keys.replace("LOOK", LOOK), Path::new(""), &Loading::default()).unwrap();
+    let table = file::parse_table(&keys.replace("LOOK", LOOK)).unwrap();
+    let spec = file::camera_of(&table, Path::new(""), &Loading::default()).unwrap();
     Camera::new(&spec, Some(SIZE)).unwrap()
 }
 
