@@ -273,6 +273,8 @@ impl Engine {
             atlas,
             rival,
             planes_copy: None,
+            places: clustered.places.clone(),
+            saved_by_tracing: 0,
             shown: Arc::downgrade(&clustered),
             moving: run.moving.then(|| Arc::unwrap_or_clone(clustered)),
             bind_groups: Mutex::default(),

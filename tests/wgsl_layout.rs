@@ -116,6 +116,7 @@ fn host() -> Layouts {
             level_start,
             level_width,
             level_height,
+            bvh_offset,
         }),
         layout!(Step { value }),
         layout!(Cluster { centre, first, half, count }),

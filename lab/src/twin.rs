@@ -40,7 +40,7 @@ use anamorph::internals::engine::clusters::{Clustered, cluster};
 use anamorph::internals::engine::plan::curves::RayTable;
 use anamorph::internals::engine::plan::pages::Pages;
 use anamorph::internals::engine::plan::variant::variant;
-use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
+use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, SceneShape, Wanted};
 use anamorph::internals::engine::tables::{Appearance, Shadows, Span, after_bounce, params};
 use anamorph::internals::engine::{Capacities, RunOptions};
 use anamorph::internals::gpu::device::AdapterFeatures;
@@ -131,7 +131,7 @@ impl Tables {
     /// Bands and chunks are split so that no table exceeds `binding_limit` bytes.
     pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: AdapterFeatures, binding_limit: u64) -> Tables {
         let scene = &*scene.with_optics(camera);
-        let extent = SceneExtent::of(camera, scene.bounds());
+        let extent = SceneExtent::of(camera, SceneShape::of(scene));
         let contents = SceneContents::of(scene);
         let variant = variant(camera, contents, wanted, has, &RunOptions::default());
         let plan = Plan::new(variant, camera, contents, extent, wanted, has, binding_limit);

@@ -4,7 +4,7 @@ use super::{Engine, Frames, Rendered, RunOptions, add_stages};
 use crate::camera::Camera;
 use crate::camera::optics::atlas::{Layout, camera as atlas_camera};
 use crate::camera::optics::{Atlas, Facets, Law, Optics, Surface};
-use crate::engine::plan::Wanted;
+use crate::engine::plan::{SceneShape, Wanted};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::layout::AtlasLayout;
@@ -40,7 +40,8 @@ impl Engine {
         let wanted = Wanted { counting: wanted.counting, ..Wanted::of(channels) };
         let cameras = facets.copy();
         let camera = atlas_camera(optics, atlas, cameras, law)?;
-        let planned = self.planner().plan_in_order(scene, Arc::new(camera), &wanted, run, None)?;
+        let planned =
+            self.planner().plan_in_order((scene, SceneShape::of(scene)), Arc::new(camera), &wanted, run, None)?;
         let frames = Box::new(self.upload(planned, run)?);
         Ok(Some(AtlasRenderer { frames, layout: Layout::new(cameras.triangles.len(), atlas.texels) }))
     }

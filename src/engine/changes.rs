@@ -3,11 +3,10 @@
 
 use super::planned::Planned;
 use crate::camera::Camera;
-use crate::engine::clusters::Clustered;
 use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
 use crate::gpu::kernels::Variant;
 use crate::scene::Scene;
-use std::sync::{Arc, Weak};
+use std::sync::Arc;
 
 /// What of a frame is not as it was in the last one.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -37,7 +36,8 @@ pub enum Dirty {
 pub(super) struct Shown<'a> {
     pub scene: &'a Scene,
     pub plan: &'a Arc<Plan>,
-    pub clustered: &'a Weak<Clustered>,
+    /// [`Clustered::places`] of the triangles.
+    pub places: &'a Arc<()>,
 }
 
 impl Changes {
@@ -50,7 +50,7 @@ impl Changes {
         let Planned { scene, plan, clustered, .. } = next;
         Changes {
             plan: !Arc::ptr_eq(plan, shown.plan),
-            triangles: !shown.clustered.ptr_eq(&Arc::downgrade(clustered)),
+            triangles: !Arc::ptr_eq(shown.places, &clustered.places),
             positions: !(same_mesh(scene, shown.scene) && plan.anchor == shown.plan.anchor),
             // part of the mesh
             alpha_masks: false,
@@ -87,9 +87,9 @@ impl PlannedBy<'_> {
     /// The plan of `last` is the plan for this.
     pub fn is_that_of(&self, last: &Planned) -> bool {
         let PlannedBy { scene, camera, extent, wanted, variant } = self;
-        let Plan { anchor, centre, scene_size, .. } = *last.plan;
+        let Plan { anchor, origin, centre, scene_size, .. } = *last.plan;
         Arc::ptr_eq(&last.camera, camera)
-            && SceneExtent { anchor, centre, scene_size } == *extent
+            && SceneExtent { anchor, origin, centre, scene_size } == *extent
             && SceneContents::of(&last.scene) == SceneContents::of(scene)
             && last.wanted == **wanted
             && (&last.scene.style, last.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
@@ -98,10 +98,14 @@ impl PlannedBy<'_> {
     }
 }
 
-/// The clusters of `last` are those of this scene for this plan.
-pub(super) fn same_clusters(last: &Planned, scene: &Scene, plan: &Plan) -> bool {
-    same_mesh(&last.scene, scene)
-        && (last.plan.anchor, last.plan.variant.surfaces()) == (plan.anchor, plan.variant.surfaces())
+/// The clusters of `last` hold the triangles of this scene for this plan, relative to this anchor or another one.
+pub(super) fn same_places(last: &Planned, scene: &Scene, plan: &Plan) -> bool {
+    same_mesh(&last.scene, scene) && last.plan.variant.surfaces() == plan.variant.surfaces()
+}
+
+/// The scene of `last`, without the facets of a camera, is made of these triangles.
+pub(super) fn same_triangles(last: &Planned, scene: &Scene) -> bool {
+    Arc::ptr_eq(&last.own_mesh, &scene.mesh) && same_steps(&last.scene, scene)
 }
 
 /// Both are made of the same triangles, not of equal ones.

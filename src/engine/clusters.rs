@@ -12,6 +12,7 @@ use crate::gpu::layout::{
 };
 use crate::parallel;
 use glam::DVec3;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Triangles `id_first .. id_first + id_count` of a scene, as the kernels read them.
@@ -23,23 +24,25 @@ pub struct Chunk {
     pub vertices: Vec<Vertex>,
     /// Per slot: three vertices in the order of their positions; id, file order and sidedness. Of a sphere: the vertex in its centre, its
     /// radius as two f32, and its id, [`SPHERE`] and sidedness.
-    pub triangles: Vec<[u32; 4]>,
+    pub triangles: Arc<Vec<[u32; 4]>>,
     /// Per slot: the normals of the corners in file order, and the material.
-    pub surfaces: Vec<[u32; 4]>,
+    pub surfaces: Arc<Vec<[u32; 4]>>,
     /// Where images lie on triangles, six numbers a slot: the texture coordinates of the corners in file order, v downwards; NaN
     /// of one that has none.
-    pub uvs: Vec<[f32; 6]>,
+    pub uvs: Arc<Vec<[f32; 6]>>,
     /// Where vertices have colours, nine numbers a slot: those of the corners in file order.
-    pub colors: Vec<[f32; 9]>,
+    pub colors: Arc<Vec<[f32; 9]>>,
     /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit.
-    pub slot_of_id: Vec<u32>,
+    pub slot_of_id: Arc<Vec<u32>>,
     pub clusters: Vec<Cluster>,
     /// One for each triangle group of each cluster; the last cluster's may be empty.
     pub triangle_groups: Vec<Cluster>,
     /// Time steps of each vertex; 1 if nothing moves during a frame.
     pub steps: u32,
+    /// The boxes of clusters, and of their triangle groups, in the world.
+    boxes: Arc<[Vec<Bounds>; 2]>,
     /// The scene's vertices that it has, ascending; `None`: all.
-    used: Option<Vec<u32>>,
+    used: Option<Arc<Vec<u32>>>,
     /// How large the boxes of its clusters were together when triangles were put in these.
     clustered_size: f64,
 }
@@ -48,7 +51,10 @@ pub struct Chunk {
 #[derive(Debug, Clone)]
 pub struct Clustered {
     pub chunks: Vec<Chunk>,
+    /// What positions are relative to.
     pub anchor: DVec3,
+    /// The same for all that hold the same triangles in the same places of the world, whatever the anchor.
+    pub places: Arc<()>,
     /// Triangles without area, left out.
     pub without_area: usize,
 }
@@ -90,7 +96,7 @@ pub fn cluster<'a>(
         chunks.push(Chunk::default());
     }
     let slots: usize = chunks.iter().map(|c| c.triangles.len()).sum();
-    Clustered { chunks, anchor, without_area: mesh.triangles.len() - slots }
+    Clustered { chunks, anchor, places: Arc::default(), without_area: mesh.triangles.len() - slots }
 }
 
 fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, surfaces): (bool, SurfaceKind)) -> Chunk {
@@ -101,20 +107,21 @@ fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, surf
         let mut used = parallel::map(&order, |&id| mesh.triangles[id as usize]).into_flattened();
         parallel::sort(&mut used);
         used.dedup();
-        chunk.used = Some(used);
+        chunk.used = Some(Arc::new(used));
     }
-    chunk.surfaces = parallel::map(&order, |&id| triangle_surface(mesh, id));
+    chunk.surfaces = Arc::new(parallel::map(&order, |&id| triangle_surface(mesh, id)));
     if surfaces != SurfaceKind::Plain {
-        chunk.uvs = parallel::map(&order, |&id| triangle_uvs(mesh, id));
+        chunk.uvs = Arc::new(parallel::map(&order, |&id| triangle_uvs(mesh, id)));
     }
     if surfaces == SurfaceKind::Colored {
-        chunk.colors = parallel::map(&order, |&id| triangle_colors(mesh, id));
+        chunk.colors = Arc::new(parallel::map(&order, |&id| triangle_colors(mesh, id)));
     }
-    chunk.slot_of_id = vec![NONE; ids.len()];
+    let mut slot_of_id = vec![NONE; ids.len()];
     for (slot, &id) in order.iter().enumerate() {
-        chunk.slot_of_id[(id - ids.start) as usize] = slot as u32;
+        slot_of_id[(id - ids.start) as usize] = slot as u32;
     }
-    chunk.triangles = parallel::map(&order, |&id| [0, 0, 0, id | side(mesh, id)]);
+    chunk.slot_of_id = Arc::new(slot_of_id);
+    chunk.triangles = Arc::new(parallel::map(&order, |&id| [0, 0, 0, id | side(mesh, id)]));
     chunk.place(all, anchor);
     chunk.clustered_size = chunk.size();
     chunk
@@ -129,11 +136,21 @@ impl Clustered {
             let ids = chunk.id_first..chunk.id_first + chunk.id_count;
             !parallel::any(ids, |id| slot(id) == NONE && has_area(mesh.into(), id))
         };
+        self.places = Arc::default();
         self.chunks.iter_mut().all(|chunk| {
             (self.without_area == 0 || lies_flat(chunk))
                 && chunk.place(mesh.into(), self.anchor)
                 && chunk.size() <= GROWN_MAX * chunk.clustered_size
         })
+    }
+}
+
+impl Clustered {
+    /// The same triangles relative to another anchor.
+    pub fn anchored<'a>(&self, all: impl Into<MovingMesh<'a>>, anchor: DVec3) -> Clustered {
+        let all = all.into();
+        let chunks = self.chunks.iter().map(|chunk| chunk.anchored(all, anchor)).collect();
+        Clustered { chunks, anchor, places: self.places.clone(), without_area: self.without_area }
     }
 }
 
@@ -149,47 +166,70 @@ impl Chunk {
     /// All that depends on positions, of the triangles in their slots; whether each has an area.
     fn place(&mut self, all: MovingMesh, anchor: DVec3) -> bool {
         let mesh = all.mesh;
-        let used = self.used.as_deref();
-        let count = used.map_or(mesh.positions.len(), <[u32]>::len);
-        let steps = all.count() as usize;
-        self.vertices.resize(count * steps, Vertex::default());
-        parallel::for_each_mut(&mut self.vertices, |k, vertex| {
-            let (k, step) = (k / steps, (k % steps) as u32);
-            *vertex = Vertex::new(all.position(used.map_or(k as u32, |used| used[k]), step) - anchor);
-        });
+        let used = self.used.as_ref().map(|used| used.as_slice());
         // every vertex of the chunk is in the sorted list
         let index_of = |v: u32| used.map_or(v, |used| used.partition_point(|&u| u < v) as u32);
-        self.triangle_groups.resize(self.triangles.len().div_ceil(CLUSTER as usize) * TRIANGLE_GROUPS, EMPTY);
-        self.clusters.resize(self.triangles.len().div_ceil(CLUSTER as usize), EMPTY);
-        let groups = self.triangles.chunks_mut(CLUSTER as usize).zip(self.triangle_groups.chunks_mut(TRIANGLE_GROUPS));
+        let triangles = Arc::make_mut(&mut self.triangles);
+        let [clusters, groups] = Arc::make_mut(&mut self.boxes);
+        clusters.resize(triangles.len().div_ceil(CLUSTER as usize), Bounds::NONE);
+        groups.resize(clusters.len() * TRIANGLE_GROUPS, Bounds::NONE);
+        let each = triangles.chunks_mut(CLUSTER as usize).zip(groups.chunks_mut(TRIANGLE_GROUPS)).zip(clusters);
         let all_have_area = AtomicBool::new(true);
-        parallel::for_each(
-            groups.zip(&mut self.clusters).enumerate(),
-            |(index, ((triangles, triangle_groups), cluster))| {
-                let first = index * CLUSTER as usize;
-                let (count, mut whole, mut have_area) = (triangles.len(), Bounds::NONE, true);
-                for (k, (triangle_group, triangles)) in
-                    triangle_groups.iter_mut().zip(triangles.chunks_mut(TRIANGLE_GROUP as usize)).enumerate()
-                {
-                    let mut own = Bounds::NONE;
-                    for triangle in triangles.iter_mut() {
-                        let id = triangle[3] & ID_MASK;
-                        let order = order_by_position(all, id);
-                        have_area &= has_area(all, id);
-                        own = (0..all.count()).fold(own, |own, step| own.with(&extremes(all, id, step)));
-                        *triangle = match mesh.radius(id) {
-                            Some(radius) => packed_sphere(mesh, triangle[3], radius, index_of),
-                            None => packed_triangle(mesh, triangle[3], order, index_of),
-                        };
-                    }
-                    *triangle_group = own.packed(anchor, first + k * TRIANGLE_GROUP as usize, triangles.len());
-                    whole = whole.joined(own);
+        parallel::for_each(each, |((triangles, groups), cluster)| {
+            let (mut whole, mut have_area) = (Bounds::NONE, true);
+            for (group, triangles) in groups.iter_mut().zip(triangles.chunks_mut(TRIANGLE_GROUP as usize)) {
+                let mut own = Bounds::NONE;
+                for triangle in triangles.iter_mut() {
+                    let id = triangle[3] & ID_MASK;
+                    let order = order_by_position(all, id);
+                    have_area &= has_area(all, id);
+                    own = (0..all.count()).fold(own, |own, step| own.with(&extremes(all, id, step)));
+                    *triangle = match mesh.radius(id) {
+                        Some(radius) => packed_sphere(mesh, triangle[3], radius, index_of),
+                        None => packed_triangle(mesh, triangle[3], order, index_of),
+                    };
                 }
-                *cluster = whole.packed(anchor, first, count);
-                all_have_area.fetch_and(have_area, Ordering::Relaxed);
-            },
-        );
+                *group = own;
+                whole = whole.joined(own);
+            }
+            *cluster = whole;
+            all_have_area.fetch_and(have_area, Ordering::Relaxed);
+        });
+        *self = self.anchored(all, anchor);
         all_have_area.into_inner()
+    }
+
+    /// The same triangles relative to another anchor.
+    fn anchored(&self, all: MovingMesh, anchor: DVec3) -> Chunk {
+        let used = self.used.as_ref().map(|used| used.as_slice());
+        let (count, steps) = (used.map_or(all.mesh.positions.len(), <[u32]>::len), all.count() as usize);
+        let vertices = parallel::map(0..count * steps, |k| {
+            let (k, step) = (k / steps, (k % steps) as u32);
+            Vertex::new(all.position(used.map_or(k as u32, |used| used[k]), step) - anchor)
+        });
+        let packed = |boxes: &[Bounds], each: usize| {
+            parallel::map(0..boxes.len(), |k| {
+                let slots = self.triangles.len().min((k + 1) * each).saturating_sub(k * each);
+                if slots == 0 { EMPTY } else { boxes[k].packed(anchor, k * each, slots) }
+            })
+        };
+        let [clusters, groups] = &*self.boxes;
+        Chunk {
+            vertices,
+            clusters: packed(clusters, CLUSTER as usize),
+            triangle_groups: packed(groups, TRIANGLE_GROUP as usize),
+            id_first: self.id_first,
+            id_count: self.id_count,
+            triangles: self.triangles.clone(),
+            surfaces: self.surfaces.clone(),
+            uvs: self.uvs.clone(),
+            colors: self.colors.clone(),
+            slot_of_id: self.slot_of_id.clone(),
+            steps: self.steps,
+            boxes: self.boxes.clone(),
+            used: self.used.clone(),
+            clustered_size: self.clustered_size,
+        }
     }
 
     /// Of all boxes together.
@@ -328,7 +368,7 @@ pub fn colored_surfaces(mapped: &[[[u32; 4]; 3]], colors: &[[f32; 9]]) -> Vec<[[
 }
 
 /// A box of positions.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 struct Bounds {
     lo: DVec3,
     hi: DVec3,
@@ -398,7 +438,7 @@ mod tests {
             assert_eq!(anew.chunks.len() > 1, limit == LIMITS[1]);
             for ((a, b), slots) in refitted.chunks.iter().zip(&anew.chunks).zip(slots) {
                 assert_eq!(a.slot_of_id, slots);
-                for (at, anew_at) in a.slot_of_id.iter().zip(&b.slot_of_id).filter(|s| *s.0 != NONE) {
+                for (at, anew_at) in a.slot_of_id.iter().zip(b.slot_of_id.iter()).filter(|s| *s.0 != NONE) {
                     assert_eq!(stored(a, *at), stored(b, *anew_at));
                     let cluster = &a.clusters[(at / CLUSTER) as usize];
                     let within = |p: [f64; 3]| {

@@ -56,12 +56,17 @@ pub struct Frames {
     pub(super) rival: Option<Box<dyn Rival>>,
     /// A copy of the planes as one image, 4 bytes a channel and pixel.
     pub(super) planes_copy: Option<wgpu::Buffer>,
-    /// The triangles that are on the device.
+    /// The triangles that are on the device, while some plan keeps them.
     pub(super) shown: Weak<Clustered>,
+    /// [`Clustered::places`] of these.
+    pub(super) places: Arc<()>,
     /// The same as they are now, where every vertex is new in each timed frame.
     pub(super) moving: Option<Clustered>,
     /// Something failed while another scene, camera or light was sent, of which a part may be there.
     pub(super) is_partly_uploaded: bool,
+    /// What tracing would have saved in the frames since the triangles came, in the units of costs; nothing is counted once hierarchies are
+    /// there.
+    pub(super) saved_by_tracing: u64,
     /// Trace could not follow all paths of a frame.
     pub(super) is_lost: bool,
     /// The camera is not that of the first frame any more.
@@ -157,10 +162,10 @@ impl Frames {
 
     /// Builds the hierarchies that trace follows.
     pub(super) fn build_bvh(&mut self) -> Result<()> {
-        let Plan { anchor, variant, .. } = *self.plan;
+        let Plan { anchor, origin, variant, .. } = *self.plan;
         let anew = || Arc::new(cluster(self.scene.moving_mesh(), anchor, variant.surfaces(), self.gpu.table_limit()));
         let clustered = self.shown.upgrade().unwrap_or_else(anew);
-        self.resident.build_bvh(&self.gpu, &clustered)
+        self.resident.build_bvh(&self.gpu, &clustered, origin)
     }
 
     /// The kernels that frames take.
@@ -232,10 +237,10 @@ impl Frames {
             self.resident.upload_appearance(&self.gpu, &self.pages, moved, &self.plan)?;
         }
         if clustered.refit(&moved.mesh) {
-            return self.resident.place_scene(&self.gpu, clustered);
+            return self.resident.place_scene(&self.gpu, clustered, self.plan.origin);
         }
         *clustered = cluster(&*moved.mesh, self.plan.anchor, self.plan.variant.surfaces(), self.gpu.table_limit());
-        self.resident.upload_scene(&self.gpu, clustered)?;
+        self.resident.upload_scene(&self.gpu, clustered, self.plan.origin)?;
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }
 
@@ -277,14 +282,17 @@ impl Frames {
         if !is_plain || has_optics || scene.caustics.is_some() || !is_as_large || !is_wanted {
             return Ok(false);
         }
-        let shown = Shown { scene: &self.scene, plan: &self.plan, clustered: &self.shown };
+        let shown = Shown { scene: &self.scene, plan: &self.plan, places: &self.places };
         // until all is there nothing counts as the same
         let is_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
         let changes = if is_partly_uploaded { Changes::ALL } else { Changes::between(&shown, planned) };
         if changes.triangles {
-            self.resident.upload_scene(&self.gpu, clustered)?;
-            self.shown = Arc::downgrade(clustered);
+            self.saved_by_tracing = 0;
+            self.resident.upload_scene(&self.gpu, clustered, plan.origin)?;
+        } else if changes.positions {
+            self.resident.anchor_scene(&self.gpu, clustered)?;
         }
+        (self.shown, self.places) = (Arc::downgrade(clustered), clustered.places.clone());
         if changes.plan {
             self.resident.aim(&self.gpu, camera, plan)?;
         } else if changes.triangles {

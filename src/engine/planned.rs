@@ -1,14 +1,14 @@
 //! What frames take, worked out before a device is touched; what did not change since an earlier frame is taken from there.
 
 use super::RunOptions;
-use super::changes::{PlannedBy, same_clusters};
+use super::changes::{PlannedBy, same_places, same_triangles};
 use super::combinations::Asked;
 use super::medium::node_bytes;
 use crate::camera::ray_order::reordered;
 use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::variant::{method, variant};
-use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
+use crate::engine::plan::{Plan, SceneContents, SceneExtent, SceneShape, Wanted};
 use crate::geometry::mesh::Mesh;
 use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::Method;
@@ -16,6 +16,7 @@ use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::style::Style;
+use std::borrow::Cow;
 use std::sync::{Arc, Weak};
 
 /// Plans for an adapter.
@@ -36,7 +37,9 @@ pub struct Planned {
     /// With the facets of the camera's optics, as the last triangles of its mesh.
     pub(super) scene: Scene,
     /// The scene's mesh without these facets.
-    own_mesh: Arc<Mesh>,
+    pub(super) own_mesh: Arc<Mesh>,
+    /// The same of the scene without these facets.
+    shape: SceneShape,
     /// With its pixels in the order of their rays, where these are incoherent.
     pub(super) camera: Arc<Camera>,
     /// The camera with its pixels in their own order; only to recognize it.
@@ -102,13 +105,14 @@ impl Planner {
         last: Option<&Planned>,
     ) -> Result<Planned> {
         let asked: Arc<Camera> = camera.into();
-        let centre = SceneExtent::of(&asked, scene.bounds()).centre;
+        let shape = shape(scene, last);
+        let centre = SceneExtent::of(&asked, shape).centre;
         let known = last.filter(|l| l.asked.as_ptr() == Arc::as_ptr(&asked) && l.plan.centre == centre);
         let camera = match known {
             Some(last) => last.camera.clone(),
             None => reordered(&asked, centre).map_or_else(|| asked.clone(), Arc::new),
         };
-        let planned = self.plan_in_order(scene, camera, wanted, run, last)?;
+        let planned = self.plan_in_order((scene, shape), camera, wanted, run, last)?;
         Ok(Planned { asked: Arc::downgrade(&asked), ..planned })
     }
 
@@ -119,14 +123,15 @@ impl Planner {
         }
         let run = RunOptions { method: Method::Raster, ..run.clone() };
         let scene = planned.scene_without_optics();
-        let again = self.plan_in_order(&scene, planned.camera.clone(), &planned.wanted, &run, None).ok()?;
+        let again =
+            self.plan_in_order((&scene, planned.shape), planned.camera.clone(), &planned.wanted, &run, None).ok()?;
         (again.plan.variant.method == Method::Raster).then(|| Planned { asked: planned.asked.clone(), ..again })
     }
 
     /// The same with the camera's pixels in the order that they are in.
     pub(super) fn plan_in_order(
         &self,
-        scene: &Scene,
+        (scene, shape): (&Scene, SceneShape),
         camera: Arc<Camera>,
         wanted: &Wanted,
         run: &RunOptions,
@@ -141,20 +146,23 @@ impl Planner {
             ..Asked::new(scene, &camera, wanted)
         };
         asked_for.check()?;
-        let scene = scene.with_optics(&camera).into_owned();
-        let extent = SceneExtent::of(&camera, scene.bounds());
-        check_size(&scene, extent)?;
+        let whole = scene.with_optics(&camera);
+        let shape_of_whole = if matches!(whole, Cow::Borrowed(_)) { shape } else { SceneShape::of(&whole) };
+        let scene = whole.into_owned();
+        let extent = SceneExtent::of(&camera, shape_of_whole);
+        check_size(shape_of_whole, extent)?;
         scene.check_depth(&wanted.channels)?;
         self.check_normals(&scene)?;
         self.check_volume(&scene)?;
         let plan = self.plan_of(&scene, &camera, extent, wanted, run, last);
-        let clustered = match last.filter(|l| same_clusters(l, &scene, &plan)) {
-            Some(last) => last.clustered.clone(),
+        let clustered = match last.filter(|l| same_places(l, &scene, &plan)) {
+            Some(last) if last.plan.anchor == plan.anchor => last.clustered.clone(),
+            Some(last) => Arc::new(last.clustered.anchored(scene.moving_mesh(), plan.anchor)),
             None => Arc::new(cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit)),
         };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
         let (asked, wanted) = (Arc::downgrade(&camera), wanted.clone());
-        Ok(Planned { scene, own_mesh, camera, asked, plan, clustered, wanted })
+        Ok(Planned { scene, own_mesh, shape, camera, asked, plan, clustered, wanted })
     }
 
     /// Refuses more normals than one binding holds, before any work on the triangles.
@@ -253,12 +261,17 @@ pub(super) fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
     channels
 }
 
+/// The shape of a scene, taken over where it is that of `last`.
+fn shape(scene: &Scene, last: Option<&Planned>) -> SceneShape {
+    last.filter(|last| same_triangles(last, scene)).map_or_else(|| SceneShape::of(scene), |last| last.shape)
+}
+
 /// Supported scene sizes, world units: outside them f32 and pairs of f32 overflow or underflow.
 const SIZES: [f64; 2] = [1e-12, 1e30];
 
 /// The engine's f32 can hold the scene.
-fn check_size(scene: &Scene, extent: SceneExtent) -> Result<()> {
-    let Some((lo, hi)) = scene.bounds() else { return Ok(()) };
+fn check_size(shape: SceneShape, extent: SceneExtent) -> Result<()> {
+    let Some((lo, hi)) = shape.bounds else { return Ok(()) };
     let reach = (hi - extent.anchor).max(extent.anchor - lo).max_element();
     let [least, most] = SIZES;
     if reach > 0.0 && !(least..=most).contains(&reach) {

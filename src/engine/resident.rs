@@ -20,6 +20,7 @@ use crate::gpu::layout::Params;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::volume::{Grid, Volume};
+use glam::DVec3;
 use std::sync::Arc;
 
 pub struct Resident {
@@ -122,7 +123,7 @@ impl Resident {
             alpha_masks: Default::default(),
             grid: None,
         };
-        resident.upload_scene(gpu, clustered)?;
+        resident.upload_scene(gpu, clustered, plan.origin)?;
         if plan.variant.samples_edges() {
             resident.shared.upload_uniform(gpu, "sample_offsets", &sample_offsets(&plan.sample_offsets))?;
         }
@@ -132,9 +133,9 @@ impl Resident {
     }
 
     /// Builds the hierarchies that trace follows, of the triangles that are on the device.
-    pub fn build_bvh(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
+    pub fn build_bvh(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
         self.bvh = BvhState::Built;
-        self.upload_bvh(gpu, clustered)
+        self.upload_bvh(gpu, clustered, origin)
     }
 
     /// What tracing a frame costs: each chunk has a hierarchy of its own.
@@ -159,24 +160,24 @@ impl Resident {
     }
 
     /// Puts the triangles on the device, anew where they were there before.
-    pub fn upload_scene(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
+    pub fn upload_scene(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
         self.without_area = clustered.without_area;
         self.bvh = if self.always_traces { BvhState::Built } else { BvhState::None };
         let mut there = std::mem::take(&mut self.chunks).into_iter().map(|c| c.buffers);
         let mut each = || there.next().unwrap_or_default();
         self.chunks = clustered.chunks.iter().map(|c| chunk_on_device(gpu, c, each())).collect::<Result<_>>()?;
-        self.upload_bvh(gpu, clustered)?;
-        Ok(())
+        self.upload_bvh(gpu, clustered, origin)
     }
 
-    /// Uploads the hierarchies that trace follows; empty ones while they are not built.
-    fn upload_bvh(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
+    /// Uploads the hierarchies that trace follows, relative to `origin`; empty ones while they are not built.
+    fn upload_bvh(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
         if !self.traces {
             return Ok(());
         }
         let is_there = matches!(self.bvh, BvhState::Built | BvhState::Preferred);
         for (there, chunk) in self.chunks.iter_mut().zip(&clustered.chunks) {
-            let bvh = if is_there { TracedBvh::new(chunk) } else { Some(TracedBvh::default()) };
+            let bvh =
+                if is_there { TracedBvh::new(chunk, clustered.anchor - origin) } else { Some(TracedBvh::default()) };
             if bvh.is_none() {
                 self.bvh = BvhState::GivenUp;
             }
@@ -193,12 +194,18 @@ impl Resident {
     }
 
     /// Puts the triangles that are there where they are now.
-    pub fn place_scene(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
-        self.chunks
-            .iter_mut()
-            .zip(&clustered.chunks)
-            .try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))?;
-        self.upload_bvh(gpu, clustered)
+    pub fn place_scene(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
+        let chunks = || clustered.chunks.iter();
+        let mut each = self.chunks.iter_mut().zip(chunks());
+        each.try_for_each(|(there, chunk)| there.buffers.upload_texels(gpu, "triangles", &chunk.triangles))?;
+        self.anchor_scene(gpu, clustered)?;
+        self.upload_bvh(gpu, clustered, origin)
+    }
+
+    /// Puts the triangles that are there about another anchor. Hierarchies do not follow it.
+    pub fn anchor_scene(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
+        let mut each = self.chunks.iter_mut().zip(&clustered.chunks);
+        each.try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))
     }
 
     /// Rebuilds the hierarchy of shadow casters when the appearance is next uploaded.
@@ -480,6 +487,7 @@ pub enum BvhState {
 /// In these buffers, where they are as large.
 fn chunk_on_device(gpu: &Gpu, chunk: &Chunk, mut buffers: Buffers) -> Result<ChunkOnDevice> {
     place(gpu, &mut buffers, chunk)?;
+    buffers.upload_texels(gpu, "triangles", &chunk.triangles)?;
     let mapped = || mapped_surfaces(&chunk.surfaces, &chunk.uvs);
     match (chunk.uvs.is_empty(), chunk.colors.is_empty()) {
         (true, _) => buffers.upload_texels(gpu, "surfaces", &chunk.surfaces)?,
@@ -492,10 +500,9 @@ fn chunk_on_device(gpu: &Gpu, chunk: &Chunk, mut buffers: Buffers) -> Result<Chu
     Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters, slots })
 }
 
-/// What depends on positions.
+/// What is relative to the anchor.
 fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk) -> Result<()> {
     buffers.upload_texels(gpu, "vertices", &chunk.vertices)?;
-    buffers.upload_texels(gpu, "triangles", &chunk.triangles)?;
     buffers.upload_texels(gpu, "clusters", &chunk.clusters)?;
     buffers.upload(gpu, "triangle_groups", &chunk.triangle_groups)
 }

@@ -6,6 +6,7 @@ use super::planned::Planned;
 use super::readback::{Copies, InFlight, PendingReads, Readback};
 use super::resident::BvhState;
 use super::{Capacities, Counts, Rendered};
+use crate::engine::plan::Plan;
 use crate::gpu::buffers::{read_words, wait_for};
 use crate::gpu::kernels::Method;
 use crate::gpu::layout::{COUNTERS, CULL_QUEUES, Counter};
@@ -59,6 +60,7 @@ impl Frames {
             let Some(short) = self.shortage(&raw.status, &running, frame_layout.plan.variant.by_tile) else {
                 let (frame_ms, stages) = (vec![running.ms()], raw.stages.clone());
                 let rest = Rendered { frame_ms, stages, grown, ..self.statistics(&frame_layout.plan, &running, &raw) };
+                self.weigh_tracing(&frame_layout.plan, &rest.counts)?;
                 return Ok(Readback { frame_layout, raw, rest });
             };
             // the lists are to hold this frame
@@ -69,6 +71,23 @@ impl Frames {
             grown += 1;
             in_flight = self.start(planned)?;
         }
+    }
+
+    /// Builds the hierarchies that trace follows, once tracing would have saved as much in the frames so far as building them costs.
+    fn weigh_tracing(&mut self, plan: &Plan, counts: &Counts) -> Result<()> {
+        if self.run.method != Method::Auto
+            || self.plan.variant.method != Method::Auto
+            || self.resident.bvh != BvhState::None
+        {
+            return Ok(());
+        }
+        let trace = self.resident.trace_cost(plan);
+        self.saved_by_tracing += self.resident.raster_cost(counts.raster_cost()).saturating_sub(trace + trace / 8);
+        if self.saved_by_tracing < self.resident.build_cost() {
+            return Ok(());
+        }
+        self.build_bvh()?;
+        self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }
 
     /// The rays of these frames could not be followed to their ends: there is nothing to trace them with, or it took too many steps.

@@ -180,6 +180,7 @@ pub struct Params {
     pub level_start: [u32; 8],
     pub level_width: [u32; 8],
     pub level_height: [u32; 8],
+    pub bvh_offset: [f32; 4],
 }
 
 /// Offsets of samples from their pixel's centre, px right and down: two per vec4.

@@ -5,7 +5,7 @@ use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::variant::variant;
-use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
+use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, SceneShape, Wanted};
 use anamorph::internals::engine::{Method, RunOptions};
 use anamorph::internals::geometry::{generate, place};
 use anamorph::internals::gpu::kernels::SurfaceKind;
@@ -163,7 +163,7 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
     let Some(mut small) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING) else { return };
     for (name, camera) in cameras {
         let Some(whole) = render_with(&scene, &camera, Without::Nothing, &RunOptions::default()) else { return };
-        let extent = SceneExtent::of(&camera, scene.bounds());
+        let extent = SceneExtent::of(&camera, SceneShape::of(&scene));
         let (contents, has) = (SceneContents::of(&scene), small.gpu.has);
         let variant = variant(&camera, contents, &wanted(), has, &RunOptions::default());
         let plan = Plan::new(variant, &camera, contents, extent, &wanted(), has, SMALL_BINDING);

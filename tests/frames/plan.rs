@@ -10,7 +10,7 @@ use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::left_out::LeftOut;
 use anamorph::internals::engine::plan::slabs::Slabs;
 use anamorph::internals::engine::plan::variant::variant;
-use anamorph::internals::engine::plan::{Band, Plan, SceneContents, SceneExtent, Wanted};
+use anamorph::internals::engine::plan::{Band, Plan, SceneContents, SceneExtent, SceneShape, Wanted};
 use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::gpu::layout::{self, BRANCH};
 use anamorph::internals::image::frame::Channel;
@@ -147,7 +147,7 @@ fn cells_split_the_image_as_the_camera_does() {
 fn a_packed_piece_gives_the_rays_of_its_pixels() {
     for (name, camera) in cameras() {
         let Rays::Pieces(_) = &camera.layers[0] else { continue };
-        let extent = SceneExtent::of(&camera, None);
+        let extent = SceneExtent::of(&camera, SceneShape::default());
         let plan = new_plan(&camera, of(1), extent, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
         for band in &plan.bands {
             for (i, j) in (0..band.rows).step_by(5).flat_map(|y| (0..SIZE.0).step_by(7).map(move |x| (x, band.row + y)))
@@ -294,7 +294,9 @@ fn layered_cameras() -> Vec<(String, Camera)> {
 #[test]
 fn nodes_bound_every_ray_of_their_squares() {
     for (name, camera) in cameras().into_iter().chain(layered_cameras()) {
-        for extent in [SceneExtent::of(&camera, None), SceneExtent::point(DVec3::new(3.0, -200.0, 0.1))] {
+        for extent in
+            [SceneExtent::of(&camera, SceneShape::default()), SceneExtent::point(DVec3::new(3.0, -200.0, 0.1))]
+        {
             for limit in [LAVAPIPE_BINDING, 1 << 17] {
                 let plan = new_plan(&camera, of(1), extent, &wanted(&Channel::ALL), HAS_ALL, limit);
                 plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, plan.anchor, plan.slabs, b));
@@ -448,12 +450,16 @@ fn the_anchor_is_near_the_rays_and_in_the_scene() {
     for _ in 0..50 {
         let camera = camera(random_glc(&mut rng), SIZE, FORWARD);
         let start = camera.ray(SIZE.0 / 2, SIZE.1 / 2).unwrap().origin;
-        assert_eq!(SceneExtent::of(&camera, None).anchor, start);
+        assert_eq!(SceneExtent::of(&camera, SceneShape::default()).anchor, start);
         let (a, b) = (rng.vector(), rng.vector());
         let (lo, hi) = (a.min(b), a.max(b));
-        let anchor = SceneExtent::of(&camera, Some((lo, hi))).anchor;
-        assert!(anchor.cmpge(lo).all() && anchor.cmple(hi).all());
-        let clamp_moves = |k: usize| start[k] < lo[k] || start[k] > hi[k];
-        assert!((0..3).all(|k| clamp_moves(k) || anchor[k] == start[k]));
+        let (bounds, grain) = (Some((lo, hi)), 1e-3 * (hi - lo).max_element());
+        for (grain, most) in [(0.0, (hi - lo).max_element() / 8.0), (grain, 256.0 * grain)] {
+            let SceneExtent { anchor, origin, .. } = SceneExtent::of(&camera, SceneShape { bounds, grain });
+            let off = (anchor - start.clamp(lo, hi)).abs().max_element();
+            assert!(off <= most / 2.0 && (origin - (lo + hi) / 2.0).abs().max_element() <= most / 2.0);
+            // the way between both is stored as f32
+            assert_eq!((anchor - origin).as_vec3().as_dvec3(), anchor - origin);
+        }
     }
 }

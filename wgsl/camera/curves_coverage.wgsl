@@ -70,8 +70,9 @@ fn control_net(place: u32) -> array<vec3<f32>, 4> {
     return net;
 }
 
-// Whether a curve with this control net may meet a triangle over a span of t: not if a side of the triangle separates them.
-fn net_may_meet(net: array<vec3<f32>, 4>, span: vec2<f32>, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> bool {
+// Whether a curve with this control net may meet a triangle over a span of t: not if a side of the triangle separates them. `stored` is the
+// largest coordinate that control points were rounded at before they were moved, 0 if they were not.
+fn net_may_meet(net: array<vec3<f32>, 4>, stored: f32, span: vec2<f32>, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> bool {
     let e0 = v1 - v0;
     let e1 = v2 - v1;
     let e2 = v0 - v2;
@@ -83,7 +84,7 @@ fn net_may_meet(net: array<vec3<f32>, 4>, span: vec2<f32>, v0: vec3<f32>, v1: ve
     let lost_n = 4.0 * size_e * lost_e;
     let lost_m = 2.0 * size_e * lost_n + 2.0 * length(n) * lost_e;
     // how large the factors are that a product has, and what the control points and a vertex lost when stored
-    let reach = reach_v + max(max(length(net[0]), length(net[1])), max(length(net[2]), length(net[3])));
+    let reach = reach_v + stored + max(max(length(net[0]), length(net[1])), max(length(net[2]), length(net[3])));
     let size = reach * length(n);
     let beyond = select(MOST, 1.0, size < MOST && size * size_e < MOST);
     let error_n = beyond * (2.0 * reach * lost_n + 12.0 * UNIT * size + LEAST * (1.0 + reach));
@@ -117,7 +118,7 @@ fn coverage(
         left = without_bit(left, bit);
         let place = curve_place(layer, corner.x + bit % TILE, corner.y + bit / TILE);
         let net = control_net(place);
-        if net_may_meet(net, span, v0, v1, v2) {
+        if net_may_meet(net, 0.0, span, v0, v1, v2) {
             may = with_bit(may, bit);
         }
         if all(left == vec2<u32>(0u)) {

@@ -6,7 +6,8 @@
 // Binds: params
 
 struct Path {
-    net: array<vec3<f32>, 4>,
+    net: array<vec3<f32>, 4>,   // about the origin of the hierarchy
+    reach: f32,             // the largest coordinate about the anchor, at which control points were rounded
     item: u32,              // the tile, and in the low 6 bits the pixel
     start: u32,             // the triangle that the ray starts on
 }
@@ -29,9 +30,14 @@ fn stretches() -> u32 {
 }
 
 fn path_of(layer: u32, x: u32, y: u32) -> Path {
-    let net = control_net(curve_place(layer, x, y));
+    var net = control_net(curve_place(layer, x, y));
+    var reach = 0.0;
+    for (var k = 0u; k < 4u; k++) {
+        reach = max(reach, largest_of(net[k]));
+        net[k] += params.bvh_offset.xyz;
+    }
     let tile = (layer * params.spans * params.slab_rows + y / TILE) * params.tiles_x + x / TILE;
-    return Path(net, (tile << 6u) | ((y % TILE) * TILE + x % TILE), start_of(y * params.width + x));
+    return Path(net, reach, (tile << 6u) | ((y % TILE) * TILE + x % TILE), start_of(y * params.width + x));
 }
 
 // Along one axis: where the chord begins, how far it goes, and how far the curve is off it at the same t: Bernstein weights are positive
@@ -58,8 +64,8 @@ fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
     let x = chord(vec4<f32>(n[0].x, n[1].x, n[2].x, n[3].x) * scale, span);
     let y = chord(vec4<f32>(n[0].y, n[1].y, n[2].y, n[3].y) * scale, span);
     let z = chord(vec4<f32>(n[0].z, n[1].z, n[2].z, n[3].z) * scale, span);
-    let far = 1.0 + scale * max(max(largest_of(n[0]), largest_of(n[1])), max(largest_of(n[2]), largest_of(n[3])));
-    let slack = vec3<f32>(x.z, y.z, z.z) + (47.0 + CORNER_UNITS) * UNIT * far + LEAST;
+    let far = 1.0 + scale * (path.reach + max(max(largest_of(n[0]), largest_of(n[1])), max(largest_of(n[2]), largest_of(n[3]))));
+    let slack = vec3<f32>(x.z, y.z, z.z) + (48.0 + CORNER_UNITS) * UNIT * far + LEAST;
     let more = 8.0 * UNIT * f32(params.spans);
     return Stretch(vec3<f32>(x.x, y.x, z.x), vec3<f32>(x.y, y.y, z.y), slack, -more, 1.0 + more, span.x, f32(params.spans), k);
 }
@@ -92,7 +98,7 @@ fn last_of(stretch: Stretch, seen: Seen) -> f32 {
 fn with_triangle(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> Seen {
     let span = vec2<f32>(f32(stretch.number), f32(stretch.number + 1u)) / f32(params.spans);
     let back = 1.0 / bvh_scale();
-    var may = net_may_meet(path.net, span, own.v * back, (own.v + own.to_next) * back, (own.v - own.from_last) * back);
+    var may = net_may_meet(path.net, path.reach, span, own.v * back, (own.v + own.to_next) * back, (own.v - own.from_last) * back);
     var seen = before;
     loop {
         if !may {

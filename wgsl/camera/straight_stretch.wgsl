@@ -43,17 +43,17 @@ fn last_of(stretch: Stretch, seen: Seen) -> f32 {
     return min(stretch.last, seen.last);
 }
 
-// The ray in f32, its direction of size 1/2 to 1. The slack: what is lost of P, and of D on the way to the farthest box, as |s| is at most
+// The ray in f32 about the origin of the hierarchy, its direction of size 1/2 to 1: the sum loses a unit. The slack: what is lost of P, and of D on the way to the farthest box, as |s| is at most
 // (1 + |P|) / (1/2 - error_d). Then 24 units of the largest distance, 29 where corners move: those of corners, 8 for the grid of boxes, which is computed in
 // f32; here 1 for the way to its origin, 5 for 1 / d, and 7 for two products and two sums of twice that distance at most.
 fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
-    let p = path.p * scale;
+    let p = (path.p + params.bvh_offset.xyz) * scale;
     let exponent = clamp(bitcast<u32>(largest_of(path.d)) >> 23u, 1u, 252u);
     // a power of two that brings d under 1, and its inverse
     let share = bitcast<f32>((253u - exponent) << 23u);
     let back = bitcast<f32>((exponent + 1u) << 23u);
     // coverage is decided on the perturbed ray
-    let error_p = path.error_p * scale + PERTURB_BOUND * params.scene_size * scale + LEAST;
+    let error_p = path.error_p * scale + UNIT * largest_of(p) + PERTURB_BOUND * params.scene_size * scale + LEAST;
     let error_d = select(path.error_d * share, ENDLESS, path.error_d >= ENDLESS) + PERTURB_BOUND + LEAST;
     let far = 1.0 + largest_of(p) + error_p;
     let slack = min(error_p + far * (error_d / max(0.5 - error_d, LEAST) + (23.0 + CORNER_UNITS) * UNIT), ENDLESS);

@@ -76,6 +76,7 @@ struct Params {
     level_start: array<vec4<u32>, 2>,   // of level k: index of its first node
     level_width: array<vec4<u32>, 2>,   // nodes a row
     level_height: array<vec4<u32>, 2>,  // rows
+    bvh_offset: vec4<f32>,  // from the origin of the hierarchies that trace follows to the anchor, exact
 }
 
 // A perturbation (perturb.wgsl) moves origins by at most 2^-42 of the scene's size, and directions by 2^-42 of their own. This is twice

@@ -21,8 +21,8 @@ impl Frames {
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
         let asked = self.changed(&self.scene, camera, Feature::Aimed);
         asked.check()?;
-        let Plan { anchor, centre, scene_size, .. } = *self.plan;
-        let extent = SceneExtent { anchor, centre, scene_size };
+        let Plan { anchor, origin, centre, scene_size, .. } = *self.plan;
+        let extent = SceneExtent { anchor, origin, centre, scene_size };
         let shown = Arc::new(reordered(camera, extent.centre).unwrap_or_else(|| camera.clone()));
         let wanted = written(&self.scene, &shown, &self.wanted);
         let plan = self.planner.plan_by(&self.run, &shown, SceneContents::of(&self.scene), extent, &wanted);

@@ -6,7 +6,7 @@ mod crowd;
 use crate::arrays::MapEach;
 use crate::engine::clusters::Chunk;
 use crate::geometry::mesh::extremes;
-use crate::gpu::layout::{BvhNode, LeafTriangle, SPHERE};
+use crate::gpu::layout::{BvhNode, LeafTriangle, SPHERE, Vertex};
 use crate::input::{Error, Result};
 use crate::parallel;
 use crate::scene::Scene;
@@ -166,17 +166,18 @@ const NODE_ROWS: usize = 5;
 const WAITING_MAX: usize = 32;
 
 impl TracedBvh {
-    /// Of the triangles of a chunk; `None` where it is deeper than the kernel can follow.
-    pub fn new(chunk: &Chunk) -> Option<TracedBvh> {
+    /// Of the triangles of a chunk, relative to a point from which its anchor lies at `offset`; `None` where it is deeper than the kernel can
+    /// follow.
+    pub fn new(chunk: &Chunk, offset: DVec3) -> Option<TracedBvh> {
         if chunk.triangles.is_empty() {
             return Some(TracedBvh::default());
         }
         if chunk.steps > 1 {
-            return TracedBvh::of_moving(chunk);
+            return TracedBvh::of_moving(chunk, offset);
         }
-        let scale = scale_of(chunk);
+        let place = Place { offset, scale: scale_of(chunk, offset) };
         let boxed = |slot: u32| {
-            Aabb::from_points(&primitive(chunk, slot, 0, scale).extremes().map_each(|v| v.as_vec3().into()))
+            Aabb::from_points(&primitive(chunk, slot, 0, place).extremes().map_each(|v| v.as_vec3().into()))
         };
         let boxes: Vec<Aabb> = parallel::map(0..chunk.triangles.len() as u32, boxed);
         let binary = crowd::build(&boxes, of_one());
@@ -184,23 +185,23 @@ impl TracedBvh {
         if depth(&tree.nodes) > WAITING_MAX {
             return None;
         }
-        let mut nodes = vec![[(scale as f32).to_bits(), 0, 0, 0]];
+        let mut nodes = vec![[(place.scale as f32).to_bits(), 0, 0, 0]];
         nodes.extend(tree.nodes.iter().flat_map(node_rows));
-        let rows = |slot: &u32| primitive(chunk, *slot, 0, scale).rows(*slot);
+        let rows = |slot: &u32| primitive(chunk, *slot, 0, place).rows(*slot);
         let triangles = parallel::map(&tree.primitive_indices, rows).into_flattened();
         Some(TracedBvh { nodes, triangles })
     }
 
     /// One hierarchy for the way from each time step to the next, in boxes that hold both ends of it: `wgsl/shared/bvh_triangle_timed.wgsl`.
-    fn of_moving(chunk: &Chunk) -> Option<TracedBvh> {
-        let scale = scale_of(chunk);
+    fn of_moving(chunk: &Chunk, offset: DVec3) -> Option<TracedBvh> {
+        let place = Place { offset, scale: scale_of(chunk, offset) };
         let ways = chunk.steps - 1;
         // the roots of all take the rows of so many nodes, beside the first row
         let header_nodes = (ways as usize - 1).div_ceil(NODE_ROWS);
-        let mut nodes = vec![[(scale as f32).to_bits(), 0, 0, 0]; 1 + NODE_ROWS * header_nodes];
+        let mut nodes = vec![[(place.scale as f32).to_bits(), 0, 0, 0]; 1 + NODE_ROWS * header_nodes];
         let mut triangles = Vec::new();
         for way in 0..ways {
-            let ends = |slot: u32| [way, way + 1].map_each(|step| primitive(chunk, slot, step, scale));
+            let ends = |slot: u32| [way, way + 1].map_each(|step| primitive(chunk, slot, step, place));
             let boxed = |slot: u32| {
                 let all = ends(slot).map_each(|end| end.extremes().map_each(|v| v.as_vec3().into()));
                 Aabb::from_points(all.as_flattened())
@@ -230,14 +231,22 @@ fn of_one() -> BvhBuildParams {
     BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() }
 }
 
+/// Where a hierarchy has its coordinates: those relative to the anchor, plus an offset, times a scale.
+#[derive(Clone, Copy)]
+struct Place {
+    offset: DVec3,
+    scale: f64,
+}
+
 /// A power of two that brings all coordinates of a chunk under 1.
-fn scale_of(chunk: &Chunk) -> f64 {
-    let of_vertices = parallel::reduce(&chunk.vertices, |v| Some(v.position().abs().max_element()), f64::max);
+fn scale_of(chunk: &Chunk, offset: DVec3) -> f64 {
+    let size = |v: &Vertex| (v.position() + offset).abs().max_element();
+    let of_vertices = parallel::reduce(&chunk.vertices, |v| Some(size(v)), f64::max);
     let far = |t: &[u32; 4]| {
-        let of_step = |step: u32| chunk.vertices[(t[0] * chunk.steps + step) as usize].position().abs().max_element();
+        let of_step = |step: u32| size(&chunk.vertices[(t[0] * chunk.steps + step) as usize]);
         radius_of(*t).map_or(0.0, |radius| radius + (0..chunk.steps).map(of_step).fold(0.0, f64::max))
     };
-    let of_spheres = parallel::reduce(&chunk.triangles, |t| Some(far(t)), f64::max);
+    let of_spheres = parallel::reduce(chunk.triangles.as_slice(), |t| Some(far(t)), f64::max);
     let largest = of_vertices.into_iter().chain(of_spheres).fold(f64::from(f32::MIN_POSITIVE), f64::max);
     largest.log2().ceil().exp2().recip()
 }
@@ -251,11 +260,11 @@ struct Primitive {
     word: u32,
 }
 
-fn primitive(chunk: &Chunk, slot: u32, step: u32, scale: f64) -> Primitive {
+fn primitive(chunk: &Chunk, slot: u32, step: u32, Place { offset, scale }: Place) -> Primitive {
     let packed @ [a, b, c, word] = chunk.triangles[slot as usize];
     let radius = radius_of(packed);
     let corners = if radius.is_some() { [a; 3] } else { [a, b, c] };
-    let place = |v: u32| chunk.vertices[(v * chunk.steps + step) as usize].position() * scale;
+    let place = |v: u32| (chunk.vertices[(v * chunk.steps + step) as usize].position() + offset) * scale;
     Primitive { corners: corners.map_each(place), radius: radius.map(|radius| radius * scale), word }
 }
 
