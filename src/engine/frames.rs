@@ -291,6 +291,9 @@ impl Frames {
             self.resident.upload_scene(&self.gpu, clustered, plan.origin)?;
         } else if changes.positions {
             self.resident.anchor_scene(&self.gpu, clustered)?;
+            if plan.origin != self.plan.origin {
+                self.resident.upload_bvh(&self.gpu, clustered, plan.origin)?;
+            }
         }
         (self.shown, self.places) = (Arc::downgrade(clustered), clustered.places.clone());
         if changes.plan {

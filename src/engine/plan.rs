@@ -283,6 +283,9 @@ impl SceneShape {
 /// Distances between anchors along a scene.
 const CELLS: f64 = 8.0;
 
+/// Largest extent of a scene, in such distances, that has one origin for all cameras.
+const SPACINGS: f64 = 64.0;
+
 /// Largest extent, in grains, that these are measured by.
 const GRAINS: f64 = 2048.0;
 
@@ -291,7 +294,8 @@ const GRAINS: f64 = 2048.0;
 pub struct SceneExtent {
     /// What all positions are relative to: near the camera's rays' start and the scene.
     pub anchor: DVec3,
-    /// What hierarchies of the scene are relative to, whatever the camera: near its center.
+    /// What hierarchies of the scene are relative to: a place near its center, whatever the camera; or the anchor where f32 numbers about that
+    /// place do not tell triangles apart, since a few are far away from the others.
     pub origin: DVec3,
     /// Centre of the scene. The widths of ray bundles are compared at its distance.
     pub centre: DVec3,
@@ -308,7 +312,9 @@ impl SceneExtent {
         let spacing = shape.spacing();
         let nearest = |p: DVec3| if spacing > 0.0 { (p / spacing).round() * spacing } else { p };
         let centre = (lo + hi) / 2.0;
-        let (anchor, origin) = (nearest(start.clamp(lo, hi)), nearest(centre));
+        let anchor = nearest(start.clamp(lo, hi));
+        let is_even = (hi - lo).max_element() <= SPACINGS * spacing;
+        let origin = if is_even { nearest(centre) } else { anchor };
         SceneExtent { anchor, origin, centre, scene_size: scene_size(shape.bounds) }
     }
 

@@ -170,7 +170,7 @@ impl Resident {
     }
 
     /// Uploads the hierarchies that trace follows, relative to `origin`; empty ones while they are not built.
-    fn upload_bvh(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
+    pub fn upload_bvh(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
         if !self.traces {
             return Ok(());
         }

@@ -458,6 +458,9 @@ fn the_anchor_is_near_the_rays_and_in_the_scene() {
             let SceneExtent { anchor, origin, .. } = SceneExtent::of(&camera, SceneShape { bounds, grain });
             let off = (anchor - start.clamp(lo, hi)).abs().max_element();
             assert!(off <= most / 2.0 && (origin - (lo + hi) / 2.0).abs().max_element() <= most / 2.0);
+            let coarse = SceneShape { bounds, grain: 1e-6 * grain };
+            let SceneExtent { anchor: own, origin: moved, .. } = SceneExtent::of(&camera, coarse);
+            assert_eq!(moved, if grain > 0.0 { own } else { origin });
             // the way between both is stored as f32
             assert_eq!((anchor - origin).as_vec3().as_dvec3(), anchor - origin);
         }
