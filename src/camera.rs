@@ -17,6 +17,7 @@ pub mod change;
 pub mod composition;
 pub mod curve;
 pub mod describe;
+pub mod directions;
 pub mod exposure;
 pub mod field;
 pub mod glc;

@@ -28,7 +28,8 @@ fn variants() -> impl Iterator<Item = Variant> {
 }
 
 /// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
-const WIDE: [&str; 20] = [
+const WIDE: [&str; 21] = [
+    "aim",
     "exact",
     "small",
     "raster",

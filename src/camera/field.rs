@@ -3,8 +3,10 @@
 use super::SAFE_RADIUS_PX;
 use super::bundle::{Bundle, Ray};
 use super::calibration::Calibrated;
+use super::directions::{Directions, Viewer};
 use super::stack::Stack;
 use super::tessellate::bend::Bend;
+use super::view::View;
 use crate::image::read_vectors;
 use crate::input::{Error, Loading, Result};
 use crate::parallel;
@@ -44,6 +46,11 @@ pub trait RayMap: Debug + Send + Sync {
         None
     }
 
+    /// The viewer whose rays these are, if all start in one eye and are the directions of a lens, turned.
+    fn viewer(&self) -> Option<Viewer> {
+        None
+    }
+
     /// The numbers of the calibrated camera, if these are the rays of one.
     fn calibrated(&self) -> Option<&Calibrated> {
         None
@@ -55,8 +62,10 @@ pub trait RayMap: Debug + Send + Sync {
 pub struct Field {
     pub width: u32,
     pub height: u32,
-    /// Empty if a formula is evaluated for each ray when needed.
+    /// Empty if a formula is evaluated for each ray when needed, or rays are turned directions.
     rays: Arc<Vec<Option<(DVec3, DVec3)>>>,
+    /// The directions of a viewer's lens, and the viewer, where the rays are these.
+    turned: Option<(Arc<Directions>, Viewer)>,
     /// The formula of the rays, if any.
     map: Option<Sampled>,
     /// The images that this one is made of, if it is, with all rays.
@@ -78,7 +87,7 @@ const STORED_MAX: usize = 1 << 24;
 impl Field {
     /// Whether the formula is evaluated for each ray when needed.
     pub fn is_computed(&self) -> bool {
-        self.rays.is_empty() && self.stacked.is_none()
+        self.rays.is_empty() && self.turned.is_none() && self.stacked.is_none()
     }
 
     /// Whether it is made of several images.
@@ -97,7 +106,7 @@ impl Field {
     pub(super) fn stacked(images: Vec<Field>, step: u32) -> Field {
         let (width, height) = (images[0].width, step * images.len() as u32);
         let stacked = Some(Arc::new(Stack { images, step }));
-        Field { width, height, rays: Arc::default(), map: None, stacked, is_reordered: false }
+        Field { width, height, rays: Arc::default(), turned: None, map: None, stacked, is_reordered: false }
     }
 
     /// The image of row `j` and the row's number there, where this is a stack of images. Between images rows count on.
@@ -117,14 +126,18 @@ impl Field {
         if rays.iter().all(Option::is_none) {
             return Err(Error::input("camera: no pixel of the ray map holds a finite ray with a direction"));
         }
-        Ok(Field { width, height, rays: Arc::new(rays), map: None, stacked: None, is_reordered: false })
+        Ok(Field { width, height, rays: Arc::new(rays), turned: None, map: None, stacked: None, is_reordered: false })
     }
 
     /// The rays of a formula at the centres of `width x height` pixels.
     pub fn of_map(width: u32, height: u32, map: Arc<dyn RayMap>) -> Result<Field> {
         let field = Field::sampled(width, height, Sampled { map, sample: DVec2::splat(0.5) });
         let has_ray = |k: usize| field.ray((k % width as usize) as u32, (k / width as usize) as u32).is_some();
-        if !parallel::any(0..width as usize * height as usize, has_ray) {
+        let has_any = match &field.turned {
+            Some((directions, _)) => directions.has_any(),
+            None => parallel::any(0..width as usize * height as usize, has_ray),
+        };
+        if !has_any {
             return Err(Error::input("camera: no pixel has a ray; make the image or its angles larger"));
         }
         Ok(field)
@@ -134,11 +147,24 @@ impl Field {
         let size = DVec2::new(width as f64, height as f64);
         let count = width as usize * height as usize;
         if count > STORED_MAX {
-            return Field { width, height, rays: Arc::default(), map: Some(map), stacked: None, is_reordered: false };
+            return Field {
+                width,
+                height,
+                rays: Arc::default(),
+                turned: None,
+                map: Some(map),
+                stacked: None,
+                is_reordered: false,
+            };
+        }
+        if let Some(viewer) = map.map.viewer().filter(|viewer| viewer.eye.is_finite()) {
+            let turned = Some((Directions::of(viewer.lens.clone(), (width, height), map.sample), viewer));
+            let rays = Arc::default();
+            return Field { width, height, rays, turned, map: Some(map), stacked: None, is_reordered: false };
         }
         let place = |k: usize| DVec2::new((k % width as usize) as f64, (k / width as usize) as f64);
         let rays = parallel::map(0..count, |k| map.ray(place(k) + map.sample, size));
-        Field { width, height, rays: Arc::new(rays), map: Some(map), stacked: None, is_reordered: false }
+        Field { width, height, rays: Arc::new(rays), turned: None, map: Some(map), stacked: None, is_reordered: false }
     }
 
     /// A field whose pixel k has the ray of this one's pixel `source[k]`, numbered row by row.
@@ -147,10 +173,24 @@ impl Field {
         Field {
             rays: Arc::new(source.iter().map(ray).collect()),
             map: None,
+            turned: None,
             stacked: None,
             is_reordered: true,
             ..*self
         }
+    }
+
+    /// The directions of a viewer's lens, and the viewer, where the rays are these, turned.
+    pub fn turned(&self) -> Option<(&Arc<Directions>, &Viewer)> {
+        self.turned.as_ref().map(|(directions, viewer)| (directions, viewer))
+    }
+
+    /// The same directions of a viewer at the origin, whose axes are those of the world.
+    pub fn unturned(&self) -> Option<Field> {
+        let (directions, viewer) = self.turned.clone()?;
+        let view = View { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z };
+        let turned = Some((directions, Viewer { eye: DVec3::ZERO, view, ..viewer }));
+        Some(Field { turned, map: None, ..self.clone() })
     }
 
     /// The formula of the rays, if any.
@@ -161,13 +201,20 @@ impl Field {
     /// A field of the same pixels and samples by another formula, evaluated for each ray when it is needed.
     pub fn by_map(&self, map: Arc<dyn RayMap>) -> Field {
         let sample = self.map.as_ref().map_or(DVec2::splat(0.5), |m| m.sample);
-        Field { rays: Arc::default(), map: Some(Sampled { map, sample }), stacked: None, is_reordered: false, ..*self }
+        Field {
+            rays: Arc::default(),
+            turned: None,
+            map: Some(Sampled { map, sample }),
+            stacked: None,
+            is_reordered: false,
+            ..*self
+        }
     }
 
     /// The same, its rays computed now and stored unless there are too many.
     pub fn kept(self) -> Field {
         match self.map {
-            Some(map) if self.rays.is_empty() => Field::sampled(self.width, self.height, map),
+            Some(map) if self.is_computed() => Field::sampled(self.width, self.height, map),
             _ => self,
         }
     }
@@ -223,6 +270,9 @@ impl Field {
     fn get(&self, i: i64, j: i64) -> Option<(DVec3, DVec3)> {
         if i < 0 || j < 0 || i >= self.width as i64 || j >= self.height as i64 {
             return None;
+        }
+        if let Some((directions, Viewer { eye, view, .. })) = &self.turned {
+            return directions.get(i as u32, j as u32).map(|d| (*eye, view.vector(d.x, d.y, d.z)));
         }
         if let Some((image, row)) = self.image(j as u32) {
             return image.get(i, row.into());
@@ -378,6 +428,7 @@ impl Field {
             height: self.height,
             rays: Arc::new(rays),
             map: None,
+            turned: None,
             stacked: None,
             is_reordered: false,
         }

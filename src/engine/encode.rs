@@ -12,6 +12,7 @@ use crate::gpu::layout::COUNTERS;
 use crate::gpu::recorder::{Recorded, Recorder};
 use crate::input::Result;
 use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
 
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 
@@ -27,6 +28,7 @@ impl Frames {
             raster_rounds: resident.raster_rounds,
             samples_by_tile: resident.samples_by_tile(&self.plan),
             prefers_trace: resident.bvh == BvhState::Preferred,
+            aims: resident.needs_aim.load(Ordering::Relaxed),
             by_rival: self.rival.is_some(),
             gathers: self.caustics.is_some(),
             keeps: self.planes_copy.is_some(),
@@ -61,7 +63,9 @@ impl Frames {
         for step in steps {
             self.encode(&mut recorder, step, &mut copies, &mut groups)?;
         }
-        Ok((copies, recorder.submit(gpu)?))
+        let recorded = recorder.submit(gpu)?;
+        self.resident.needs_aim.store(false, Ordering::Relaxed);
+        Ok((copies, recorded))
     }
 
     fn encode(&self, recorder: &mut Recorder, step: &Step, copies: &mut Copies, groups: &mut BindGroups) -> Result<()> {

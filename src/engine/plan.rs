@@ -19,6 +19,7 @@ pub mod samples;
 pub mod slabs;
 pub mod solve;
 pub mod tiles;
+pub mod turned;
 pub mod variant;
 
 use crate::arrays::MapEach;
@@ -38,6 +39,8 @@ use crate::scene::volume::Mode;
 use curves::{CurveTable, RayTable};
 use glam::{DVec2, DVec3};
 use slabs::Slabs;
+use std::sync::Arc;
+use turned::Turned;
 
 /// What there is in a scene, with the camera's optics.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -204,10 +207,12 @@ pub struct Band {
     /// First image row, a multiple of the tile size.
     pub row: u32,
     pub rows: u32,
-    pub tiles: tiles::Tiles,
+    pub tiles: Arc<tiles::Tiles>,
     pub nodes: nodes::Nodes,
     /// What every pixel's ray or curve is, where the camera has no affine pieces.
     pub rays: Option<RayTable>,
+    /// The lens and the pose that a kernel makes these of.
+    pub turned: Option<Turned>,
     /// By what those of samples differ, where there are some: [`curves::sample_ray_deltas`].
     pub sample_ray_deltas: Vec<f32>,
     /// When each pixel sees the scene, if something moves.
@@ -324,8 +329,21 @@ impl SceneExtent {
     }
 }
 
+/// What frames are planned for.
+#[derive(Clone, Copy)]
+pub struct Target<'a> {
+    pub has: AdapterFeatures,
+    /// Bytes that a kernel sees at once.
+    pub binding_limit: u64,
+    /// A kernel makes the rays of fields that are turned directions of a lens, instead of the host.
+    pub aims: bool,
+    /// An earlier plan, from which is taken over what follows from the lens alone.
+    pub last: Option<&'a Plan>,
+}
+
 impl Plan {
-    /// Plans frames of `camera` over a scene for the kernels of [`variant::variant`].
+    /// Plans frames of `camera` over a scene for the kernels of [`variant::variant`], with all rays.
+    #[cfg(feature = "internals")]
     pub fn new(
         variant: Variant,
         camera: &Camera,
@@ -334,6 +352,19 @@ impl Plan {
         wanted: &Wanted,
         has: AdapterFeatures,
         binding_limit: u64,
+    ) -> Plan {
+        let target = Target { has, binding_limit, aims: false, last: None };
+        Plan::on(target, variant, camera, contents, extent, wanted)
+    }
+
+    /// Plans frames for a target.
+    pub fn on(
+        target: Target,
+        variant: Variant,
+        camera: &Camera,
+        contents: SceneContents,
+        extent: SceneExtent,
+        wanted: &Wanted,
     ) -> Plan {
         let slabs = Slabs::of(camera);
         let mut planes: Vec<Channel> = wanted.channels.iter().copied().filter(|c| c.is_rendered()).collect();
@@ -365,12 +396,12 @@ impl Plan {
             true => samples::sample_offsets(variant.samples),
             false => Vec::new(),
         };
-        let view = View { camera, slabs, extent, sample_offsets: &sample_offsets };
+        let view = View { camera, slabs, extent, sample_offsets: &sample_offsets, target };
         let rows = wanted.rows.unwrap_or(Rows { first: 0, count: camera.height });
-        let bands = bands(view, rows, pixel_bytes, binding_limit);
+        let bands = bands(view, rows, pixel_bytes, target.binding_limit);
         let smooth = camera.optics.as_ref().map_or(0, |o| o.smooth_count());
         let id_bits = usize::BITS - (contents.triangles + smooth).saturating_sub(1).leading_zeros();
-        let left_out = left_out(camera, slabs, &bands, &planes, wanted, contents, has);
+        let left_out = left_out(camera, slabs, &bands, &planes, wanted, contents, target.has);
         Plan {
             variant,
             width: camera.width,
@@ -422,6 +453,7 @@ struct View<'a> {
     slabs: Slabs,
     extent: SceneExtent,
     sample_offsets: &'a [DVec2],
+    target: Target<'a>,
 }
 
 /// Splits rows of the image into bands whose every buffer fits a binding.
@@ -460,24 +492,42 @@ const TILE_ROWS_MAX: u32 = 1 << 14;
 const TILES_MAX: usize = 1 << 24;
 
 impl Band {
-    fn new(View { camera, slabs, extent, sample_offsets }: View, row: u32, rows: u32) -> Band {
+    fn new(view: View, row: u32, rows: u32) -> Band {
+        let View { camera, slabs, extent, sample_offsets, target } = view;
         let anchor = extent.anchor;
+        let measure = nodes::WidthMeasure {
+            centre: extent.centre - anchor,
+            t_range: camera.t_range,
+            incoherent: is_reordered(camera),
+            scene_size: extent.scene_size,
+        };
+        if target.aims {
+            let last = target.last.and_then(|last| last.bands.iter().find(|b| (b.row, b.rows) == (row, rows)));
+            if let Some(turned) =
+                Turned::of(view, Rows { first: row, count: rows }, last.and_then(|b| b.turned.as_ref()))
+            {
+                let tiles = turned.lens.tiles.clone();
+                let nodes = nodes::Nodes::new(&turned.fits(), (tiles.tiles_x, tiles.tiles_y), measure);
+                let turned = Some(turned);
+                return Band {
+                    row,
+                    rows,
+                    tiles,
+                    nodes,
+                    rays: None,
+                    turned,
+                    sample_ray_deltas: Vec::new(),
+                    moments: Vec::new(),
+                };
+            }
+        }
         let curves = match slabs::kind(camera) {
             RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
             _ => None,
         };
         let tiler = tiles::Tiler { camera, slabs, curves: curves.as_ref(), sample_offsets, anchor, row, rows };
         let (tiles, sampled) = tiler.tiles();
-        let mut nodes = nodes::Nodes::new(
-            &sampled,
-            (tiles.tiles_x, tiles.tiles_y),
-            nodes::WidthMeasure {
-                centre: extent.centre - anchor,
-                t_range: camera.t_range,
-                incoherent: is_reordered(camera),
-                scene_size: extent.scene_size,
-            },
-        );
+        let mut nodes = nodes::Nodes::new(&sampled, (tiles.tiles_x, tiles.tiles_y), measure);
         if let [Rays::Pieces(_)] = camera.layers.as_slice() {
             nodes.own(|x, y| tiles.sole_piece(x, y, [camera.width, rows]));
         }
@@ -492,7 +542,8 @@ impl Band {
             }
             _ => Vec::new(),
         };
-        Band { row, rows, tiles, nodes, rays, sample_ray_deltas, moments: Vec::new() }
+        let tiles = Arc::new(tiles);
+        Band { row, rows, tiles, nodes, rays, turned: None, sample_ray_deltas, moments: Vec::new() }
     }
 }
 

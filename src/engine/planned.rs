@@ -8,7 +8,7 @@ use crate::camera::ray_order::reordered;
 use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::variant::{method, variant};
-use crate::engine::plan::{Plan, SceneContents, SceneExtent, SceneShape, Wanted};
+use crate::engine::plan::{Plan, SceneContents, SceneExtent, SceneShape, Target, Wanted};
 use crate::geometry::mesh::Mesh;
 use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::Method;
@@ -209,24 +209,26 @@ impl Planner {
         match last.filter(|last| by.is_that_of(last)) {
             Some(last) => last.plan.clone(),
             None => {
-                let plan = self.plan_by(run, camera, contents, extent, &written);
+                let plan = self.plan_by(run, camera, (contents, extent), &written, last.map(|last| &*last.plan));
                 Arc::new(scene.moments(camera).map_or(plan.clone(), |moments| plan.with_moments(&moments)))
             }
         }
     }
 
-    /// The plan of frames with these options, with exactly the wanted channels.
+    /// The plan of frames with these options, with exactly the wanted channels; what follows from the lens alone is taken from `last`.
     pub(super) fn plan_by(
         &self,
         run: &RunOptions,
         camera: &Camera,
-        contents: SceneContents,
-        extent: SceneExtent,
+        (contents, extent): (SceneContents, SceneExtent),
         wanted: &Wanted,
+        last: Option<&Plan>,
     ) -> Plan {
         let variant = variant(camera, contents, wanted, self.has, run);
         let method_why = method(camera, contents, wanted, self.has, run).1;
-        Plan { method_why, ..Plan::new(variant, camera, contents, extent, wanted, self.has, self.limit) }
+        let target =
+            Target { has: self.has, binding_limit: self.limit, aims: run.rival.is_none() && variant.f64, last };
+        Plan { method_why, ..Plan::on(target, variant, camera, contents, extent, wanted) }
     }
 }
 

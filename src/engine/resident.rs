@@ -12,6 +12,7 @@ use crate::engine::clusters::{Chunk, Clustered, colored_surfaces, mapped_surface
 use crate::engine::plan::hierarchy::{Hierarchy, PackedBvh, TracedBvh};
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::pictures::ScenePictures;
+use crate::engine::plan::turned::LensBand;
 use crate::engine::plan::{Band, Plan};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
@@ -22,11 +23,17 @@ use crate::scene::Scene;
 use crate::scene::volume::{Grid, Volume};
 use glam::DVec3;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use wgpu::BufferUsages;
 
 pub struct Resident {
     pub chunks: Vec<ChunkOnDevice>,
     /// Tables of each band.
     pub bands: Vec<Buffers>,
+    /// The lenses whose tables these are, where the kernel `aim` makes rays of them.
+    lenses: Vec<Option<Arc<LensBand>>>,
+    /// The kernel has not made the rays of the present pose yet.
+    pub needs_aim: AtomicBool,
     /// Lists, visibility and planes, shared by all bands.
     pub shared: Buffers,
     pub capacities: Capacities,
@@ -98,7 +105,9 @@ impl Resident {
             plan.variant.method == Method::Trace || plan.variant.traces() && plan.variant.bounces_rays();
         let mut resident = Resident {
             chunks: Vec::new(),
-            bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
+            bands: Vec::new(),
+            lenses: Vec::new(),
+            needs_aim: AtomicBool::new(true),
             shared: Buffers::default(),
             capacities: Capacities { queue: 0, work: 0, tasks: 0, pairs: 0, recheck_items: 0, edges: 0 },
             batches: 1,
@@ -123,6 +132,7 @@ impl Resident {
             alpha_masks: Default::default(),
             grid: None,
         };
+        resident.upload_bands(gpu, plan)?;
         resident.upload_scene(gpu, clustered, plan.origin)?;
         if plan.variant.samples_edges() {
             resident.shared.upload_uniform(gpu, "sample_offsets", &sample_offsets(&plan.sample_offsets))?;
@@ -226,9 +236,27 @@ impl Resident {
         if self.bvh == BvhState::Preferred {
             self.bvh = BvhState::Built;
         }
-        self.bands = plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?;
+        self.upload_bands(gpu, plan)?;
         // another camera may have more tiles
         self.allocate_lists(gpu, camera, plan)
+    }
+
+    /// Puts the tables of bands on the device; those of a lens that is there stay.
+    fn upload_bands(&mut self, gpu: &Gpu, plan: &Plan) -> Result<()> {
+        let lens_of = |band: &Band| band.turned.as_ref().map(|turned| turned.lens.clone());
+        let (mut there, mut lenses) = (std::mem::take(&mut self.bands), std::mem::take(&mut self.lenses));
+        (there.resize_with(plan.bands.len(), Buffers::default), lenses.resize(plan.bands.len(), None));
+        for ((band, buffers), lens) in plan.bands.iter().zip(&mut there).zip(&lenses) {
+            let keeps_lens = matches!((lens, lens_of(band)), (Some(a), Some(b)) if Arc::ptr_eq(a, &b));
+            if !keeps_lens {
+                // buffers of another kind of rays may be there
+                *buffers = Buffers::default();
+            }
+            upload_band(gpu, band, keeps_lens, buffers)?;
+        }
+        (self.bands, self.lenses) = (there, plan.bands.iter().map(lens_of).collect());
+        self.needs_aim.store(true, Ordering::Relaxed);
+        Ok(())
     }
 
     /// Lights, materials with their images, and normals; whether alpha masks are as before.
@@ -507,9 +535,28 @@ fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk) -> Result<()> {
     buffers.upload(gpu, "triangle_groups", &chunk.triangle_groups)
 }
 
-fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
-    let mut buffers = Buffers::default();
+/// Bytes of a ray in each of its two tables.
+const RAY_BYTES: u64 = 24;
+
+/// A band's tables; those of its lens are there already with `keeps_lens`.
+fn upload_band(gpu: &Gpu, band: &Band, keeps_lens: bool, buffers: &mut Buffers) -> Result<()> {
     buffers.upload(gpu, "nodes", &band.nodes.nodes)?;
+    if !band.moments.is_empty() {
+        buffers.upload(gpu, "moments", &band.moments)?;
+    }
+    if let Some(turned) = &band.turned {
+        buffers.upload_uniform(gpu, "viewer", &turned.pose())?;
+    }
+    if keeps_lens {
+        return Ok(());
+    }
+    if let Some(turned) = &band.turned {
+        buffers.upload(gpu, "lens_hi", &turned.lens.table.hi)?;
+        buffers.upload(gpu, "lens_lo", &turned.lens.table.lo)?;
+        let bytes = RAY_BYTES * u64::from(turned.count());
+        buffers.create(gpu, "rays_hi", bytes, BufferUsages::empty())?;
+        buffers.create(gpu, "rays_lo", bytes, BufferUsages::empty())?;
+    }
     buffers.upload(gpu, "tile_start", &band.tiles.start)?;
     buffers.upload(gpu, "cells", &band.tiles.cells)?;
     buffers.upload_texels(gpu, "pieces", &band.tiles.pieces)?;
@@ -517,12 +564,9 @@ fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
         buffers.upload(gpu, "rays_hi", &rays.hi)?;
         buffers.upload(gpu, "rays_lo", &rays.lo)?;
     }
-    if !band.moments.is_empty() {
-        buffers.upload(gpu, "moments", &band.moments)?;
-    }
     if !band.tiles.cell_samples.is_empty() {
         buffers.upload(gpu, "cell_samples", &band.tiles.cell_samples)?;
         buffers.upload(gpu, "sample_ray_deltas", &band.sample_ray_deltas)?;
     }
-    Ok(buffers)
+    Ok(())
 }

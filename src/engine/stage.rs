@@ -4,12 +4,15 @@
 //! [`small`] and [`sort`] are left out where raster goes pair by pair. [`trace`] takes the place of cull to raster, or of what is left of them
 //! where it costs less; [`choose`] decides that before each dispatch of raster.
 //!
+//! Where rays are turned directions of a lens, [`aim`] comes first, once for a pose.
+//!
 //! Where the camera has a mirror or a lens, [`reach`] comes first, [`meet`] beside raster, and after shade `forget -> bounce -> fit` and all
 //! of it again, or [`paste`] from an atlas that was rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow
 //! recheck and [`resolve`] follows shade; [`outline`] draws lines over what they came to, and [`volume`] puts a volume over that. Caustics are
 //! added up by [`deposit`] before the first frame and shown by [`gather`] after shade. [`sift`] is not part of a frame: it finds the parts of
 //! an image that may see a point, where [`solve`] finds its images and [`splat`] the nearest of each pixel; nor is [`gradient`], which follows a frame that was read back.
 
+pub mod aim;
 pub mod args;
 pub mod bin;
 pub mod bounce;
@@ -44,7 +47,7 @@ pub mod write;
 
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{BindGroups, Buffers, Pipeline};
-use crate::gpu::kernels::{Kernel, Method, OpticsKind, Variant};
+use crate::gpu::kernels::{Kernel, Method, OpticsKind, RaysKind, Variant};
 use crate::gpu::layout::{CULL_QUEUES, Counter, GROUP, NONE, Step};
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
@@ -82,6 +85,8 @@ kernels! {
     Args, |_, _| true, |_, _| args::kernel();
     /// Whether trace takes over from raster.
     Choose, |v, _| v.method == Method::Auto, |_, _| choose::kernel();
+    /// The rays of a viewer that turns and moves.
+    Aim, |v, _| v.rays == RaysKind::Field && !v.bounced, |v, _| aim::kernel(v);
     Cull, |v, _| v.rasters(), |v, _| cull::kernel(v);
     Split, |v, _| v.rasters(), |v, _| split::kernel(v);
     Small, |v, _| v.small, |v, _| small::kernel(v);
@@ -126,7 +131,7 @@ impl KernelId {
     /// Compiled when a frame first needs it: most frames do not.
     fn is_lazy(self) -> bool {
         use KernelId::*;
-        matches!(self, Edges | Sample | EdgesByTile | SampleByTile | RecheckSamples | Gather)
+        matches!(self, Aim | Edges | Sample | EdgesByTile | SampleByTile | RecheckSamples | Gather)
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::bounces::Bounce;
 use super::changes::Dirty;
+use super::stage::aim::aim;
 use super::stage::bin::bin;
 use super::stage::bounce::bounce;
 use super::stage::certify::{CERTIFY_STEPS, certify, certify_traced, write_certified};
@@ -49,6 +50,8 @@ pub struct FrameInputs<'a> {
     pub samples_by_tile: bool,
     /// Raster is left out where there is trace too.
     pub prefers_trace: bool,
+    /// The rays of turned lenses are not there yet.
+    pub aims: bool,
     /// A rival finds what is seen.
     pub by_rival: bool,
     /// Caustics are added.
@@ -153,6 +156,9 @@ impl StepList<'_> {
         let first = StepScope { band, bounce: 0, job: 0, into: None };
         let pixels = inputs.pixels(band);
         let has_jobs = !inputs.jobs.is_empty();
+        if let Some(turned) = inputs.plan.bands[band].turned.as_ref().filter(|_| inputs.aims) {
+            self.pass("aim", first, [aim(turned.count())]);
+        }
         if variant.optics.is_some() {
             // what bounces see adds up
             self.clear("planes", first, 0, None);

@@ -298,6 +298,17 @@ pub struct Shading {
     pub irradiance: [[f32; 4]; 9],
 }
 
+/// The pose of a viewer; see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct ViewerPose {
+    pub numbers: [[u32; 4]; 6],
+    pub count: u32,
+    pub pad0: u32,
+    pub pad1: u32,
+    pub pad2: u32,
+}
+
 /// Appearance of a triangle; see the WGSL.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

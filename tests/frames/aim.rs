@@ -4,14 +4,18 @@ use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::planned::Planned;
+use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Arithmetic, Capacities, Counts, Engine, RunOptions};
 use anamorph::internals::geometry::generate::icosphere;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::image::frame::Channel;
 use common::cameras::{MeshShape, mesh_spec, pinhole, raymap};
-use common::gpu::{engine_on, hits, wanted, words};
+use common::file::camera_of;
+use common::gpu::{assert_right, engine_on, hits, wanted, words};
 use common::{FORWARD, camera, layered, scene};
 use glam::DVec3;
+use std::sync::Arc;
 
 const SIZE: (u32, u32) = (61, 45);
 
@@ -80,5 +84,46 @@ fn frames_look_through_another_camera_in_every_arithmetic() {
     for (what, less) in less {
         let Some(mut engine) = engine_on(less) else { return };
         check(&mut engine, what);
+    }
+}
+
+/// Lenses around one eye, without the keys of a pose.
+const LENSES: [(&str, &str); 4] = [
+    ("fisheye", "kind = \"fisheye\"\nfov = 200"),
+    ("cylinder", "kind = \"cylinder\"\nfov = 250"),
+    ("sphere", "kind = \"sphere\""),
+    ("panini", "kind = \"panini\"\nfov = 150"),
+];
+
+/// A lens stays on the device while its viewer turns and moves: the frames are those of an engine that sees each pose first, and right.
+#[test]
+fn a_viewer_that_moves_sees_what_a_new_one_sees() {
+    let scene = scene(icosphere(3));
+    let poses = [
+        "[0, 0.2, 2.5]\ntarget = [0, 0, 0]",
+        "[0.1, 0.2, 2.4]\ntarget = [0.5, 0, 0]",
+        "[-3, 1, 0]\ntarget = [0, 0, 0]\nup = [1, 0, 0]",
+    ];
+    let less: [Less; 2] = [|_| {}, |gpu| gpu.has.f64 = false];
+    for (arithmetic, less) in less.into_iter().enumerate() {
+        let (Some(mut engine), Some(mut fresh)) = (engine_on(less), engine_on(less)) else { return };
+        // f64 in 32-bit words takes long to compile
+        for (name, lens) in &LENSES[..if arithmetic == 0 { 4 } else { 1 }] {
+            let (mut sequence, mut last): (Sequence, Option<Planned>) = Default::default();
+            for (k, pose) in poses.iter().enumerate() {
+                let camera = Arc::new(camera_of("", SIZE, &format!("{lens}\neye = {pose}")).unwrap());
+                let run = RunOptions::default();
+                let planned = engine.planner().plan(&scene, camera.clone(), &wanted(), &run, last.as_ref()).unwrap();
+                last = Some(planned.clone());
+                let seen = sequence.render(&mut engine, planned, &run).unwrap().rendered();
+                let expected = fresh.render(&scene, camera.clone(), &wanted(), &run).unwrap();
+                assert!(
+                    words(&seen.frame) == words(&expected.frame) && seen.srgb8 == expected.srgb8,
+                    "{name}, pose {k}"
+                );
+                assert!(hits(&seen.frame) > 30, "{name}, pose {k}");
+                assert_right(&format!("{name}, pose {k}"), &scene, &camera, &seen.frame);
+            }
+        }
     }
 }

@@ -156,6 +156,7 @@ fn each_input(mut check: impl FnMut(&str, &FrameInputs)) {
                         raster_rounds: 2,
                         samples_by_tile,
                         prefers_trace,
+                        aims: true,
                         by_rival: false,
                         gathers: wanted.srgb8,
                         keeps: true,

@@ -3,7 +3,7 @@
 //   COUNT_FRAGMENTS_TESTED, COUNT_LARGE, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_PROVEN, COUNT_RECHECK_ITEMS,
 //   COUNT_RECHECK_SAMPLES, COUNT_SORTED, COUNT_TASKS, COUNT_TRACED, COUNT_UNFINISHED, COUNT_WORK, CULL_COST, Cell, Cluster, GROUP, LANES,
 //   LARGE_COST, LEVEL_CELL, NONE, Node, PAIR_COST, PERTURB_BOUND, PROVEN, Params, Piece, RAYS_AFFINE, RAYS_DISCONTINUOUS, RAYS_LOOSE,
-//   RAYS_NONE, SampleOffsets, Step, TASK_COST, TEXELS_A_ROW, TILE, TRIANGLE_GROUP
+//   RAYS_NONE, SampleOffsets, Step, TASK_COST, TEXELS_A_ROW, TILE, TRIANGLE_GROUP, ViewerPose
 
 const GROUP: u32 = 64u;        // threads a workgroup, everywhere
 const TILE: u32 = 8u;          // px a side of a tile
@@ -86,6 +86,15 @@ const PERTURB_BOUND: f32 = 1.0 / 2199023255552.0;
 // Offsets of samples from their pixel's centre, px right and down: two per vec4.
 struct SampleOffsets {
     at: array<vec4<f32>, 16>,
+}
+
+// An eye relative to the anchor, and the axes to the right, up and forward: twelve f64, two a vec4, low words first.
+struct ViewerPose {
+    numbers: array<vec4<u32>, 6>,
+    count: u32,             // rays
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 // Which dispatch of a kernel this is.

@@ -1,6 +1,6 @@
 //! `cylinder`: the horizontal angle and the tangent of elevation become image coordinates; exact, or in strips.
 
-use super::central::{Central, Lens, POSE, Pose};
+use super::central::{Central, Lens, POSE, Pose, is_same};
 use super::strips::{self, Grid};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
@@ -90,7 +90,7 @@ fn build_strips(map: &Central<Wall>, n: u32, setting: &Setting) -> Result<Built>
 }
 
 /// Directions over the image, their horizontal part a unit vector.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Wall {
     fov: f64,
     tan: [f64; 2],
@@ -100,5 +100,9 @@ impl Lens for Wall {
     fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
         let (sin, cos) = ((a - 0.5) * self.fov).sin_cos();
         Some(DVec3::new(sin, self.tan[1] + b * (self.tan[0] - self.tan[1]), cos))
+    }
+
+    fn is_same(&self, other: &dyn Lens) -> bool {
+        is_same(self, other)
     }
 }

@@ -1,6 +1,6 @@
 //! `fisheye`: the angle from the view direction becomes a distance from the image's middle.
 
-use super::central::{Central, Lens, POSE, Pose};
+use super::central::{Central, Lens, POSE, Pose, is_same};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::Result;
@@ -108,7 +108,7 @@ impl Recipe for Fisheye {
 }
 
 /// Unit directions over the image.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Circle {
     mapping: Mapping,
     /// The mapping's radius at half the field of view.
@@ -129,6 +129,10 @@ impl Lens for Circle {
         let (sin, cos) = self.mapping.angle(rho.min(1.0) * self.edge).sin_cos();
         let across = if rho > 0.0 { q * (sin / rho) } else { DVec2::ZERO };
         Some(across.extend(cos))
+    }
+
+    fn is_same(&self, other: &dyn Lens) -> bool {
+        is_same(self, other)
     }
 }
 

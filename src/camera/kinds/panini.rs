@@ -1,6 +1,6 @@
 //! `panini`: a cylinder seen from behind its axis, for wide pictures whose verticals stay straight.
 
-use super::central::{Central, Lens, POSE, Pose};
+use super::central::{Central, Lens, POSE, Pose, is_same};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::Result;
@@ -64,7 +64,7 @@ impl Recipe for Panini {
 }
 
 /// Directions over the image, their horizontal part a unit vector.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Screen {
     /// Half the image's width in radii of the cylinder.
     across: f64,
@@ -84,5 +84,9 @@ impl Lens for Screen {
         let stretch = (d + 1.0) / (d + cos);
         let high = (1.0 - self.s) * stretch + if self.s > 0.0 { self.s / cos } else { 0.0 };
         Some(DVec3::new(x / stretch, y / high, cos))
+    }
+
+    fn is_same(&self, other: &dyn Lens) -> bool {
+        is_same(self, other)
     }
 }

@@ -1,6 +1,6 @@
 //! `sphere`: longitude and latitude become image coordinates (equirectangular); exact, or in perspective cells.
 
-use super::central::{Central, Lens, POSE, Pose};
+use super::central::{Central, Lens, POSE, Pose, is_same};
 use super::strips::{self, Grid};
 use crate::arrays::MapEach;
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -86,5 +86,9 @@ impl Lens for Angles {
         let lon = self.lon[0] + a * (self.lon[1] - self.lon[0]);
         let lat = self.lat[1] + b * (self.lat[0] - self.lat[1]);
         Some(DVec3::new(lat.cos() * lon.sin(), lat.sin(), lat.cos() * lon.cos()))
+    }
+
+    fn is_same(&self, other: &dyn Lens) -> bool {
+        is_same(self, other)
     }
 }

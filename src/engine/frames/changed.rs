@@ -25,7 +25,13 @@ impl Frames {
         let extent = SceneExtent { anchor, origin, centre, scene_size };
         let shown = Arc::new(reordered(camera, extent.centre).unwrap_or_else(|| camera.clone()));
         let wanted = written(&self.scene, &shown, &self.wanted);
-        let plan = self.planner.plan_by(&self.run, &shown, SceneContents::of(&self.scene), extent, &wanted);
+        let plan = self.planner.plan_by(
+            &self.run,
+            &shown,
+            (SceneContents::of(&self.scene), extent),
+            &wanted,
+            Some(&self.plan),
+        );
         Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;
         let camera = shown;
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());

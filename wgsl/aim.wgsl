@@ -1,0 +1,45 @@
+// aim: one thread per ray of a field's table.
+// Reads the directions of a lens, and the eye and axes of the viewer; writes the rays: the directions, turned.
+// Needs: ViewerPose, item_index, real, real3, real_from_bits, round_to_f32
+// Binds: lens_hi, lens_lo, rays_hi, rays_lo, viewer
+
+fn pose_vector(k: u32) -> real3 {
+    let a = viewer.numbers[3u * k / 2u];
+    let b = viewer.numbers[(3u * k + 2u) / 2u];
+    let is_even = (k & 1u) == 0u;
+    return real3(
+        real_from_bits(select(a.zw, a.xy, is_even)),
+        real_from_bits(select(b.xy, a.zw, is_even)),
+        real_from_bits(select(b.zw, b.xy, is_even)),
+    );
+}
+
+fn store(at: u32, value: real) {
+    // rounded by integer operations: a driver may optimize away a conversion to f32 and back
+    let head = round_to_f32(value);
+    rays_hi[at] = f32(head);
+    rays_lo[at] = f32(value - head);
+}
+
+@compute @workgroup_size(64)
+fn aim(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let item = item_index(group, groups, lane);
+    if item >= viewer.count {
+        return;
+    }
+    let at = 3u * item;
+    let head = vec3<f32>(lens_hi[at], lens_hi[at + 1u], lens_hi[at + 2u]);
+    let own = real3(head) + real3(vec3<f32>(lens_lo[at], lens_lo[at + 1u], lens_lo[at + 2u]));
+    let d = own.x * pose_vector(1u) + own.y * pose_vector(2u) + own.z * pose_vector(3u);
+    let eye = pose_vector(0u);
+    store(2u * at, eye.x);
+    store(2u * at + 1u, eye.y);
+    store(2u * at + 2u, eye.z);
+    store(2u * at + 3u, d.x);
+    store(2u * at + 4u, d.y);
+    store(2u * at + 5u, d.z);
+}
