@@ -73,7 +73,9 @@ pub mod engine {
         pub use crate::engine::pages::PageStore;
     }
     pub mod plan {
-        pub use crate::engine::plan::{Band, Plan, Rows, SceneContents, SceneExtent, SceneShape, Wanted, slabs};
+        pub use crate::engine::plan::{
+            Band, Plan, Rows, SceneContents, SceneExtent, SceneShape, Target, Wanted, slabs,
+        };
         pub mod beams {
             pub use crate::engine::plan::beams::Beams;
         }

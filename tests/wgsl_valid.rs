@@ -4,7 +4,7 @@
 use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::compile::lowered;
 use anamorph::internals::gpu::exact;
-use anamorph::internals::gpu::kernels::{Kernel, Variant};
+use anamorph::internals::gpu::kernels::{Kernel, RaysKind, Variant};
 use anamorph::internals::gpu::layout::GROUP;
 use anamorph::internals::image::frame::Channel;
 use anamorph_lab::control;
@@ -195,7 +195,10 @@ fn every_kernel_is_valid_and_portable() {
     let has_rivals = |atomics64| Variant::every(true, atomics64).iter().filter(|v| v.optics.is_none()).count();
     let takes = (has_rivals(false) + has_rivals(true)) as u32;
     let multisampled = takes + 4 * 14;
-    let more = pictures + spheres + volumes + layered_optics + alone + multisampled;
+    // a lens whose viewer moves, in front of fields of the camera's own rays
+    let is_aimed = |v: &Variant| v.f64 && v.rays == RaysKind::Field && !v.bounced;
+    let aimed = variants().filter(is_aimed).count() as u32;
+    let more = aimed + pictures + spheres + volumes + layered_optics + alone + multisampled;
     assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + more);
 }
 

@@ -1,6 +1,6 @@
 // aim: one thread per ray of a field's table.
 // Reads the directions of a lens, and the eye and axes of the viewer; writes the rays: the directions, turned.
-// Needs: ViewerPose, item_index, real, real3, real_from_bits, round_to_f32
+// Needs: item_index, real, real3, real_from_bits, round_to_f32
 // Binds: lens_hi, lens_lo, rays_hi, rays_lo, viewer
 
 fn pose_vector(k: u32) -> real3 {

@@ -245,7 +245,8 @@ impl Resident {
     fn upload_bands(&mut self, gpu: &Gpu, plan: &Plan) -> Result<()> {
         let lens_of = |band: &Band| band.turned.as_ref().map(|turned| turned.lens.clone());
         let (mut there, mut lenses) = (std::mem::take(&mut self.bands), std::mem::take(&mut self.lenses));
-        (there.resize_with(plan.bands.len(), Buffers::default), lenses.resize(plan.bands.len(), None));
+        there.resize_with(plan.bands.len(), Buffers::default);
+        lenses.resize(plan.bands.len(), None);
         for ((band, buffers), lens) in plan.bands.iter().zip(&mut there).zip(&lenses) {
             let keeps_lens = matches!((lens, lens_of(band)), (Some(a), Some(b)) if Arc::ptr_eq(a, &b));
             if !keeps_lens {

@@ -8,7 +8,7 @@ use anamorph::internals::engine::bounces::bounces;
 use anamorph::internals::engine::buffer_table::table;
 use anamorph::internals::engine::changes::Dirty;
 use anamorph::internals::engine::plan::variant::variant;
-use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
+use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Target, Wanted};
 use anamorph::internals::engine::stage::{Dispatch, KernelId, Number, Threads};
 use anamorph::internals::engine::steps::{FrameInputs, Step, StepScope, passes, steps};
 use anamorph::internals::engine::{Method, RunOptions};
@@ -75,6 +75,7 @@ fn cases() -> Vec<Case> {
         ("pieces", pieces),
         ("chain", layered::chain(3, 2, (4, 3), MeshShape::default(), SIZE)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
+        ("fisheye", optics("kind = \"fisheye\"\nfov = 150\neye = [0, 0, 3]\ntarget = [0, 0, 0]")),
         ("curves", layered::wavy(2, 0.5, false, SIZE)),
         ("mirror", optics(MIRROR)),
         ("atlas", optics(ATLAS)),
@@ -143,7 +144,8 @@ fn each_input(mut check: impl FnMut(&str, &FrameInputs)) {
             let run = RunOptions { method, ..RunOptions::default() };
             let variant = variant(&camera, contents, &wanted, has, &run);
             let extent = SceneExtent::point(DVec3::ZERO);
-            let plan = Plan::new(variant, &camera, contents, extent, &wanted, has, 1 << 16);
+            let target = Target { has, binding_limit: 1 << 16, aims: true, last: None };
+            let plan = Plan::on(target, variant, &camera, contents, extent, &wanted);
             let bounces = bounces(camera.optics.as_deref());
             // one list; batches of one chunk of triangles; chunks, of which one is empty
             for (jobs, batches) in [(vec![5], 1), (vec![5, 4], 2), (vec![5, 3, 0], 1)] {
@@ -407,8 +409,9 @@ fn every_list_is_in_the_table_and_written_before_it_is_read() {
     assert!(all.is_empty(), "{all:#?}");
     let kernels: BTreeSet<KernelId> = done.iter().map(|d| d.1).collect();
     assert!(kernels == BTreeSet::from(KernelId::ALL), "of all kernels frames here take {kernels:?}");
-    // the host writes these first; fit writes them again for rays after a bounce, and reach and bounce list tiles
-    let uploaded = ["nodes", "cells", "live", "bounced_live"];
+    // the host writes these first; fit writes them again for rays after a bounce, and reach and bounce list tiles; rays are the host's where no
+    // lens is turned
+    let uploaded = ["nodes", "cells", "live", "bounced_live", "rays_hi", "rays_lo"];
     let written: BTreeSet<&str> = done.iter().filter(|d| d.2).map(|d| d.0.as_str()).collect();
     let written: BTreeSet<&str> = written.into_iter().filter(|name| !uploaded.contains(name)).collect();
     assert_eq!(written, WRITTEN.iter().map(|row| row.0).collect(), "by the kernels' code, and by the table above");
