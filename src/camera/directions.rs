@@ -1,4 +1,5 @@
-//! Directions of a lens at all pixels, in the viewer's frame. A viewer that moves keeps them: its rays are these, turned.
+//! The directions in which a lens looks from each pixel, in the viewer's frame. All poses of a viewer share them: a ray is the eye and a
+//! direction turned by the viewer's axes.
 
 use crate::camera::view::View;
 use crate::parallel;
@@ -8,19 +9,19 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// A direction for every image place, in a viewer's frame.
 pub trait Lens: Any + std::fmt::Debug + Send + Sync {
-    /// To the right, up and forward at image coordinates (a, b); `None`: no ray.
+    /// Returns the direction's components to the right, up and forward at image coordinates (a, b); `None`: no ray.
     fn direction(&self, a: f64, b: f64) -> Option<DVec3>;
 
-    /// Whether another lens has the same directions: it is of the same type, with the same numbers.
+    /// Returns whether the other lens has the same type and the same numbers, and so the same directions.
     fn is_same(&self, other: &dyn Lens) -> bool;
 }
 
-/// Whether a lens is of this type, with the same numbers: [`Lens::is_same`] of a type.
+/// Implements [`Lens::is_same`] for a lens that can be compared.
 pub fn is_same<L: Lens + PartialEq>(lens: &L, other: &dyn Lens) -> bool {
     (other as &dyn Any).downcast_ref::<L>() == Some(lens)
 }
 
-/// An eye, the viewer's axes, and the lens.
+/// A viewer: eye, axes and lens.
 #[derive(Debug, Clone)]
 pub struct Viewer {
     pub eye: DVec3,
@@ -28,22 +29,22 @@ pub struct Viewer {
     pub lens: Arc<dyn Lens>,
 }
 
-/// The directions at the samples of an image's pixels.
+/// The directions of a lens at one sample of each pixel of an image.
 #[derive(Debug)]
 pub struct Directions {
     lens: Arc<dyn Lens>,
     pub size: (u32, u32),
-    /// Of a pixel, px from its upper left corner.
+    /// Offset of the sample from the upper left corner of its pixel, px.
     sample: DVec2,
-    /// Row by row; zero where there is no ray.
+    /// Directions row by row; zero for a pixel without a ray.
     all: Vec<DVec3>,
 }
 
-/// Those that some camera has.
+/// The directions that cameras of this process hold.
 static KNOWN: Mutex<Vec<Weak<Directions>>> = Mutex::new(Vec::new());
 
 impl Directions {
-    /// The directions of a lens: those that another camera has, if it has the same.
+    /// Returns the directions of a lens, shared with a camera that already holds them.
     pub fn of(lens: Arc<dyn Lens>, size: (u32, u32), sample: DVec2) -> Arc<Directions> {
         let is_it = |d: &Directions| d.size == size && d.sample == sample && d.lens.is_same(&*lens);
         let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -65,13 +66,13 @@ impl Directions {
         made
     }
 
-    /// The direction at pixel `(i, j)`; `None`: it has no ray.
+    /// Returns the direction at pixel `(i, j)`; `None` if it has no ray.
     pub fn get(&self, i: u32, j: u32) -> Option<DVec3> {
         let d = self.all[j as usize * self.size.0 as usize + i as usize];
         (d != DVec3::ZERO).then_some(d)
     }
 
-    /// Whether any pixel has a ray.
+    /// Returns whether any pixel has a ray.
     pub fn has_any(&self) -> bool {
         self.all.iter().any(|d| *d != DVec3::ZERO)
     }

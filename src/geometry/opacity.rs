@@ -1,20 +1,20 @@
-//! Blended surfaces: each sample of a pixel sees them or what is behind them, so that the mean over all samples is blended.
+//! Blended surfaces: each sample of a pixel sees a surface or looks through it, and the mean of the samples is the blended color.
 //!
 //! Stochastic transparency (Enderton et al. 2010): a sample sees a surface of opacity at least its threshold. The thresholds of a triangle in a
 //! pixel are the middles of equal parts of [0, 1], one for each sample, in an order that differs from triangle to triangle: a surface shows
 //! in round(opacity x samples) samples, and surfaces in front of one another show independently. Kernels have the same thresholds, in
 //! `wgsl/textures/masked.wgsl`.
 
-/// The least opacity of a blended surface that is seen: the middle of one of `count` equal parts of [0, 1].
+/// The least opacity that a sample sees: the middle of one of `count` equal parts of [0, 1].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Threshold {
-    /// From 0.
+    /// The part's number, from 0.
     pub part: u32,
     pub count: u32,
 }
 
 impl Threshold {
-    /// One half, of rays through pixel centers: ids and depths are those of surfaces that are at least half opaque.
+    /// One half, the threshold of rays through pixel centers: ids and depths show surfaces that are at least half opaque.
     pub const HALF: Threshold = Threshold { part: 0, count: 1 };
 
     /// The threshold of a triangle in sample `number` of `count` of pixel `(i, j)` of the camera's image.

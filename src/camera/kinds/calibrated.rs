@@ -13,7 +13,7 @@ pub(crate) mod survey;
 mod tilt;
 mod without_rays;
 
-use super::central::{POSE, Pose};
+use super::central::{self, POSE, Pose, Viewer};
 use crate::camera::calibration::{Calibrated, Intrinsics, Model, Shutter};
 use crate::camera::exposure::{LineOrder, Lines};
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -134,6 +134,34 @@ impl Recipe for FromFile {
     }
 }
 
+/// The directions of the calibrated image, stretched over the image.
+#[derive(Debug, PartialEq)]
+struct Pixels {
+    intrinsics: Intrinsics,
+    lens: Lens,
+}
+
+impl central::Lens for Pixels {
+    fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
+        direction(&self.intrinsics, &self.lens, pixel(&self.intrinsics, a, b))
+    }
+
+    fn is_same(&self, other: &dyn central::Lens) -> bool {
+        central::is_same(self, other)
+    }
+}
+
+/// Returns OpenCV's pixel `(a W - 1/2, b H - 1/2)` of the calibrated image at the place (a, b).
+fn pixel(intrinsics: &Intrinsics, a: f64, b: f64) -> DVec2 {
+    DVec2::new(a * f64::from(intrinsics.size.0), b * f64::from(intrinsics.size.1)) - 0.5
+}
+
+/// Returns the direction of a pixel, to the right, up and forward: OpenCV's camera has y down.
+fn direction(intrinsics: &Intrinsics, lens: &Lens, pixel: DVec2) -> Option<DVec3> {
+    let d = lens.direction(intrinsics.scale.inverse() * (pixel - intrinsics.centre))?;
+    Some(DVec3::new(d.x, -d.y, d.z))
+}
+
 /// The rays of the calibrated image, stretched over the image.
 #[derive(Debug)]
 struct Sensor {
@@ -142,16 +170,20 @@ struct Sensor {
 }
 
 impl RayMap for Sensor {
-    /// The place (a, b) is OpenCV's pixel `(a W - 1/2, b H - 1/2)` of the calibrated image.
     fn ray(&self, a: f64, b: f64) -> Option<Ray> {
-        let Calibrated { eye, view, intrinsics: Intrinsics { size, scale, centre }, shutter, .. } = &self.calibrated;
-        let pixel = DVec2::new(a * f64::from(size.0), b * f64::from(size.1)) - 0.5;
-        let d = self.lens.direction(scale.inverse() * (pixel - *centre))?;
-        // OpenCV's camera has y down
-        let direction = view.vector(d.x, -d.y, d.z);
+        let Calibrated { eye, view, intrinsics, shutter, .. } = &self.calibrated;
+        let pixel = pixel(intrinsics, a, b);
+        let d = direction(intrinsics, &self.lens, pixel)?;
+        let direction = view.vector(d.x, d.y, d.z);
         let time = pixel.y * shutter.line_time;
         let rotation = DQuat::from_scaled_axis(shutter.angular * time);
         Some(Ray { origin: *eye + time * shutter.velocity, direction: rotation * direction })
+    }
+
+    fn viewer(&self) -> Option<Viewer> {
+        let Calibrated { eye, view, intrinsics, shutter, .. } = &self.calibrated;
+        let lens = Pixels { intrinsics: intrinsics.clone(), lens: self.lens.clone() };
+        shutter.is_still().then(|| Viewer { eye: *eye, view: *view, lens: Arc::new(lens) })
     }
 
     /// By the forward formula, if the camera stands still.

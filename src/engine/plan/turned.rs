@@ -1,4 +1,4 @@
-//! Rays of a field whose viewer turns and moves: what follows from the lens alone is kept from pose to pose, and the kernel `aim` makes the
+//! A viewer that moves: tables that depend on its lens alone are kept from pose to pose, and the kernel `aim` turns the lens's directions into
 //! rays.
 
 use super::curves::RayTable;
@@ -14,14 +14,14 @@ use crate::parallel;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// What a band has of a lens, about a viewer at the origin whose axes are those of the world.
+/// The tables of a band for a lens at the origin, with the world's axes.
 #[derive(Debug)]
 pub struct LensBand {
     directions: Arc<Directions>,
     rows: Rows,
     pub tiles: Arc<Tiles>,
     fits: Vec<TileFits>,
-    /// Three numbers a direction, as in [`RayTable::of_field`].
+    /// Directions, three numbers each, in the order of [`RayTable::of_field`].
     pub table: RayTable,
 }
 
@@ -35,7 +35,8 @@ pub struct Turned {
 }
 
 impl Turned {
-    /// The rays of a band, if they are turned directions of a lens; `last` is the same band of an earlier plan.
+    /// Returns the lens and the pose of a band's rays, if the camera has one eye and one lens; takes the lens from `last`, the band of an earlier
+    /// plan, if it is the same.
     pub(super) fn of(view: View, rows: Rows, last: Option<&Turned>) -> Option<Turned> {
         let [Rays::Field(field)] = view.camera.layers.as_slice() else { return None };
         let (directions, viewer) = field.turned().filter(|_| view.sample_offsets.is_empty())?;
@@ -47,7 +48,7 @@ impl Turned {
         Some(Turned { lens, eye: viewer.eye - view.extent.anchor, axes: viewer.view })
     }
 
-    /// The bounds of each tile's rays.
+    /// Returns the bounds of the rays of each tile.
     pub fn fits(&self) -> Vec<TileFits> {
         let turned = |fit: &Fit| {
             let p = if fit.rays == RAYS_NONE { fit.p } else { [self.eye, DVec3::ZERO, DVec3::ZERO] };
@@ -58,12 +59,12 @@ impl Turned {
         parallel::map(self.lens.fits.as_slice(), of_tile)
     }
 
-    /// How many rays the kernel makes.
+    /// Returns the number of rays that the kernel writes.
     pub fn count(&self) -> u32 {
         self.lens.table.hi.len() as u32 / 3
     }
 
-    /// The pose as the kernel reads it.
+    /// Returns the pose in the layout of the kernel.
     pub fn pose(&self) -> ViewerPose {
         let Turned { eye, axes: Axes { right, up, forward }, .. } = self;
         let numbers: Vec<f64> = [*eye, *right, *up, *forward].iter().flat_map(|v| v.to_array()).collect();
@@ -97,7 +98,7 @@ impl LensBand {
     }
 }
 
-/// One column and row more than the band; zeros where there is no ray.
+/// Returns a band's directions, with one column and one row more; zeros for pixels without a ray.
 fn directions_of(field: &Field, Rows { first, count }: Rows) -> RayTable {
     let numbers = 3 * (field.width as usize + 1);
     let size = numbers * (count as usize + 1);
