@@ -1,5 +1,6 @@
 //! The error type: a one-line message, and its exit code.
 
+use super::limits::memory::ADVICE;
 use std::path::Path;
 
 /// An error message of one line: what is wrong, where (file, key or line), and the remedy.
@@ -34,8 +35,12 @@ impl Error {
         Error::Input(message.into())
     }
 
-    /// An [`Error::Read`], or [`Error::Missing`]: `path` cannot be read, because of `why`.
+    /// An [`Error::Read`], or [`Error::Missing`]: `path` cannot be read, because of `why`; an [`Error::Work`] if `why` is too little memory.
     pub(crate) fn unreadable(path: &Path, why: impl std::fmt::Display) -> Self {
+        let why = why.to_string();
+        if let Some(at) = why.find(ADVICE) {
+            return Error::work(format!("{}: {}", path.display(), &why[..at + ADVICE.len()]));
+        }
         let text = format!("{}: cannot be read: {why}", path.display());
         match path.try_exists() {
             Ok(false) => Error::Missing(text),

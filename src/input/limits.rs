@@ -4,7 +4,7 @@
 //! [`Limits`] says which limits hold; it is passed to whatever reads or computes. Limits of formats and kernels always hold: a
 //! triangle id has 28 bits, an image 65,536 pixels per side.
 
-mod memory;
+pub(super) mod memory;
 
 use crate::input::{Error, Result};
 #[cfg(feature = "cli")]

@@ -89,6 +89,8 @@ impl Prefix {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::Error;
+    use std::path::Path;
 
     fn prefix(dir: &tempfile::TempDir, bytes: &[u8], limits: Limits) -> Prefix {
         let path = dir.path().join("a");
@@ -117,8 +119,12 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let none = Limits::default().memory(0);
         let bytes = vec![b'a'; PREFIX_BYTES as usize + 1];
-        let error = prefix(&dir, &bytes, none).read_all().unwrap_err().to_string();
-        assert!(error.starts_with("a file of 65537 bytes takes about"), "{error}");
+        let error = prefix(&dir, &bytes, none).read_all().unwrap_err();
+        // too little memory is no fault of the file
+        let error = Error::unreadable(Path::new("a"), format_args!("{error}; check the path"));
+        let text = error.to_string();
+        assert!(text.starts_with("a: a file of 65537 bytes takes about") && text.ends_with("--no-limits"), "{text}");
+        assert_eq!(error.exit_code(), 1);
         // the first bytes are in memory already
         assert_eq!(prefix(&dir, &bytes[1..], none).read_all().unwrap().len(), bytes.len() - 1);
     }

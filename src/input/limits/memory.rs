@@ -4,6 +4,9 @@ use super::Limits;
 use crate::input::{Error, Result};
 use std::path::{Path, PathBuf};
 
+/// The end of each message about memory.
+pub(in crate::input) const ADVICE: &str = "or use --memory or --no-limits";
+
 /// Work of fewer bytes is not refused, unless the user grants a number.
 const ASKED_FROM: u64 = 1 << 20;
 
@@ -36,9 +39,7 @@ impl Limits {
 fn too_large(bytes: u64, free: u64, what: impl std::fmt::Display, advice: &str) -> Error {
     let gib = |bytes: u64| bytes as f64 / f64::from(1u32 << 30);
     let (need, free) = (gib(bytes), gib(free));
-    Error::work(format!(
-        "{what} takes about {need:.1} GiB of memory and {free:.1} GiB are free; {advice}, or use --memory or --no-limits"
-    ))
+    Error::work(format!("{what} takes about {need:.1} GiB of memory and {free:.1} GiB are free; {advice}, {ADVICE}"))
 }
 
 fn free_here() -> Option<u64> {
