@@ -21,7 +21,7 @@ impl Source {
         if accessor.dimensions() != Dimensions::Vec3 {
             return Err(at(accessor, "must hold vectors of 3; export it again".into()));
         }
-        let values = self.read(accessor).map_err(|message| at(accessor, message))?;
+        let values = self.read(accessor)?;
         Ok(values.chunks_exact(3).map(|v| DVec3::new(v[0], v[1], v[2])).collect())
     }
 
@@ -30,7 +30,7 @@ impl Source {
     /// # Errors
     /// [`Error::Input`] naming the accessor: out of its buffer's range.
     pub(super) fn read_numbers(&self, accessor: &Accessor) -> Result<Vec<f64>> {
-        self.read(accessor).map_err(|message| at(accessor, message))
+        self.read(accessor)
     }
 
     /// The accessor's scalars.
@@ -74,7 +74,7 @@ impl Source {
         if accessor.dimensions() != Dimensions::Vec2 {
             return Err(at(accessor, "must hold vectors of 2; export it again".into()));
         }
-        let values = self.read(accessor).map_err(|message| at(accessor, message))?;
+        let values = self.read(accessor)?;
         Ok(values.chunks_exact(2).map(|v| DVec2::new(v[0], v[1])).collect())
     }
 
@@ -86,7 +86,7 @@ impl Source {
         if !matches!(accessor.dimensions(), Dimensions::Vec3 | Dimensions::Vec4) {
             return Err(at(accessor, "must hold vectors of 3 or 4 as colours; export it again".into()));
         }
-        let values = self.read(accessor).map_err(|message| at(accessor, message))?;
+        let values = self.read(accessor)?;
         let components = accessor.dimensions().multiplicity();
         let color = |v: &[f64]| [v[0], v[1], v[2], v.get(3).copied().unwrap_or(1.0)].map_each(|c| c as f32);
         Ok(values.chunks_exact(components).map(color).collect())
@@ -133,7 +133,7 @@ impl Source {
         if accessor.dimensions() != Dimensions::Scalar || !is_index || accessor.normalized() {
             return Err(at(accessor, "must hold unsigned integers as indices; export it again".into()));
         }
-        let values = self.read(accessor).map_err(|message| at(accessor, message))?;
+        let values = self.read(accessor)?;
         match values.iter().find(|&&index| index >= f64::from(limit)) {
             Some(index) => Err(at(accessor, format!("index {index} of {limit} vertices; export it again"))),
             // Exact: they were u8, u16 or u32.
@@ -142,27 +142,30 @@ impl Source {
     }
 
     /// All components of all elements as f64, which holds each component type exactly; normalised ones divided.
-    fn read(&self, accessor: &Accessor) -> std::result::Result<Vec<f64>, String> {
+    fn read(&self, accessor: &Accessor) -> Result<Vec<f64>> {
+        let wrong = |message: String| at(accessor, message);
         let kind = accessor.data_type();
         let components = accessor.dimensions().multiplicity();
         let count = accessor.count();
         let mut values = match accessor.view() {
             Some(view) => {
                 let run = Run { offset: accessor.offset(), count, bytes: accessor.size() };
-                let elements = self.elements(&view, &run)?;
+                let elements = self.elements(&view, &run).map_err(wrong)?;
                 elements.flat_map(|e| e.chunks_exact(kind.size()).map(|c| component(kind, c))).collect()
             }
-            None if count > 3 * MAX_TRIANGLES => return Err(format!("{count} elements are too many; split the file")),
+            None if count > 3 * MAX_TRIANGLES => {
+                return Err(wrong(format!("{count} elements are too many; split the file")));
+            }
             // zeros (glTF specification 5.1.1)
             None => {
                 let bytes = 8 * count as u64 * components as u64;
-                let what = format_args!("{count} elements");
-                self.limits.check_memory(bytes, what, "split the file").map_err(|e| e.to_string())?;
+                let what = format_args!("accessor {}: {count} elements", accessor.index());
+                self.limits.check_memory(bytes, what, "split the file")?;
                 vec![0.0; count * components]
             }
         };
         if let Some(sparse) = accessor.sparse() {
-            self.substitute(&sparse, accessor, &mut values)?;
+            self.substitute(&sparse, accessor, &mut values).map_err(wrong)?;
         }
         if accessor.normalized() {
             values.iter_mut().for_each(|value| *value = normalised(kind, *value));
