@@ -74,7 +74,7 @@ pub mod engine {
     }
     pub mod plan {
         pub use crate::engine::plan::{
-            Band, Plan, Rows, SceneContents, SceneExtent, SceneShape, Target, Wanted, slabs,
+            Band, Plan, PlanTarget, Rows, SceneContents, SceneExtent, SceneShape, Wanted, slabs,
         };
         pub mod beams {
             pub use crate::engine::plan::beams::Beams;

@@ -185,7 +185,7 @@ impl Field {
         self.turned.as_ref().map(|(directions, viewer)| (directions, viewer))
     }
 
-    /// The same directions of a viewer at the origin, whose axes are those of the world.
+    /// Returns the field of the same lens in a viewer at the origin, with the world's axes; `None` for other fields.
     pub fn unturned(&self) -> Option<Field> {
         let (directions, viewer) = self.turned.clone()?;
         let view = View { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z };

@@ -51,9 +51,9 @@ pub struct Chunk {
 #[derive(Debug, Clone)]
 pub struct Clustered {
     pub chunks: Vec<Chunk>,
-    /// What positions are relative to.
+    /// Origin of the stored positions, world units.
     pub anchor: DVec3,
-    /// The same for all that hold the same triangles in the same places of the world, whatever the anchor.
+    /// Identity of the triangles and their places in the world; copies about other anchors share it.
     pub places: Arc<()>,
     /// Triangles without area, left out.
     pub without_area: usize,
@@ -146,7 +146,7 @@ impl Clustered {
 }
 
 impl Clustered {
-    /// The same triangles relative to another anchor.
+    /// Returns a copy of the triangles about another anchor.
     pub fn anchored<'a>(&self, all: impl Into<MovingMesh<'a>>, anchor: DVec3) -> Clustered {
         let all = all.into();
         let chunks = self.chunks.iter().map(|chunk| chunk.anchored(all, anchor)).collect();
@@ -199,7 +199,7 @@ impl Chunk {
         all_have_area.into_inner()
     }
 
-    /// The same triangles relative to another anchor.
+    /// Returns a copy of the triangles about another anchor.
     fn anchored(&self, all: MovingMesh, anchor: DVec3) -> Chunk {
         let used = self.used.as_ref().map(|used| used.as_slice());
         let (count, steps) = (used.map_or(all.mesh.positions.len(), <[u32]>::len), all.count() as usize);

@@ -64,8 +64,7 @@ pub struct Frames {
     pub(super) moving: Option<Clustered>,
     /// Something failed while another scene, camera or light was sent, of which a part may be there.
     pub(super) is_partly_uploaded: bool,
-    /// What tracing would have saved in the frames since the triangles came, in the units of costs; nothing is counted once hierarchies are
-    /// there.
+    /// Sum of the costs that tracing would have saved since the triangles came, in the units of costs; counted until hierarchies are built.
     pub(super) saved_by_tracing: u64,
     /// Trace could not follow all paths of a frame.
     pub(super) is_lost: bool,

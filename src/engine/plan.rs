@@ -331,7 +331,7 @@ impl SceneExtent {
 
 /// What frames are planned for.
 #[derive(Clone, Copy)]
-pub struct Target<'a> {
+pub struct PlanTarget<'a> {
     pub has: AdapterFeatures,
     /// Bytes that a kernel sees at once.
     pub binding_limit: u64,
@@ -353,13 +353,13 @@ impl Plan {
         has: AdapterFeatures,
         binding_limit: u64,
     ) -> Plan {
-        let target = Target { has, binding_limit, aims: false, last: None };
+        let target = PlanTarget { has, binding_limit, aims: false, last: None };
         Plan::on(target, variant, camera, contents, extent, wanted)
     }
 
     /// Plans frames for a target.
     pub fn on(
-        target: Target,
+        target: PlanTarget,
         variant: Variant,
         camera: &Camera,
         contents: SceneContents,
@@ -453,7 +453,7 @@ struct View<'a> {
     slabs: Slabs,
     extent: SceneExtent,
     sample_offsets: &'a [DVec2],
-    target: Target<'a>,
+    target: PlanTarget<'a>,
 }
 
 /// Splits rows of the image into bands whose every buffer fits a binding.

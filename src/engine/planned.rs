@@ -8,7 +8,7 @@ use crate::camera::ray_order::reordered;
 use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::variant::{method, variant};
-use crate::engine::plan::{Plan, SceneContents, SceneExtent, SceneShape, Target, Wanted};
+use crate::engine::plan::{Plan, PlanTarget, SceneContents, SceneExtent, SceneShape, Wanted};
 use crate::geometry::mesh::Mesh;
 use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::Method;
@@ -227,7 +227,7 @@ impl Planner {
         let variant = variant(camera, contents, wanted, self.has, run);
         let method_why = method(camera, contents, wanted, self.has, run).1;
         let target =
-            Target { has: self.has, binding_limit: self.limit, aims: run.rival.is_none() && variant.f64, last };
+            PlanTarget { has: self.has, binding_limit: self.limit, aims: run.rival.is_none() && variant.f64, last };
         Plan { method_why, ..Plan::on(target, variant, camera, contents, extent, wanted) }
     }
 }

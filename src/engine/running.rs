@@ -75,10 +75,7 @@ impl Frames {
 
     /// Builds the hierarchies that trace follows, once tracing would have saved as much in the frames so far as building them costs.
     fn weigh_tracing(&mut self, plan: &Plan, counts: &Counts) -> Result<()> {
-        if self.run.method != Method::Auto
-            || self.plan.variant.method != Method::Auto
-            || self.resident.bvh != BvhState::None
-        {
+        if self.plan.variant.method != Method::Auto || self.resident.bvh != BvhState::None {
             return Ok(());
         }
         let trace = self.resident.trace_cost(plan);

@@ -8,7 +8,7 @@ use anamorph::internals::engine::bounces::bounces;
 use anamorph::internals::engine::buffer_table::table;
 use anamorph::internals::engine::changes::Dirty;
 use anamorph::internals::engine::plan::variant::variant;
-use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Target, Wanted};
+use anamorph::internals::engine::plan::{Plan, PlanTarget, SceneContents, SceneExtent, Wanted};
 use anamorph::internals::engine::stage::{Dispatch, KernelId, Number, Threads};
 use anamorph::internals::engine::steps::{FrameInputs, Step, StepScope, passes, steps};
 use anamorph::internals::engine::{Method, RunOptions};
@@ -144,7 +144,7 @@ fn each_input(mut check: impl FnMut(&str, &FrameInputs)) {
             let run = RunOptions { method, ..RunOptions::default() };
             let variant = variant(&camera, contents, &wanted, has, &run);
             let extent = SceneExtent::point(DVec3::ZERO);
-            let target = Target { has, binding_limit: 1 << 16, aims: true, last: None };
+            let target = PlanTarget { has, binding_limit: 1 << 16, aims: true, last: None };
             let plan = Plan::on(target, variant, &camera, contents, extent, &wanted);
             let bounces = bounces(camera.optics.as_deref());
             // one list; batches of one chunk of triangles; chunks, of which one is empty
