@@ -10,6 +10,7 @@ pub mod kernels;
 pub mod layout;
 pub mod needs;
 pub mod queries;
+pub mod readback;
 pub mod recorder;
 pub mod single;
 

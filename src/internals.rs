@@ -156,7 +156,7 @@ pub mod geometry {
 pub mod gpu {
     pub use crate::gpu::{Gpu, GpuOptions, exact, layout};
     pub mod buffers {
-        pub use crate::gpu::buffers::{Binder, Buffers, PendingRead, Pipeline, read_words, readback, wait};
+        pub use crate::gpu::buffers::{Binder, Buffers, Pipeline, wait};
     }
     pub mod compile {
         pub use crate::gpu::compile::lowered;
@@ -175,6 +175,9 @@ pub mod gpu {
     }
     pub mod needs {
         pub use crate::gpu::needs::{NEEDS, STORAGE_BUFFERS, STORAGE_BUFFERS_BY_TILE, lacks};
+    }
+    pub mod readback {
+        pub use crate::gpu::readback::{PendingRead, read_words, readback};
     }
     pub mod recorder {
         pub use crate::gpu::recorder::Recorder;

@@ -3,8 +3,9 @@
 mod common;
 
 use anamorph::internals::gpu::Gpu;
-use anamorph::internals::gpu::buffers::{Buffers, read_words, readback};
+use anamorph::internals::gpu::buffers::Buffers;
 use anamorph::internals::gpu::compile::lowered;
+use anamorph::internals::gpu::readback::{read_words, readback};
 use common::needs::{adapter, skip};
 use common::rng::Rng;
 

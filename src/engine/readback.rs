@@ -8,9 +8,9 @@ use crate::camera::Camera;
 use crate::camera::ray_order::restored;
 use crate::engine::plan::{Plan, Wanted};
 use crate::gpu::Gpu;
-use crate::gpu::buffers::PendingRead;
 use crate::gpu::draw_counts::DrawCounts;
-use crate::image::frame::{Channel, Frame, NO_ID, Plane, normalised_depth, plane_of_words};
+use crate::gpu::readback::{Mapped, PendingRead, joined};
+use crate::image::frame::{Channel, Frame, NO_ID, Plane, normalised_depth};
 use crate::input::Result;
 use crate::parallel;
 use crate::scene::labels::Labels;
@@ -79,8 +79,8 @@ pub(super) struct PendingReads {
 /// And what was read: counters by job, and words by band.
 pub(super) struct RawFrame {
     pub status: Vec<u32>,
-    pub planes: Vec<Vec<u32>>,
-    pub srgb8: Vec<Vec<u32>>,
+    pub planes: Vec<Mapped>,
+    pub srgb8: Vec<Mapped>,
     pub edge_of: Vec<Vec<u32>>,
     pub samples: Vec<Vec<u32>>,
     pub stages: Vec<(&'static str, f64)>,
@@ -115,10 +115,11 @@ impl PendingReads {
     /// Once it is done.
     pub fn finish(self, gpu: &Gpu, frame: &Running) -> Result<RawFrame> {
         let all = |reads: Vec<PendingRead>| reads.into_iter().map(|r| r.words(gpu)).collect::<Result<Vec<_>>>();
+        let mapped = |reads: Vec<PendingRead>| reads.into_iter().map(|r| r.mapped(gpu)).collect::<Result<Vec<_>>>();
         Ok(RawFrame {
             status: self.status.words(gpu)?,
-            planes: all(self.planes)?,
-            srgb8: all(self.srgb8)?,
+            planes: mapped(self.planes)?,
+            srgb8: mapped(self.srgb8)?,
             edge_of: all(self.edge_of)?,
             samples: all(self.samples)?,
             stages: frame.recorded.stages_read(gpu, self.times)?,
@@ -156,22 +157,30 @@ impl FrameLayout {
             if !wanted.channels.contains(&channel) && !is_of_labels && !is_of_depth {
                 continue;
             }
-            let mut all: Vec<u32> = Vec::with_capacity(camera.width as usize * plan.rows() as usize);
-            for (band, data) in plan.bands.iter().zip(&raw.planes) {
-                let pixels = band.rows as usize * camera.width as usize;
-                all.extend_from_slice(&data[k * pixels..(k + 1) * pixels]);
-            }
-            let mut all = self.restored(all);
-            if channel == Channel::PieceId && camera.composition.is_some() {
-                self.number_pieces(&mut all);
-            }
-            planes.push((channel, plane_of_words(channel, all)));
+            let plane = match channel.is_id() {
+                true => {
+                    let mut ids = self.restored(joined(&self.parts(&raw.planes, k)));
+                    if channel == Channel::PieceId && camera.composition.is_some() {
+                        self.number_pieces(&mut ids);
+                    }
+                    Plane::U32(ids)
+                }
+                false => Plane::F32(self.restored(joined(&self.parts(&raw.planes, k)))),
+            };
+            planes.push((channel, plane));
         }
         self.add_depths(&mut planes);
         self.label(&mut planes);
         planes.retain(|(channel, _)| wanted.channels.contains(channel));
         planes.sort_by_key(|(channel, _)| *channel);
         Frame { width: camera.width, height: plan.rows(), planes }
+    }
+
+    /// The values of every band in its `k`-th plane.
+    fn parts<'a, T: bytemuck::Pod>(&self, bands: &'a [Mapped], k: usize) -> Vec<&'a [T]> {
+        let pixels = |rows: u32| rows as usize * self.camera.width as usize;
+        let sizes = self.plan.bands.iter().map(|band| pixels(band.rows));
+        bands.iter().zip(sizes).map(|(band, pixels)| band.values(k * pixels..(k + 1) * pixels)).collect()
     }
 
     /// Pieces of a composite are its cameras.
@@ -198,7 +207,7 @@ impl FrameLayout {
         let z = planes.iter().find(|(channel, _)| *channel == Channel::Z);
         let (Some(range), Some((_, Plane::F32(z)))) = (self.depth_range, z) else { return };
         let depth = |z: &f32, k: usize| normalised_depth(f64::from(*z), range)[k] as f32;
-        let plane = |k: usize| Plane::F32(z.iter().map(|z| depth(z, k)).collect());
+        let plane = |k: usize| Plane::F32(parallel::map(z.as_slice(), |z| depth(z, k)));
         let wanted = |channel: &Channel| self.wanted.channels.contains(channel);
         let both = [Channel::DepthLinear, Channel::DepthPerspective];
         let more: Vec<_> = both.into_iter().zip(0..).filter(|(c, _)| wanted(c)).map(|(c, k)| (c, plane(k))).collect();
@@ -207,12 +216,8 @@ impl FrameLayout {
 
     /// Four bytes a pixel.
     fn srgb8(&self, raw: &RawFrame) -> Vec<u8> {
-        let mut all: Vec<[u8; 4]> = Vec::new();
-        for (words, band) in raw.srgb8.iter().zip(&self.plan.bands) {
-            let pixels = band.rows as usize * self.camera.width as usize;
-            all.extend_from_slice(bytemuck::cast_slice(&words[..pixels]));
-        }
-        self.restored(all).into_flattened()
+        let colors: Vec<[u8; 4]> = joined(&self.parts(&raw.srgb8, 0));
+        self.restored(colors).into_flattened()
     }
 
     /// Triangle ids, one plane per sample. A pixel that is not an edge pixel has the id at its centre in every plane.
@@ -228,7 +233,7 @@ impl FrameLayout {
         let id_mask = (1 << plan.id_bits) - 1;
         for (k, (band, planes)) in plan.bands.iter().zip(&raw.planes).enumerate() {
             let pixels = band.rows as usize * camera.width as usize;
-            let centres = &planes[plane * pixels..(plane + 1) * pixels];
+            let centres: &[u32] = planes.values(plane * pixels..(plane + 1) * pixels);
             let (Some(edge_of), Some(records)) = (raw.edge_of.get(k), raw.samples.get(k)) else {
                 all.iter_mut().for_each(|ids| ids.extend_from_slice(centres));
                 continue;

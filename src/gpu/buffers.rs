@@ -5,9 +5,7 @@ use super::kernels::{Access, Binding, Kernel};
 use super::layout::TEXELS_A_ROW;
 use crate::input::{Error, Result};
 use std::collections::{BTreeMap, HashMap};
-use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
 
 /// Buffers and textures of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
 #[derive(Default)]
@@ -37,7 +35,7 @@ const USAGE: wgpu::BufferUsages =
     wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_SRC).union(wgpu::BufferUsages::COPY_DST);
 
 /// The smallest buffer, so that empty lists bind too: one of the largest struct.
-const SMALLEST: u64 = 256;
+pub(super) const SMALLEST: u64 = 256;
 
 /// How large a buffer of so many bytes is.
 fn padded_size(bytes: u64) -> u64 {
@@ -400,16 +398,6 @@ fn layout_entry(binding: u32, of: &Binding, visibility: wgpu::ShaderStages) -> w
     wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
 }
 
-/// A buffer's bytes that the host can read once the copies into it are done.
-pub fn readback(gpu: &Gpu, bytes: u64) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("readback"),
-        size: bytes.max(SMALLEST),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    })
-}
-
 /// Waits until everything submitted is done.
 pub fn wait(gpu: &Gpu) -> Result<()> {
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| gpu.failed(one_line(e)))?;
@@ -421,44 +409,4 @@ pub fn wait_for(gpu: &Gpu, submission: &wgpu::SubmissionIndex) -> Result<()> {
     let until = wgpu::PollType::Wait { submission_index: Some(submission.clone()), timeout: None };
     gpu.device.poll(until).map_err(|e| gpu.failed(one_line(e)))?;
     gpu.failure()
-}
-
-/// The words of a readback buffer, after waiting.
-pub fn read_words(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
-    let pending = PendingRead::start(buffer);
-    wait(gpu)?;
-    pending.words(gpu)
-}
-
-/// How long an answer may take from one thread that waits on the device to another: far more than it does, so that a read
-/// that is never answered is an error and no endless wait.
-const PASSED_ON: Duration = Duration::from_secs(10);
-
-/// A readback buffer that is being read once what was submitted is done.
-pub struct PendingRead {
-    buffer: wgpu::Buffer,
-    done: Receiver<std::result::Result<(), wgpu::BufferAsyncError>>,
-}
-
-impl PendingRead {
-    pub fn start(buffer: &wgpu::Buffer) -> PendingRead {
-        let (send, done) = channel();
-        buffer.map_async(wgpu::MapMode::Read, .., move |r| {
-            // nobody waits for what is not needed any more
-            let _ = send.send(r);
-        });
-        PendingRead { buffer: buffer.clone(), done }
-    }
-
-    /// Its words, after waiting for the submission. Where several threads wait on one device, wgpu may hand this read's
-    /// answer to another of them, which passes it on a moment after this one's wait has ended.
-    pub fn words(self, gpu: &Gpu) -> Result<Vec<u32>> {
-        let failed = |e: String| gpu.failed(format!("cannot read back: {e}"));
-        self.done.recv_timeout(PASSED_ON).map_err(|e| failed(one_line(e)))?.map_err(|e| failed(one_line(e)))?;
-        let view = self.buffer.get_mapped_range(..).map_err(|e| failed(one_line(e)))?;
-        let words = bytemuck::pod_collect_to_vec::<u8, u32>(&view);
-        drop(view);
-        self.buffer.unmap();
-        Ok(words)
-    }
 }

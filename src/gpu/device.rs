@@ -6,6 +6,7 @@ use super::exact;
 use super::kernels::Snippet;
 use super::layout::LANES;
 use super::needs::{STORAGE_BUFFERS_BY_TILE, lacks};
+use super::readback::SpareBuffers;
 use crate::input::limits::free_addresses;
 use crate::input::{Error, Result};
 use serde::Serialize;
@@ -43,6 +44,7 @@ pub struct Gpu {
     /// Writes the kernels' sources.
     pub(super) dump: Option<Dump>,
     pub(super) pipelines: Arc<Pipelines>,
+    pub(super) spare_buffers: Arc<SpareBuffers>,
     /// The first error that the device reported outside a call.
     failed: Arc<Mutex<Option<String>>>,
 }
@@ -253,6 +255,7 @@ impl Gpu {
             checks: default_checks(has),
             dump,
             pipelines: Arc::default(),
+            spare_buffers: Arc::default(),
             failed,
         };
         // that backend runs nothing
@@ -277,6 +280,7 @@ impl Gpu {
             checks: self.checks,
             dump: None,
             pipelines: self.pipelines.clone(),
+            spare_buffers: Arc::default(),
             failed: self.failed.clone(),
         }
     }

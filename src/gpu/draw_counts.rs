@@ -1,8 +1,8 @@
 //! What the adapter's rasterizer did in the render passes of a submission, counted by it.
 
-use super::buffers::PendingRead;
 use super::device::Gpu;
 use super::queries::{Queries, answered};
+use super::readback::PendingRead;
 use crate::input::Result;
 use std::ops::AddAssign;
 use wgpu::PipelineStatisticsTypes as Counted;

@@ -1,7 +1,7 @@
 //! Queries: numbers that an adapter writes while a submission runs, and how they are read.
 
-use super::buffers::{PendingRead, readback};
 use super::device::Gpu;
+use super::readback::{PendingRead, readback};
 use crate::input::Result;
 
 /// Queries of one kind.

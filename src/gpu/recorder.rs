@@ -3,10 +3,11 @@
 #[cfg(feature = "internals")]
 pub mod drawing;
 
-use super::buffers::{PendingRead, wait};
+use super::buffers::wait;
 use super::device::Gpu;
 use super::draw_counts::{DrawCounts, DrawQueries};
 use super::queries::{Queries, answered};
+use super::readback::PendingRead;
 use crate::input::Result;
 
 /// Records passes, named after their stages.

@@ -1,7 +1,8 @@
 //! Runs one kernel by itself, and reads a buffer.
 
 use super::Gpu;
-use super::buffers::{Buffers, Pipeline, read_words, readback, wait};
+use super::buffers::{Buffers, Pipeline, wait};
+use super::readback::{read_words, readback};
 use super::recorder::{Recorded, Recorder};
 use crate::input::Result;
 

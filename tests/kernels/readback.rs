@@ -3,7 +3,8 @@
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use anamorph::internals::gpu::buffers::{PendingRead, readback, wait};
+use anamorph::internals::gpu::buffers::wait;
+use anamorph::internals::gpu::readback::{PendingRead, readback};
 
 use crate::common::projection::gpu;
 

@@ -3,9 +3,10 @@
 use super::dispatch_items;
 use crate::arrays::MapEach;
 use crate::gpu::Gpu;
-use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
+use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::gpu::kernels::parts::*;
 use crate::gpu::layout;
+use crate::gpu::readback::{read_words, readback};
 use crate::input::{Error, Result};
 use crate::parallel;
 use crate::scene::caustics::beams::CausticTriangle;

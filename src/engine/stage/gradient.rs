@@ -6,9 +6,10 @@
 use super::dispatch_items;
 use crate::camera::change::{NUMBERS, PixelRay};
 use crate::gpu::Gpu;
-use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
+use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::gpu::kernels::parts::*;
 use crate::gpu::layout::{GradientParams, NONE};
+use crate::gpu::readback::{read_words, readback};
 use crate::input::{Error, Result};
 use crate::parallel;
 use crate::scene::gradients::{Changes, HIT_NUMBERS, Seen, VERTEX_DIRECTIONS};

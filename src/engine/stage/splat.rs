@@ -7,8 +7,9 @@ use super::dispatch_items;
 use super::solve::{LAYOUT, Solve};
 use crate::camera::project::Projector;
 use crate::gpu::Gpu;
-use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
+use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::gpu::kernels::parts::*;
+use crate::gpu::readback::{read_words, readback};
 use crate::input::Result;
 use glam::DVec3;
 
