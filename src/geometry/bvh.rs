@@ -221,6 +221,25 @@ fn split(items: &mut [Item]) -> usize {
     if at == 0 || at == items.len() { items.len() / 2 } else { at }
 }
 
+/// The numbers of boxes in groups of neighbors, each of at most `most`.
+pub fn groups(boxes: &[Aabb], most: usize) -> Vec<Vec<u32>> {
+    let all = parallel::reduce(boxes, |b| Some(*b), Aabb::joined).unwrap_or(Aabb::EMPTY);
+    let frame = Frame::of(&all);
+    let mut items: Vec<Item> = parallel::map(0..boxes.len(), |k| frame.boxed(k as u32, &boxes[k]));
+    let mut todo = vec![items.as_mut_slice()];
+    let mut groups = Vec::new();
+    while let Some(items) = todo.pop() {
+        if items.len() <= most {
+            groups.push(items.iter().map(|item| item.id).collect());
+            continue;
+        }
+        let at = split(items);
+        let (left, right) = items.split_at_mut(at);
+        todo.extend([right, left]);
+    }
+    groups
+}
+
 /// Brings the items that are `first` before the others; how many they are.
 fn bring_first(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
     let mut count = 0;

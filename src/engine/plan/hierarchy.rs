@@ -2,6 +2,7 @@
 //! first kind can be refitted.
 
 mod crowd;
+mod wide;
 
 use crate::arrays::MapEach;
 use crate::engine::clusters::Chunk;
@@ -15,8 +16,8 @@ use glam::{DVec3, Vec3};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
+use wide::Wide;
 
 /// Nodes that wait in the kernel at most.
 const DEPTH_MAX: usize = 96;
@@ -156,9 +157,6 @@ impl Default for TracedBvh {
     }
 }
 
-/// Triangles of a leaf at most.
-const LEAF_MAX: u32 = 3;
-
 /// Rows of a node.
 const NODE_ROWS: usize = 5;
 
@@ -179,16 +177,14 @@ impl TracedBvh {
         let boxed = |slot: u32| {
             Aabb::from_points(&primitive(chunk, slot, 0, place).extremes().map_each(|v| v.as_vec3().into()))
         };
-        let boxes: Vec<Aabb> = parallel::map(0..chunk.triangles.len() as u32, boxed);
-        let binary = crowd::build(&boxes, of_one());
-        let tree = bvh2_to_cwbvh(&binary, LEAF_MAX, true, false);
+        let tree = Wide::build(chunk.triangles.len() as u32, boxed);
         if depth(&tree.nodes) > WAITING_MAX {
             return None;
         }
         let mut nodes = vec![[(place.scale as f32).to_bits(), 0, 0, 0]];
         nodes.extend(tree.nodes.iter().flat_map(node_rows));
         let rows = |slot: &u32| primitive(chunk, *slot, 0, place).rows(*slot);
-        let triangles = parallel::map(&tree.primitive_indices, rows).into_flattened();
+        let triangles = parallel::map(&tree.items, rows).into_flattened();
         Some(TracedBvh { nodes, triangles })
     }
 
@@ -206,9 +202,7 @@ impl TracedBvh {
                 let all = ends(slot).map_each(|end| end.extremes().map_each(|v| v.as_vec3().into()));
                 Aabb::from_points(all.as_flattened())
             };
-            let boxes: Vec<Aabb> = parallel::map(0..chunk.triangles.len() as u32, boxed);
-            let binary = crowd::build(&boxes, of_one());
-            let mut tree = bvh2_to_cwbvh(&binary, LEAF_MAX, true, false);
+            let mut tree = Wide::build(chunk.triangles.len() as u32, boxed);
             if depth(&tree.nodes) > WAITING_MAX {
                 return None;
             }
@@ -220,15 +214,11 @@ impl TracedBvh {
             }
             nodes.extend(tree.nodes.iter().flat_map(node_rows));
             let rows = |slot: &u32| ends(*slot).map_each(|end| end.rows(*slot));
-            let all = parallel::map(&tree.primitive_indices, rows);
+            let all = parallel::map(&tree.items, rows);
             triangles.extend_from_slice(all.as_flattened().as_flattened());
         }
         Some(TracedBvh { nodes, triangles })
     }
-}
-
-fn of_one() -> BvhBuildParams {
-    BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() }
 }
 
 /// Where a hierarchy has its coordinates: those relative to the anchor, plus an offset, times a scale.
