@@ -158,7 +158,10 @@ impl Planner {
         let clustered = match last.filter(|l| same_places(l, &scene, &plan)) {
             Some(last) if last.plan.anchor == plan.anchor => last.clustered.clone(),
             Some(last) => Arc::new(last.clustered.anchored(scene.moving_mesh(), plan.anchor)),
-            None => Arc::new(cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit)),
+            None => {
+                run.share.enter("sorting triangles");
+                Arc::new(cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit))
+            }
         };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
         let (asked, wanted) = (Arc::downgrade(&camera), wanted.clone());
