@@ -163,8 +163,11 @@ impl Frames {
     pub(super) fn build_bvh(&mut self) -> Result<()> {
         let Plan { anchor, origin, variant, .. } = *self.plan;
         let anew = || Arc::new(cluster(self.scene.moving_mesh(), anchor, variant.surfaces(), self.gpu.table_limit()));
+        self.run.share.enter("building a hierarchy");
         let clustered = self.shown.upgrade().unwrap_or_else(anew);
-        self.resident.build_bvh(&self.gpu, &clustered, origin)
+        self.resident.build_bvh(&self.gpu, &clustered, origin)?;
+        self.run.share.enter("");
+        Ok(())
     }
 
     /// The kernels that frames take.
@@ -239,7 +242,7 @@ impl Frames {
             return self.resident.place_scene(&self.gpu, clustered, self.plan.origin);
         }
         *clustered = cluster(&*moved.mesh, self.plan.anchor, self.plan.variant.surfaces(), self.gpu.table_limit());
-        self.resident.upload_scene(&self.gpu, clustered, self.plan.origin)?;
+        self.resident.upload_scene(&self.gpu, (clustered, &moved.mesh), self.plan.origin)?;
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }
 
@@ -287,7 +290,7 @@ impl Frames {
         let changes = if is_partly_uploaded { Changes::ALL } else { Changes::between(&shown, planned) };
         if changes.triangles {
             self.saved_by_tracing = 0;
-            self.resident.upload_scene(&self.gpu, clustered, plan.origin)?;
+            self.resident.upload_scene(&self.gpu, (clustered, &scene.mesh), plan.origin)?;
         } else if changes.positions {
             self.resident.anchor_scene(&self.gpu, clustered)?;
             if plan.origin != self.plan.origin {
