@@ -263,8 +263,8 @@ impl<'a> Elements<'a> {
         &self.bytes[k * self.stride..][..self.size]
     }
 
-    fn all(&self) -> impl Iterator<Item = &'a [u8]> {
-        (0..self.count).map(|k| self.get(k))
+    fn all(self) -> impl Iterator<Item = &'a [u8]> {
+        (0..self.count).map(move |k| self.get(k))
     }
 }
 
