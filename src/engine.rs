@@ -253,10 +253,12 @@ impl Engine {
         let Planned { scene, camera, plan, clustered, wanted, .. } = planned;
         let mut atlas = self.atlas_renderer(&own_scene, &camera, &wanted, run)?;
         let caustics = if wanted.has_colour() { self.device_caustics(&own_scene)? } else { None };
+        run.share.enter("compiling kernels");
         let stages = self.stages(plan.variant, &plan.planes)?;
         let after_bounce =
             plan.variant.bounces_rays().then(|| self.stages(plan.variant.after_bounce(), &plan.planes)).transpose()?;
         let rival = run.rival.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
+        run.share.enter("uploading triangles");
         let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, run.capacities)?;
         resident.upload_appearance(&self.gpu, &self.pages, &scene, &plan)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
@@ -266,6 +268,8 @@ impl Engine {
         if let Some(atlas) = &mut atlas {
             atlas.render_into(&self.gpu, &mut resident.shared)?;
         }
+        // the frames, by the name of their step
+        run.share.enter("");
         Ok(Frames {
             gpu: self.gpu.clone(),
             #[cfg(feature = "internals")]

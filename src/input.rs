@@ -11,8 +11,10 @@ pub mod parse;
 pub mod prefix;
 pub mod reader;
 pub mod tree;
+pub mod window;
 
 pub use error::{Error, Result};
 pub use limits::Limits;
 pub use loading::Loading;
 pub use prefix::Prefix;
+pub use window::Window;

@@ -61,7 +61,7 @@ pub mod engine {
         pub use crate::engine::changes::Dirty;
     }
     pub mod clusters {
-        pub use crate::engine::clusters::{CORNER_ORDERS, Clustered, cluster, mapped_surfaces};
+        pub use crate::engine::clusters::{CORNER_ORDERS, Chunk, Clustered, cluster, surfaces::mapped_surfaces};
     }
     pub mod combinations {
         pub use crate::engine::combinations::{Feature, REFUSALS, Refusal, at_once};

@@ -36,15 +36,16 @@ pub mod write;
 pub use key::{KeyLayout, Real};
 
 use anamorph::internals::camera::Camera;
-use anamorph::internals::engine::clusters::{Clustered, cluster};
+use anamorph::internals::engine::clusters::{Chunk, Clustered, cluster};
 use anamorph::internals::engine::plan::curves::RayTable;
 use anamorph::internals::engine::plan::pages::Pages;
 use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, SceneShape, Wanted};
 use anamorph::internals::engine::tables::{Appearance, Shadows, Span, after_bounce, params};
 use anamorph::internals::engine::{Capacities, RunOptions};
+use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::gpu::device::AdapterFeatures;
-use anamorph::internals::gpu::kernels::RaysKind;
+use anamorph::internals::gpu::kernels::{RaysKind, SurfaceKind};
 use anamorph::internals::gpu::layout::{Cell, Cluster, Node, ONE_SIDED, Params, Piece, Vertex};
 use anamorph::internals::image::frame::{Channel, Frame, plane_of_words};
 use anamorph::internals::scene::Scene;
@@ -113,6 +114,8 @@ impl KernelInputs<'_> {
 pub struct Tables {
     pub plan: Plan,
     pub clustered: Clustered,
+    /// Of each chunk, surfaces and texture coordinates as in [`KernelInputs`].
+    surfaces: Vec<SurfaceTables>,
     pub appearance: Appearance,
     pub optics: Option<Optics>,
 }
@@ -127,6 +130,15 @@ pub const LARGE: Capacities = Capacities {
     edges: u32::MAX as u64,
 };
 
+/// Surfaces and texture coordinates of a chunk.
+type SurfaceTables = (Vec<[u32; 4]>, Vec<[f32; 6]>);
+
+fn surface_tables(clustered: &Clustered, mesh: &Mesh) -> Vec<SurfaceTables> {
+    let is_plain = clustered.surfaces == SurfaceKind::Plain;
+    let uvs = |chunk: &Chunk| if is_plain { Vec::new() } else { chunk.uvs(mesh) };
+    clustered.chunks.iter().map(|chunk| (chunk.surfaces(mesh), uvs(chunk))).collect()
+}
+
 impl Tables {
     /// Bands and chunks are split so that no table exceeds `binding_limit` bytes.
     pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: AdapterFeatures, binding_limit: u64) -> Tables {
@@ -135,17 +147,24 @@ impl Tables {
         let contents = SceneContents::of(scene);
         let variant = variant(camera, contents, wanted, has, &RunOptions::default());
         let plan = Plan::new(variant, camera, contents, extent, wanted, has, binding_limit);
+        let clustered = cluster(&*scene.mesh, extent.anchor, plan.variant.surfaces(), binding_limit);
         Tables {
             optics: Optics::new(scene, camera, &plan),
-            clustered: cluster(&*scene.mesh, extent.anchor, plan.variant.surfaces(), binding_limit),
+            surfaces: surface_tables(&clustered, &scene.mesh),
+            clustered,
             plan,
             appearance: Appearance::new(scene, extent.anchor, &Pages::default(), Shadows::NONE, None),
         }
     }
 
+    /// The same with the triangles of `mesh` in other clusters.
+    pub fn with_clusters(self, clustered: Clustered, mesh: &Mesh) -> Tables {
+        Tables { surfaces: surface_tables(&clustered, mesh), clustered, ..self }
+    }
+
     /// All clusters of a chunk over a band, for the camera's own rays.
     pub fn input(&self, camera: &Camera, band: usize, chunk: usize, capacities: Capacities) -> KernelInputs<'_> {
-        let (band, chunk) = (&self.plan.bands[band], &self.clustered.chunks[chunk]);
+        let (band, surfaces, chunk) = (&self.plan.bands[band], &self.surfaces[chunk], &self.clustered.chunks[chunk]);
         let ids = Span { first: chunk.id_first, count: chunk.id_count };
         let clusters = Span { first: 0, count: chunk.clusters.len() as u32 };
         KernelInputs {
@@ -163,8 +182,8 @@ impl Tables {
             triangles: &chunk.triangles,
             vertices: &chunk.vertices,
             slot_of_id: &chunk.slot_of_id,
-            surfaces: &chunk.surfaces,
-            uvs: &chunk.uvs,
+            surfaces: &surfaces.0,
+            uvs: &surfaces.1,
             appearance: &self.appearance,
             optics: self.optics.as_ref().map(|o| o.input(None)),
         }

@@ -3,8 +3,10 @@
 //! Positions are rebased to an anchor in f64 and stored as f32 pairs. Every triangle names its corners in the
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
+pub mod surfaces;
+
 use crate::arrays::MapEach;
-use crate::geometry::mesh::{self, Mesh, NO_NORMAL};
+use crate::geometry::mesh::{self, Mesh};
 use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::kernels::SurfaceKind;
 use crate::gpu::layout::{
@@ -25,13 +27,6 @@ pub struct Chunk {
     /// Per slot: three vertices in the order of their positions; id, file order and sidedness. Of a sphere: the vertex in its centre, its
     /// radius as two f32, and its id, [`SPHERE`] and sidedness.
     pub triangles: Arc<Vec<[u32; 4]>>,
-    /// Per slot: the normals of the corners in file order, and the material.
-    pub surfaces: Arc<Vec<[u32; 4]>>,
-    /// Where images lie on triangles, six numbers a slot: the texture coordinates of the corners in file order, v downwards; NaN
-    /// of one that has none.
-    pub uvs: Arc<Vec<[f32; 6]>>,
-    /// Where vertices have colours, nine numbers a slot: those of the corners in file order.
-    pub colors: Arc<Vec<[f32; 9]>>,
     /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit.
     pub slot_of_id: Arc<Vec<u32>>,
     pub clusters: Vec<Cluster>,
@@ -55,6 +50,8 @@ pub struct Clustered {
     pub anchor: DVec3,
     /// Identity of the triangles and their places in the world; copies about other anchors share it.
     pub places: Arc<()>,
+    /// The tables that surfaces have.
+    pub surfaces: SurfaceKind,
     /// Triangles without area, left out.
     pub without_area: usize,
 }
@@ -88,7 +85,7 @@ pub fn cluster<'a>(
         .step_by(per_chunk.max(1) as usize)
         .map(|first| {
             let ids = first as u32..(first + per_chunk).min(count) as u32;
-            chunk(all, anchor, ids, (whole, surfaces))
+            chunk(all, anchor, ids, whole)
         })
         .collect();
     if chunks.is_empty() {
@@ -96,25 +93,16 @@ pub fn cluster<'a>(
         chunks.push(Chunk::default());
     }
     let slots: usize = chunks.iter().map(|c| c.triangles.len()).sum();
-    Clustered { chunks, anchor, places: Arc::default(), without_area: mesh.triangles.len() - slots }
+    let without_area = mesh.triangles.len() - slots;
+    Clustered { chunks, anchor, places: Arc::default(), surfaces, without_area }
 }
 
-fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, surfaces): (bool, SurfaceKind)) -> Chunk {
+fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, whole: bool) -> Chunk {
     let mesh = all.mesh;
     let order = morton_order(all, ids.clone());
     let mut chunk = Chunk { id_first: ids.start, id_count: ids.len() as u32, steps: all.count(), ..Default::default() };
     if !whole {
-        let mut used = parallel::map(&order, |&id| mesh.triangles[id as usize]).into_flattened();
-        parallel::sort(&mut used);
-        used.dedup();
-        chunk.used = Some(Arc::new(used));
-    }
-    chunk.surfaces = Arc::new(parallel::map(&order, |&id| triangle_surface(mesh, id)));
-    if surfaces != SurfaceKind::Plain {
-        chunk.uvs = Arc::new(parallel::map(&order, |&id| triangle_uvs(mesh, id)));
-    }
-    if surfaces == SurfaceKind::Colored {
-        chunk.colors = Arc::new(parallel::map(&order, |&id| triangle_colors(mesh, id)));
+        chunk.used = Some(Arc::new(used_vertices(mesh, &order)));
     }
     let mut slot_of_id = vec![NONE; ids.len()];
     for (slot, &id) in order.iter().enumerate() {
@@ -150,7 +138,8 @@ impl Clustered {
     pub fn anchored<'a>(&self, all: impl Into<MovingMesh<'a>>, anchor: DVec3) -> Clustered {
         let all = all.into();
         let chunks = self.chunks.iter().map(|chunk| chunk.anchored(all, anchor)).collect();
-        Clustered { chunks, anchor, places: self.places.clone(), without_area: self.without_area }
+        let Clustered { surfaces, without_area, .. } = *self;
+        Clustered { chunks, anchor, places: self.places.clone(), surfaces, without_area }
     }
 }
 
@@ -166,9 +155,9 @@ impl Chunk {
     /// All that depends on positions, of the triangles in their slots; whether each has an area.
     fn place(&mut self, all: MovingMesh, anchor: DVec3) -> bool {
         let mesh = all.mesh;
-        let used = self.used.as_ref().map(|used| used.as_slice());
-        // every vertex of the chunk is in the sorted list
-        let index_of = |v: u32| used.map_or(v, |used| used.partition_point(|&u| u < v) as u32);
+        let (first, indices) = self.used.as_ref().map_or((0, Vec::new()), |used| vertex_indices(used));
+        // every vertex of the chunk is in the list, if there is one
+        let index_of = |v: u32| if indices.is_empty() { v } else { indices[(v - first) as usize] };
         let triangles = Arc::make_mut(&mut self.triangles);
         let [clusters, groups] = Arc::make_mut(&mut self.boxes);
         clusters.resize(triangles.len().div_ceil(CLUSTER as usize), Bounds::NONE);
@@ -221,9 +210,6 @@ impl Chunk {
             id_first: self.id_first,
             id_count: self.id_count,
             triangles: self.triangles.clone(),
-            surfaces: self.surfaces.clone(),
-            uvs: self.uvs.clone(),
-            colors: self.colors.clone(),
             slot_of_id: self.slot_of_id.clone(),
             steps: self.steps,
             boxes: self.boxes.clone(),
@@ -236,6 +222,31 @@ impl Chunk {
     fn size(&self) -> f64 {
         self.clusters.iter().map(|c| c.half.iter().map(|h| f64::from(*h)).sum::<f64>()).sum()
     }
+}
+
+/// The vertices of some triangles, ascending.
+fn used_vertices(mesh: &Mesh, ids: &[u32]) -> Vec<u32> {
+    let corners = |id: &u32| mesh.triangles[*id as usize];
+    let ends = parallel::reduce(
+        ids,
+        |id| {
+            let [a, b, c] = corners(id);
+            Some((a.min(b).min(c), a.max(b).max(c)))
+        },
+        |a, b| (a.0.min(b.0), a.1.max(b.1)),
+    );
+    let Some((first, last)) = ends else { return Vec::new() };
+    let mut is_used = vec![false; (last - first) as usize + 1];
+    ids.iter().flat_map(corners).for_each(|v| is_used[(v - first) as usize] = true);
+    parallel::flat_map(0..is_used.len() as u32, |k| is_used[k as usize].then_some(first + k))
+}
+
+/// The first of some ascending vertices, and the place among them of each vertex from it on.
+fn vertex_indices(used: &[u32]) -> (u32, Vec<u32>) {
+    let (Some(first), Some(last)) = (used.first(), used.last()) else { return (0, Vec::new()) };
+    let mut indices = vec![0; (last - first) as usize + 1];
+    (0..).zip(used).for_each(|(k, v)| indices[(v - first) as usize] = k);
+    (*first, indices)
 }
 
 /// The triangles that have an area, along a Morton curve through their first centroids.
@@ -329,42 +340,6 @@ fn side(mesh: &Mesh, id: u32) -> u32 {
     debug_assert!(id <= ID_MASK);
     let material = &mesh.materials[mesh.material_of[id as usize] as usize];
     if material.two_sided { 0 } else { ONE_SIDED }
-}
-
-fn triangle_surface(mesh: &Mesh, id: u32) -> [u32; 4] {
-    let [a, b, c] = mesh.corner_normals.get(id as usize).copied().unwrap_or([NO_NORMAL; 3]);
-    [a, b, c, mesh.material_of[id as usize]]
-}
-
-fn triangle_uvs(mesh: &Mesh, id: u32) -> [f32; 6] {
-    let Some([a, b, c]) = mesh.uvs_of(id as usize) else { return [f32::NAN; 6] };
-    [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y]
-}
-
-fn triangle_colors(mesh: &Mesh, id: u32) -> [f32; 9] {
-    let colors = mesh.colors_of(id as usize);
-    std::array::from_fn(|k| colors[k / 3][k % 3])
-}
-
-/// The table that kernels read for surfaces with texture coordinates: per slot that of `surfaces`, then two vec4s with the texture
-/// coordinates of the three corners and a flag, 1 if the triangle has any.
-pub fn mapped_surfaces(surfaces: &[[u32; 4]], uvs: &[[f32; 6]]) -> Vec<[[u32; 4]; 3]> {
-    let mapped = |(own, uv): (&[u32; 4], &[f32; 6])| {
-        let is_mapped = u32::from(uv.iter().all(|v| v.is_finite()));
-        let [a, b, c, d, e, f] = uv.map(f32::to_bits);
-        [*own, [a, b, c, d], [e, f, is_mapped, 0]]
-    };
-    surfaces.iter().zip(uvs).map(mapped).collect()
-}
-
-/// The table that kernels read for surfaces with colours at their corners: per slot that of [`mapped_surfaces`], whose last number is the
-/// first of nine, and two more vec4s.
-pub fn colored_surfaces(mapped: &[[[u32; 4]; 3]], colors: &[[f32; 9]]) -> Vec<[[u32; 4]; 5]> {
-    let colored = |([own, ab, [u, v, is_mapped, _]], colors): (&[[u32; 4]; 3], &[f32; 9])| {
-        let [a, b, c, d, e, f, g, h, i] = colors.map(f32::to_bits);
-        [*own, *ab, [*u, *v, *is_mapped, a], [b, c, d, e], [f, g, h, i]]
-    };
-    mapped.iter().zip(colors).map(colored).collect()
 }
 
 /// A box of positions.

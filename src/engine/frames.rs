@@ -167,9 +167,12 @@ impl Frames {
     /// Builds the hierarchies that trace follows.
     pub(super) fn build_bvh(&mut self) -> Result<()> {
         let Plan { anchor, origin, variant, .. } = *self.plan;
+        self.run.share.enter("building a hierarchy");
         let anew = || Arc::new(cluster(self.scene.moving_mesh(), anchor, variant.surfaces(), self.gpu.table_limit));
         let clustered = self.shown.upgrade().unwrap_or_else(anew);
-        self.resident.build_bvh(&self.gpu, &clustered, origin)
+        self.resident.build_bvh(&self.gpu, &clustered, origin)?;
+        self.run.share.enter("");
+        Ok(())
     }
 
     /// The kernels that frames take.
@@ -244,7 +247,7 @@ impl Frames {
             return self.resident.place_scene(&self.gpu, clustered, self.plan.origin);
         }
         *clustered = cluster(&*moved.mesh, self.plan.anchor, self.plan.variant.surfaces(), self.gpu.table_limit);
-        self.resident.upload_scene(&self.gpu, clustered, self.plan.origin)?;
+        self.resident.upload_scene(&self.gpu, (clustered, &moved.mesh), self.plan.origin)?;
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }
 
@@ -294,7 +297,7 @@ impl Frames {
         let changes = if is_partly_uploaded { Changes::ALL } else { Changes::between(&shown, planned) };
         if changes.triangles {
             self.saved_by_tracing = 0;
-            self.resident.upload_scene(&self.gpu, clustered, plan.origin)?;
+            self.resident.upload_scene(&self.gpu, (clustered, &scene.mesh), plan.origin)?;
         } else if changes.positions {
             self.resident.anchor_scene(&self.gpu, clustered)?;
             if plan.origin != self.plan.origin {

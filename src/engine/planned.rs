@@ -165,7 +165,10 @@ impl Planner {
         let clustered = match last.filter(|l| same_places(l, &scene, &plan)) {
             Some(last) if last.plan.anchor == plan.anchor => last.clustered.clone(),
             Some(last) => Arc::new(last.clustered.anchored(scene.moving_mesh(), plan.anchor)),
-            None => Arc::new(cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit)),
+            None => {
+                run.share.enter("sorting triangles");
+                Arc::new(cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit))
+            }
         };
         let call = CallMs { place: ms_since(started), ..CallMs::default() };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;

@@ -8,15 +8,16 @@ use super::medium::{medium, voxels};
 use super::pages::PageStore;
 use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
-use crate::engine::clusters::{Chunk, Clustered, colored_surfaces, mapped_surfaces};
+use crate::engine::clusters::{Chunk, Clustered};
 use crate::engine::plan::hierarchy::{Hierarchy, PackedBvh, TracedBvh};
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::pictures::ScenePictures;
 use crate::engine::plan::turned::LensBand;
 use crate::engine::plan::{Band, Plan};
+use crate::geometry::mesh::Mesh;
 use crate::gpu::Gpu;
-use crate::gpu::buffers::Buffers;
-use crate::gpu::kernels::{LightsKind, Method};
+use crate::gpu::buffers::{Buffers, wait};
+use crate::gpu::kernels::{LightsKind, Method, SurfaceKind};
 use crate::gpu::layout::Params;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -133,11 +134,12 @@ impl Resident {
             grid: None,
         };
         resident.upload_bands(gpu, plan)?;
-        resident.upload_scene(gpu, clustered, plan.origin)?;
+        resident.upload_scene(gpu, (clustered, &scene.mesh), plan.origin)?;
         if plan.variant.samples_edges() {
             resident.shared.upload_uniform(gpu, "sample_offsets", &sample_offsets(&plan.sample_offsets))?;
         }
-        resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, camera, plan));
+        resident.raster_rounds = resident.first_rounds(plan);
+        resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(camera, plan));
         resident.allocate_lists(gpu, camera, plan)?;
         Ok(resident)
     }
@@ -169,13 +171,20 @@ impl Resident {
         if self.bvh == BvhState::None { self.costs.triangle * slots } else { 0 }
     }
 
-    /// Puts the triangles on the device, anew where they were there before.
-    pub fn upload_scene(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
+    /// Puts the triangles of a mesh on the device, anew where they were there before.
+    pub fn upload_scene(&mut self, gpu: &Gpu, (clustered, mesh): (&Clustered, &Mesh), origin: DVec3) -> Result<()> {
         self.without_area = clustered.without_area;
         self.bvh = if self.always_traces { BvhState::Built } else { BvhState::None };
         let mut there = std::mem::take(&mut self.chunks).into_iter().map(|c| c.buffers);
         let mut each = || there.next().unwrap_or_default();
-        self.chunks = clustered.chunks.iter().map(|c| chunk_on_device(gpu, c, each())).collect::<Result<_>>()?;
+        for chunk in &clustered.chunks {
+            self.chunks.push(chunk_on_device(gpu, (chunk, mesh), clustered.surfaces, each())?);
+            // staging memory for one chunk is enough
+            if clustered.chunks.len() > 1 {
+                gpu.queue.submit([]);
+                wait(gpu)?;
+            }
+        }
         self.upload_bvh(gpu, clustered, origin)
     }
 
@@ -329,21 +338,29 @@ impl Resident {
         Ok(self.shadow_casters.insert(built).packed(scene))
     }
 
-    /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles; plus 32 MiB in all, so that the
-    /// first frames of all but very few scenes fit. A frame whose lists are too small is done again.
-    fn first_guess(&self, scene: &Scene, camera: &Camera, plan: &Plan) -> Capacities {
-        let clusters: u64 = self.chunks.iter().map(|c| c.clusters as u64).sum();
+    /// A start from the size of the largest chunk: most clusters meet a few nodes, most triangles a few tiles; plus 32 MiB in all, so that
+    /// the first frames of all but very few scenes fit. A frame whose lists are too small is done again.
+    fn first_guess(&self, camera: &Camera, plan: &Plan) -> Capacities {
+        let largest = |of: fn(&ChunkOnDevice) -> u32| self.chunks.iter().map(of).max().map_or(0, u64::from);
+        let (clusters, triangles) = (largest(|chunk| chunk.clusters), largest(|chunk| chunk.slots));
         let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
         let proven = pixels * plan.variant.proven_a_pixel(camera.layers.len());
         let cells = plan.bands.iter().map(|b| b.tiles.cells.len()).max().unwrap_or(0) as u64;
         Capacities {
-            queue: 4 * clusters + (1 << 15),
+            queue: 8 * clusters + (1 << 15),
             work: 4 * clusters + (1 << 17),
             tasks: 16 * clusters + (1 << 18),
-            pairs: 2 * scene.mesh.triangles.len() as u64 + 4 * cells + (1 << 20),
-            recheck_items: scene.mesh.triangles.len() as u64 / 16 + pixels / 64 + proven + (1 << 14),
+            pairs: 2 * triangles + 4 * cells + (1 << 20),
+            recheck_items: triangles / 16 + pixels / 64 + proven + (1 << 14),
             edges: pixels / 8 + 1024,
         }
+    }
+
+    /// A start for the rounds of raster: busy tiles of large chunks have more pairs than one round takes. A round that finds no busy tile
+    /// takes far less time than a frame that is done again. Samples of edges are found in one round.
+    fn first_rounds(&self, plan: &Plan) -> u32 {
+        let is_large = self.chunks.iter().any(|chunk| chunk.slots >= LARGE_CHUNK);
+        if is_large && !plan.variant.samples_edges() { LARGE_CHUNK_ROUNDS } else { 1 }
     }
 
     /// The buffers that kernels write, at the present capacities, and the parameters that name these.
@@ -477,6 +494,11 @@ impl Resident {
     }
 }
 
+/// Triangles of a large chunk, and the rounds of raster over its busy tiles that the first frame has. A fisheye image of 800 x 600 pixels
+/// over a terrain took three or four rounds in chunks of 1.4 million triangles, and one in a chunk of a million.
+const LARGE_CHUNK: u32 = 1 << 20;
+const LARGE_CHUNK_ROUNDS: u32 = 4;
+
 /// What things cost besides raster's lists, in the units of [`crate::gpu::layout::CULL_COST`]. Measurements are in `bench_results/lab.md`.
 struct Costs {
     /// The stages of raster, however little they do.
@@ -514,14 +536,18 @@ pub enum BvhState {
 }
 
 /// In these buffers, where they are as large.
-fn chunk_on_device(gpu: &Gpu, chunk: &Chunk, mut buffers: Buffers) -> Result<ChunkOnDevice> {
+fn chunk_on_device(
+    gpu: &Gpu,
+    (chunk, mesh): (&Chunk, &Mesh),
+    surfaces: SurfaceKind,
+    mut buffers: Buffers,
+) -> Result<ChunkOnDevice> {
     place(gpu, &mut buffers, chunk)?;
     buffers.upload_texels(gpu, "triangles", &chunk.triangles)?;
-    let mapped = || mapped_surfaces(&chunk.surfaces, &chunk.uvs);
-    match (chunk.uvs.is_empty(), chunk.colors.is_empty()) {
-        (true, _) => buffers.upload_texels(gpu, "surfaces", &chunk.surfaces)?,
-        (false, true) => buffers.upload_texels(gpu, "surfaces", &mapped())?,
-        (false, false) => buffers.upload_texels(gpu, "surfaces", &colored_surfaces(&mapped(), &chunk.colors))?,
+    match surfaces {
+        SurfaceKind::Plain => buffers.upload_texels(gpu, "surfaces", &chunk.surfaces(mesh))?,
+        SurfaceKind::Mapped => buffers.upload_texels(gpu, "surfaces", &chunk.mapped_surfaces(mesh))?,
+        SurfaceKind::Colored => buffers.upload_texels(gpu, "surfaces", &chunk.colored_surfaces(mesh))?,
     }
     buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
     let clusters = chunk.clusters.len() as u32;

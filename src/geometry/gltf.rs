@@ -11,6 +11,7 @@ mod source;
 mod tests;
 
 use crate::arrays::MapEach;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
@@ -69,14 +70,19 @@ pub fn load(
     source::check_start(start.bytes(), start.length()).map_err(|e| e.at(&name))?;
     let bytes = start.read_all().map_err(unreadable)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut mesh = parse(&bytes, FileAccess { folder, files, loading }, images, animation).map_err(|e| e.at(&name))?;
+    let mut mesh = parse(bytes, FileAccess { folder, files, loading }, images, animation).map_err(|e| e.at(&name))?;
     mesh.missing.iter_mut().for_each(|missing| missing.why = format!("{name}: {}", missing.why));
     Ok(mesh)
 }
 
 /// As [`load`], from the file's bytes.
-fn parse(bytes: &[u8], access: FileAccess, images: &Images, animation: Option<&AnimationSpec>) -> Result<Mesh> {
-    let source = Source::parse(bytes, access)?;
+fn parse<'b>(
+    bytes: impl Into<Cow<'b, [u8]>>,
+    access: FileAccess,
+    images: &Images,
+    animation: Option<&AnimationSpec>,
+) -> Result<Mesh> {
+    let source = Source::parse(bytes.into(), access)?;
     let pose = animation.map(|animation| Pose::at(&source, animation)).transpose()?;
     let mut builder = Builder::new(&source, pose, images);
     builder.place_scene()?;

@@ -253,6 +253,11 @@ pub fn append(all: &mut Mesh, mesh: Mesh) {
 
 /// Appends `mesh` to `all` with what `all` then has.
 fn append_as(has: Attributes, all: &mut Mesh, mesh: Mesh) {
+    if *all == Mesh::default() {
+        // nothing to join with, and nothing to copy
+        *all = Mesh { parts: Vec::new(), ..mesh };
+        return has.give(all);
+    }
     let [position, normal, uv, color, material] =
         [all.positions.len(), all.normals.len(), all.uvs.len(), all.colors.len(), all.materials.len()]
             .map(|count| count as u32);

@@ -1,12 +1,14 @@
 //! STL: triangles alone, binary or text. Neither says which it is: <https://en.wikipedia.org/wiki/STL_(file_format)>.
 
+mod weld;
+
 use super::lex::{Lines, Tokens, parse_f64, quoted, with_line_feeds};
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
 use crate::arrays::MapEach;
-use crate::input::{Error, Limits, Loading, Result};
-use glam::DVec3;
-use std::collections::HashMap;
+use crate::input::{Error, Limits, Loading, Result, Window};
+use crate::parallel;
 use std::path::Path;
+use weld::{Number, weld};
 
 /// Bytes before the triangles of a binary file: a text, and their number.
 const HEADER: usize = 84;
@@ -19,47 +21,45 @@ const TRIANGLE: usize = 50;
 /// [`Error::Missing`] or [`Error::Read`] if it cannot be read; [`Error::Input`] naming the file, and the line of a text: it is cut short or has no triangles, more than 2^28 of them, or
 /// a corner that is not finite; [`Error::Work`] if the triangles do not fit the free memory.
 pub fn load(path: &Path, loading: &Loading) -> Result<Mesh> {
-    let name = path.display();
+    let name = path.display().to_string();
     let unreadable = |e| Error::unreadable(path, e);
     let start = loading.prefix(path).map_err(unreadable)?;
-    if !is_text(start.bytes(), start.length()) {
-        check_binary(start.bytes(), start.length(), &name.to_string(), loading.limits())?;
+    if is_text(start.bytes(), start.length()) {
+        return parse(&start.read_all().map_err(unreadable)?, &name, loading.limits());
     }
-    parse(&start.read_all().map_err(unreadable)?, &name.to_string(), loading.limits())
+    let count = check_binary(start.bytes(), start.length(), &name, loading.limits())?;
+    if !start.has_zero() {
+        // only the whole tells that it is no text
+        return parse(&start.read_all().map_err(unreadable)?, &name, loading.limits());
+    }
+    let corners = read_binary(start.into_window().map_err(unreadable)?, count).map_err(unreadable)?;
+    mesh_of(&corners, &name)
 }
 
 /// As [`load`], from the file's bytes; `name` stands for the file in messages.
 fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
     let length = bytes.len() as u64;
-    let corners = if is_text(bytes, length) {
-        read_text(bytes, name)?
-    } else {
-        read_binary(bytes, check_binary(bytes, length, name, limits)?)
-    };
-    let triangles = corners.len();
-    check_count(triangles as u64, name, limits)?;
-    let mut mesh = Mesh {
-        materials: vec![Material::default()],
-        material_of: vec![0; triangles],
-        triangles: Vec::with_capacity(triangles),
-        ..Mesh::default()
-    };
-    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
-    for (k, triangle) in corners.into_iter().enumerate() {
-        if !triangle.iter().all(|v| v.is_finite()) {
-            return Err(Error::input(format!(
-                "{name}: triangle {k} has a corner that is not finite; use finite numbers"
-            )));
-        }
-        mesh.triangles.push(triangle.map_each(|v| {
-            // 0 and -0 are one place
-            *known.entry((v + 0.0).to_array().map_each(f64::to_bits)).or_insert_with(|| {
-                mesh.positions.push(v);
-                mesh.positions.len() as u32 - 1
-            })
-        }));
+    if is_text(bytes, length) {
+        let corners = read_text(bytes, name)?;
+        check_count(corners.len() as u64, name, limits)?;
+        return mesh_of(&corners, name);
     }
-    Ok(mesh)
+    let count = check_binary(bytes, length, name, limits)?;
+    let corners =
+        read_binary(Window::whole(bytes.to_vec()), count).map_err(|e| Error::input(format!("{name}: {e}")))?;
+    mesh_of(&corners, name)
+}
+
+/// The triangles of these corners: numbers in the precision of the file.
+fn mesh_of<T: Number>(corners: &[[[T; 3]; 3]], name: &str) -> Result<Mesh> {
+    let is_finite = |v: &[T; 3]| v.iter().all(|x| (*x).into().is_finite());
+    let wrong = |k: usize| (!corners[k].iter().all(is_finite)).then_some(k);
+    if let Some(k) = parallel::reduce(0..corners.len(), wrong, usize::min) {
+        return Err(Error::input(format!("{name}: triangle {k} has a corner that is not finite; use finite numbers")));
+    }
+    let (positions, triangles) = weld(corners);
+    let material_of = vec![0; triangles.len()];
+    Ok(Mesh { positions, triangles, materials: vec![Material::default()], material_of, ..Mesh::default() })
 }
 
 /// Refuses no triangles, too many, or more than memory holds.
@@ -108,17 +108,27 @@ fn check_binary(bytes: &[u8], length: u64, name: &str, limits: Limits) -> Result
     Ok(count as usize)
 }
 
-/// The corners of so many triangles, which are in the file.
-fn read_binary(bytes: &[u8], count: usize) -> Vec<[DVec3; 3]> {
-    let (triangles, _) = bytes[HEADER..].as_chunks::<TRIANGLE>();
-    let number = |t: &[u8; TRIANGLE], k: usize| {
-        f64::from(f32::from_le_bytes([t[4 * k], t[4 * k + 1], t[4 * k + 2], t[4 * k + 3]]))
-    };
-    let corner = |t: &[u8; TRIANGLE], k: usize| DVec3::new(number(t, k), number(t, k + 1), number(t, k + 2));
-    triangles.iter().take(count).map(|t| [3, 6, 9].map_each(|k| corner(t, k))).collect()
+/// The corners of so many triangles of a binary file. Those behind its end are left out.
+fn read_binary(mut window: Window, count: usize) -> std::io::Result<Vec<[[f32; 3]; 3]>> {
+    let number =
+        |t: &[u8; TRIANGLE], k: usize| f32::from_le_bytes([t[4 * k], t[4 * k + 1], t[4 * k + 2], t[4 * k + 3]]);
+    let corner = |t: &[u8; TRIANGLE], k: usize| [number(t, k), number(t, k + 1), number(t, k + 2)];
+    let mut all = Vec::with_capacity(count);
+    window.advance(HEADER);
+    loop {
+        let (triangles, _) = window.bytes().as_chunks::<TRIANGLE>();
+        let triangles = &triangles[..triangles.len().min(count - all.len())];
+        all.append(&mut parallel::map(triangles, |t| [3, 6, 9].map_each(|k| corner(t, k))));
+        let used = triangles.len() * TRIANGLE;
+        window.advance(used);
+        if all.len() == count || window.is_at_end() {
+            return Ok(all);
+        }
+        window.read_on()?;
+    }
 }
 
-fn read_text(bytes: &[u8], name: &str) -> Result<Vec<[DVec3; 3]>> {
+fn read_text(bytes: &[u8], name: &str) -> Result<Vec<[[f64; 3]; 3]>> {
     let (mut triangles, mut corners) = (Vec::new(), Vec::new());
     for (number, line) in Lines::new(&with_line_feeds(bytes)) {
         let wrong = |text: String| Error::input(format!("{name}:{}: {text}", number + 1));
@@ -131,7 +141,7 @@ fn read_text(bytes: &[u8], name: &str) -> Result<Vec<[DVec3; 3]>> {
                     let number = parse_f64(token);
                     *x = number.ok_or_else(|| wrong(format!("coordinate {} is not a number", quoted(token))))?;
                 }
-                corners.push(DVec3::from(v));
+                corners.push(v);
             }
             b"endloop" => {
                 let triangle = corners[..].try_into();
@@ -152,6 +162,7 @@ fn read_text(bytes: &[u8], name: &str) -> Result<Vec<[DVec3; 3]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     const TEXT: &str = "solid a b\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   VERTEX 0 1e0 -0.0\n  \
                         endloop\n endfacet\n\nfacet normal 0 0 0\nouter loop\nvertex 1 0 0\nvertex 0 1 0\nvertex 0.1 2 3\nendloop\nendfacet\nendsolid\n";

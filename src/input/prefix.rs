@@ -1,6 +1,6 @@
 //! The first bytes of an input file. With its length they often decide that the file cannot be used, before the rest is read.
 
-use super::Limits;
+use super::{Limits, Window};
 use std::fs::File;
 use std::io::{self, Read};
 
@@ -75,6 +75,14 @@ impl Prefix {
         }
         self.file.read_to_end(&mut self.bytes)?;
         Ok(self.bytes)
+    }
+
+    /// Reads the rest by blocks, for a reader that uses it from its start to its end.
+    ///
+    /// # Errors
+    /// The system starts no thread.
+    pub fn into_window(self) -> io::Result<Window> {
+        if self.is_whole() { Ok(Window::whole(self.bytes)) } else { Window::of(self.bytes, self.file) }
     }
 
     /// Reads the rest if it is needed; else returns the first bytes, which a decoder refuses as it would refuse the whole file.

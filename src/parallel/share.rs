@@ -1,7 +1,7 @@
 //! How much of some long work is done, and how long the rest may take.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 #[cfg(any(feature = "cli", test))]
 use std::time::Duration;
 use std::time::Instant;
@@ -20,6 +20,8 @@ struct Work {
     done: AtomicU64,
     /// When its first part was done, and which fraction that was.
     first: OnceLock<(Instant, f64)>,
+    /// The stage that it is in; empty where the stage has no name.
+    stage: Mutex<&'static str>,
 }
 
 /// All of the work. A part is rounded to a unit, so that a billion parts are off by 2^-22 of the work at most.
@@ -43,6 +45,17 @@ impl Share {
         let units = (self.weight * UNITS).round() as u64;
         let before = self.work.done.fetch_add(units, Ordering::Relaxed);
         self.work.first.get_or_init(|| (Instant::now(), (before + units) as f64 / UNITS));
+    }
+
+    /// Says that the work is in a stage, such as "sorting triangles", from now on.
+    pub fn enter(&self, stage: &'static str) {
+        *self.work.stage.lock().unwrap_or_else(PoisonError::into_inner) = stage;
+    }
+
+    /// The stage that the work is in; empty before it enters one.
+    #[cfg(feature = "cli")]
+    pub fn stage(&self) -> &'static str {
+        *self.work.stage.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The fraction of the work that is done.

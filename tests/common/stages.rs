@@ -58,18 +58,19 @@ impl Case {
     pub fn tables(&self) -> Tables {
         let wanted = Wanted::of(Channel::ALL.to_vec());
         let has = AdapterFeatures { f64: true, atomics64: true, ..Default::default() };
-        let mut tables = Tables::new(&self.scene, &self.camera, &wanted, has, self.band_limit);
+        let tables = Tables::new(&self.scene, &self.camera, &wanted, has, self.band_limit);
         let mesh = &self.scene.with_optics(&self.camera).mesh;
-        tables.clustered = cluster(&**mesh, tables.plan.anchor, SurfaceKind::Plain, self.chunk_limit);
-        tables
+        let clustered = cluster(&**mesh, tables.plan.anchor, SurfaceKind::Plain, self.chunk_limit);
+        tables.with_clusters(clustered, mesh)
     }
 
     /// The same with texture coordinates.
     pub fn mapped_tables(&self) -> Tables {
         let mut tables = self.tables();
         tables.plan.variant.textured = true;
-        tables.clustered = cluster(&*self.scene.mesh, tables.plan.anchor, SurfaceKind::Mapped, self.chunk_limit);
-        tables
+        let mesh = &*self.scene.mesh;
+        let clustered = cluster(mesh, tables.plan.anchor, SurfaceKind::Mapped, self.chunk_limit);
+        tables.with_clusters(clustered, mesh)
     }
 
     /// Every band under every chunk, its lists as large as `capacities`.

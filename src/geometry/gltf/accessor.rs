@@ -11,6 +11,7 @@ use super::MAX_TRIANGLES;
 use super::json::Instances;
 use super::source::Source;
 use crate::input::{Error, Result};
+use crate::parallel;
 
 impl Source {
     /// The accessor's vectors of three.
@@ -21,8 +22,7 @@ impl Source {
         if accessor.dimensions() != Dimensions::Vec3 {
             return Err(at(accessor, "must hold vectors of 3; export it again".into()));
         }
-        let values = self.read(accessor)?;
-        Ok(values.chunks_exact(3).map(|v| DVec3::new(v[0], v[1], v[2])).collect())
+        self.read_each(accessor, |v| DVec3::new(v[0], v[1], v[2]))
     }
 
     /// The accessor's numbers, whatever its shape.
@@ -74,8 +74,7 @@ impl Source {
         if accessor.dimensions() != Dimensions::Vec2 {
             return Err(at(accessor, "must hold vectors of 2; export it again".into()));
         }
-        let values = self.read(accessor)?;
-        Ok(values.chunks_exact(2).map(|v| DVec2::new(v[0], v[1])).collect())
+        self.read_each(accessor, |v| DVec2::new(v[0], v[1]))
     }
 
     /// The accessor's colours with their opacity, which is 1 where they have none.
@@ -86,10 +85,8 @@ impl Source {
         if !matches!(accessor.dimensions(), Dimensions::Vec3 | Dimensions::Vec4) {
             return Err(at(accessor, "must hold vectors of 3 or 4 as colours; export it again".into()));
         }
-        let values = self.read(accessor)?;
-        let components = accessor.dimensions().multiplicity();
         let color = |v: &[f64]| [v[0], v[1], v[2], v.get(3).copied().unwrap_or(1.0)].map_each(|c| c as f32);
-        Ok(values.chunks_exact(components).map(color).collect())
+        self.read_each(accessor, color)
     }
 
     /// The transforms of `EXT_mesh_gpu_instancing`, each of translation, rotation and scale where there is one.
@@ -133,12 +130,32 @@ impl Source {
         if accessor.dimensions() != Dimensions::Scalar || !is_index || accessor.normalized() {
             return Err(at(accessor, "must hold unsigned integers as indices; export it again".into()));
         }
-        let values = self.read(accessor)?;
-        match values.iter().find(|&&index| index >= f64::from(limit)) {
+        // exact: they were u8, u16 or u32
+        let indices = self.read_each(accessor, |v| v[0] as u32)?;
+        match indices.iter().find(|&&index| index >= limit) {
             Some(index) => Err(at(accessor, format!("index {index} of {limit} vertices; export it again"))),
-            // Exact: they were u8, u16 or u32.
-            None => Ok(values.into_iter().map(|index| index as u32).collect()),
+            None => Ok(indices),
         }
+    }
+
+    /// Calls `of` with the components of each element, as [`Source::read`] has them, on all cores.
+    fn read_each<T: Send>(&self, accessor: &Accessor, of: impl Fn(&[f64]) -> T + Sync) -> Result<Vec<T>> {
+        let (kind, components) = (accessor.data_type(), accessor.dimensions().multiplicity());
+        let Some(view) = accessor.view().filter(|_| accessor.sparse().is_none()) else {
+            return Ok(self.read(accessor)?.chunks_exact(components).map(of).collect());
+        };
+        let run = Run { offset: accessor.offset(), count: accessor.count(), bytes: accessor.size() };
+        let elements = self.elements(&view, &run).map_err(|message| at(accessor, message))?;
+        let is_normalized = accessor.normalized();
+        Ok(parallel::map(0..run.count, |k| {
+            // a matrix of 4 x 4 has most
+            let mut values = [0.0; 16];
+            for (value, bytes) in values.iter_mut().zip(elements.get(k).chunks_exact(kind.size())) {
+                let component = component(kind, bytes);
+                *value = if is_normalized { normalised(kind, component) } else { component };
+            }
+            of(&values[..components])
+        }))
     }
 
     /// All components of all elements as f64, which holds each component type exactly; normalised ones divided.
@@ -151,7 +168,7 @@ impl Source {
             Some(view) => {
                 let run = Run { offset: accessor.offset(), count, bytes: accessor.size() };
                 let elements = self.elements(&view, &run).map_err(wrong)?;
-                elements.flat_map(|e| e.chunks_exact(kind.size()).map(|c| component(kind, c))).collect()
+                elements.all().flat_map(|e| e.chunks_exact(kind.size()).map(|c| component(kind, c))).collect()
             }
             None if count > 3 * MAX_TRIANGLES => {
                 return Err(wrong(format!("{count} elements are too many; split the file")));
@@ -182,11 +199,11 @@ impl Source {
             IndexType::U32 => DataType::U32,
         };
         let run = Run { offset: indices.offset(), count, bytes: index_kind.size() };
-        let places = self.elements(&indices.view(), &run)?.map(|bytes| component(index_kind, bytes) as usize);
+        let places = self.elements(&indices.view(), &run)?.all().map(|bytes| component(index_kind, bytes) as usize);
         let run = Run { offset: sparse.values().offset(), count, bytes: accessor.size() };
         let elements = self.elements(&sparse.values().view(), &run)?;
         let components = accessor.dimensions().multiplicity();
-        for (place, element) in places.zip(elements) {
+        for (place, element) in places.zip(elements.all()) {
             let Some(target) = values.chunks_exact_mut(components).nth(place) else {
                 return Err(format!("sparse index {place} of {} elements; export it again", accessor.count()));
             };
@@ -198,7 +215,7 @@ impl Source {
     }
 
     /// The elements of a run in a buffer view, in order.
-    fn elements(&self, view: &View, run: &Run) -> std::result::Result<impl Iterator<Item = &[u8]> + use<'_>, String> {
+    fn elements(&self, view: &View, run: &Run) -> std::result::Result<Elements<'_>, String> {
         let buffer = &self.buffers[view.buffer().index()];
         let stride = view.stride().unwrap_or(run.bytes);
         let (index, length) = (view.index(), view.length());
@@ -219,8 +236,7 @@ impl Source {
         let Some(end) = end else {
             return Err(format!("exceeds buffer view {index} of {length} bytes; export it again"));
         };
-        let (count, size) = (run.count, run.bytes);
-        Ok(bytes[run.offset.min(end)..end].chunks(stride).take(count).map(move |element| &element[..size]))
+        Ok(Elements { bytes: &bytes[run.offset.min(end)..end], stride, size: run.bytes, count: run.count })
     }
 }
 
@@ -231,6 +247,25 @@ struct Run {
     count: usize,
     /// Bytes of one element.
     bytes: usize,
+}
+
+/// Elements in a buffer view, all within its bytes.
+struct Elements<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    /// Bytes of one element.
+    size: usize,
+    count: usize,
+}
+
+impl<'a> Elements<'a> {
+    fn get(&self, k: usize) -> &'a [u8] {
+        &self.bytes[k * self.stride..][..self.size]
+    }
+
+    fn all(self) -> impl Iterator<Item = &'a [u8]> {
+        (0..self.count).map(move |k| self.get(k))
+    }
 }
 
 fn at(accessor: &Accessor, message: String) -> Error {

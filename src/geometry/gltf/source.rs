@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -45,13 +46,16 @@ pub(super) struct Source {
 impl Source {
     /// # Errors
     /// [`Error::Input`]: see [`super::load`].
-    pub(super) fn parse(bytes: &[u8], access: FileAccess) -> Result<Source> {
-        let (json, mut binary) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
+    pub(super) fn parse(bytes: Cow<[u8]>, access: FileAccess) -> Result<Source> {
+        let is_glb = bytes.starts_with(b"glTF");
+        let (json, binary) = if is_glb { split_glb(&bytes)? } else { (0..bytes.len(), None) };
+        let json = &bytes[json];
         let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
         if json.is_empty() {
             return Err(Error::input("is empty; a glTF 2.0 file is needed"));
         }
         let mut json: Json = serde_json::from_slice(json).map_err(wrong)?;
+        let mut binary = binary.map(|chunk| cut_out(bytes, chunk));
         json::prepare(&mut json);
         let meshopt = Meshopt::take(&mut json)?;
         let draco = draco::take(&mut json)?;
@@ -158,14 +162,27 @@ fn glb_length(bytes: &[u8], in_file: u64) -> Result<usize> {
     Ok(length as usize)
 }
 
-/// The JSON and BIN chunks of a GLB file; chunks of other types are skipped.
-fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
+/// A part of a file's bytes; a file that is not kept is not copied.
+fn cut_out(bytes: Cow<[u8]>, part: Range<usize>) -> Vec<u8> {
+    match bytes {
+        Cow::Borrowed(bytes) => bytes[part].to_vec(),
+        Cow::Owned(mut bytes) => {
+            bytes.truncate(part.end);
+            bytes.drain(..part.start);
+            bytes
+        }
+    }
+}
+
+/// The places of the JSON and BIN chunks of a GLB file; chunks of other types are skipped.
+fn split_glb(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>)> {
     let length = glb_length(bytes, bytes.len() as u64)?;
     let (mut json, mut binary) = (None, None);
     let mut at = GLB_HEADER;
     while at < length {
         let (size, kind) = (word(bytes, at)? as usize, word(bytes, at + 4)?.to_le_bytes());
-        let chunk = bytes.get(at + 8..at + 8 + size).ok_or_else(truncated)?;
+        let chunk = at + 8..at + 8 + size;
+        bytes.get(chunk.clone()).ok_or_else(truncated)?;
         match &kind {
             b"JSON" if json.is_none() => json = Some(chunk),
             b"BIN\0" if binary.is_none() => binary = Some(chunk),
@@ -255,11 +272,11 @@ fn keeps_triangles(extension: &str) -> bool {
 fn read_buffer<'a>(
     buffer: &gltf::Buffer<'a>,
     access: FileAccess,
-    binary: &mut Option<&[u8]>,
+    binary: &mut Option<Vec<u8>>,
     known: &mut HashMap<&'a str, Arc<Vec<u8>>>,
 ) -> std::result::Result<Arc<Vec<u8>>, String> {
     let bytes = match buffer.source() {
-        buffer::Source::Bin => binary.take().ok_or("has no uri and no BIN chunk; export it again")?.to_vec().into(),
+        buffer::Source::Bin => binary.take().ok_or("has no uri and no BIN chunk; export it again")?.into(),
         buffer::Source::Uri(uri) => match known.get(uri) {
             Some(bytes) => bytes.clone(),
             None => match read_uri(uri, access, |start| check_length(start.length(), buffer).map(|()| true))? {

@@ -1,34 +1,21 @@
-//! Vertices and faces of a PLY file.
+//! Vertices of a PLY file.
 
 use super::Wrong;
-use super::read::{Body, Element, Kind, Row};
+use super::body::Part;
+use super::read::{Element, Row};
 use crate::arrays::MapEach;
-use glam::{DVec2, DVec3};
+use crate::geometry::texture::linear_of_srgb;
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
-/// Ends a part of a triangle strip.
-pub(super) const STRIP_END: i64 = -1;
-
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Vertex {
-    pub position: DVec3,
-    pub normal: DVec3,
-    /// sRGB, from 0 to 1.
-    pub color: [f64; 3],
-    pub uv: DVec2,
-}
-
-/// A face, or a triangle strip.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Face {
-    /// As in the file: some may have no vertex.
-    pub corners: Vec<i64>,
-    /// u and v of each corner in turn; or none.
-    pub texcoords: Vec<f64>,
-    /// sRGB, from 0 to 1.
-    pub color: Option<[f64; 3]>,
-    /// The number of its image.
-    pub texture: i64,
-    pub is_strip: bool,
+/// Attributes of consecutive vertices; lists of attributes that they do not have are empty.
+#[derive(Debug, Default)]
+pub(super) struct Vertices {
+    pub positions: Vec<DVec3>,
+    /// Unit normals, or 0 where a vertex has no direction.
+    pub normals: Vec<Vec3>,
+    /// Linear light; `None` where a colour is not finite.
+    pub colors: Vec<Option<[f32; 3]>>,
+    pub uvs: Vec<Vec2>,
 }
 
 /// Properties that are a colour.
@@ -82,37 +69,45 @@ impl VertexProperties {
         row.numbers(self.position).into()
     }
 
-    pub fn read(&self, body: &mut Body, element: &Element) -> Result<Vec<Vertex>, Wrong> {
-        let mut vertices = Vec::with_capacity(element.count);
-        body.read(element, &mut |row| {
-            vertices.push(Vertex {
-                position: self.position(row),
-                normal: self.normal.map_or(DVec3::ZERO, |normal| row.numbers(normal).into()),
-                color: self.color.map_or([0.0; 3], |color| color.at(row)),
-                uv: self.uv.map_or(DVec2::ZERO, |uv| row.numbers(uv).into()),
-            });
+    /// Reads consecutive vertices.
+    pub fn read(&self, part: &Part) -> Result<Vertices, Wrong> {
+        let mut vertices = Vertices::default();
+        vertices.reserve(part.count, self);
+        part.read(|row| {
+            vertices.positions.push(self.position(row));
+            if let Some(normal) = self.normal {
+                let normal: DVec3 = row.numbers(normal).into();
+                vertices.normals.push(normal.normalize_or_zero().as_vec3());
+            }
+            vertices.colors.extend(self.color.map(|color| linear(color.at(row))));
+            vertices.uvs.extend(self.uv.map(|uv| DVec2::from(row.numbers(uv)).as_vec2()));
             Ok(())
         })?;
         Ok(vertices)
     }
 }
 
-/// Appends the faces, or strips, of an element.
-pub(super) fn read_faces(body: &mut Body, element: &Element, faces: &mut Vec<Face>) -> Result<(), Wrong> {
-    let is_strip = element.name == "tristrips";
-    let is_whole = |list: &usize| !matches!(element.properties[*list].kind, Kind::F32 | Kind::F64);
-    let corners = element.list("vertex_indices").or(element.list("vertex_index")).filter(is_whole);
-    let (texcoords, texture) = (element.list("texcoord"), element.number("texnumber"));
-    let color = Color::of(element);
-    faces.reserve(element.count);
-    body.read(element, &mut |row| {
-        faces.push(Face {
-            corners: corners.map_or_else(Vec::new, |list| row.list(list).iter().map(|k| *k as i64).collect()),
-            texcoords: texcoords.map_or_else(Vec::new, |list| row.list(list).to_vec()),
-            color: color.map(|color| color.at(row)),
-            texture: texture.map_or(0, |k| row.number(k) as i64),
-            is_strip,
-        });
-        Ok(())
-    })
+impl Vertices {
+    /// Makes room for so many vertices with these properties.
+    pub fn reserve(&mut self, count: usize, has: &VertexProperties) {
+        let of = |has: bool| if has { count } else { 0 };
+        self.positions.reserve_exact(count);
+        self.normals.reserve_exact(of(has.normal.is_some()));
+        self.colors.reserve_exact(of(has.color.is_some()));
+        self.uvs.reserve_exact(of(has.uv.is_some()));
+    }
+
+    /// Appends the vertices behind these.
+    pub fn append(&mut self, more: &Vertices) {
+        self.positions.extend_from_slice(&more.positions);
+        self.normals.extend_from_slice(&more.normals);
+        self.colors.extend_from_slice(&more.colors);
+        self.uvs.extend_from_slice(&more.uvs);
+    }
+}
+
+/// Linear light of an sRGB colour from 0 to 1; `None` if it is not finite.
+pub(super) fn linear(color: [f64; 3]) -> Option<[f32; 3]> {
+    let is_finite = color.iter().all(|c| c.is_finite());
+    is_finite.then(|| color.map_each(|c| linear_of_srgb(c.clamp(0.0, 1.0)) as f32))
 }

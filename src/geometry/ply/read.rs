@@ -1,4 +1,4 @@
-//! The header of a PLY file, and its elements as rows of numbers.
+//! The header of a PLY file, and the rows of numbers that its elements are.
 
 use super::Wrong;
 use crate::geometry::lex::parse_f64;
@@ -45,13 +45,24 @@ pub(super) struct Header {
     pub comments: Vec<String>,
 }
 
-/// The data after a header.
-pub(super) struct Body<'a> {
+/// Rows of elements, or lines of a header, in bytes of a file.
+#[derive(Debug, Clone)]
+pub(super) struct Rows<'a> {
     rest: &'a [u8],
     encoding: Encoding,
     /// The byte that ends a line of a text.
     line_end: u8,
     /// Number of lines read so far.
+    line: usize,
+}
+
+/// The place in a file where the next row begins.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    /// Number of bytes before it.
+    pub offset: usize,
+    encoding: Encoding,
+    line_end: u8,
     line: usize,
 }
 
@@ -140,6 +151,11 @@ impl Element {
         if encoding == Encoding::Ascii { 1 } else { self.properties.iter().map(least).sum() }
     }
 
+    /// The bytes that each of these elements takes in a binary file; `None` if one has a list.
+    fn row_bytes(&self) -> Option<usize> {
+        self.properties.iter().map(|p| p.length.is_none().then(|| p.kind.bytes())).sum()
+    }
+
     /// The number of a property that is a number.
     pub fn number(&self, name: &str) -> Option<usize> {
         self.properties.iter().position(|p| p.name == name && p.length.is_none())
@@ -160,17 +176,19 @@ impl Element {
 }
 
 impl Header {
-    /// Whether the end of a header is among a file's first bytes.
+    /// Whether the end of a header, with its line's end, is among a file's first bytes.
     pub fn is_whole(bytes: &[u8]) -> bool {
         const END: &[u8] = b"end_header";
-        bytes.windows(END.len()).any(|word| word == END)
+        // a line ends in one or two bytes
+        let before = bytes.len().saturating_sub(2);
+        bytes[..before].windows(END.len()).any(|word| word == END)
     }
 
-    /// Reads the header. Lines of no known keyword are skipped: old versions of Blender write some.
+    /// Reads the header; returns the place of its first row too. Lines of no known keyword are skipped: old versions of Blender write some.
     ///
     /// # Errors
     /// The line that is wrong, or the part that the header lacks.
-    pub fn parse(bytes: &[u8]) -> Result<(Header, Body<'_>), Wrong> {
+    pub fn parse(bytes: &[u8]) -> Result<(Header, Place), Wrong> {
         if !bytes.starts_with(b"ply") {
             return Err(Wrong::File("is no PLY file: it does not begin with the line ply".into()));
         }
@@ -178,15 +196,15 @@ impl Header {
         // lines that end in a carriage return alone
         let is_cr = bytes[end] == b'\r' && bytes.get(end + 1) != Some(&b'\n');
         let line_end = if is_cr { b'\r' } else { b'\n' };
-        let mut body = Body { rest: bytes, encoding: Encoding::Ascii, line_end, line: 0 };
+        let mut lines = Rows { rest: bytes, encoding: Encoding::Ascii, line_end, line: 0 };
         let mut encoding = None;
         let (mut elements, mut comments): (Vec<Element>, Vec<String>) = (Vec::new(), Vec::new());
         loop {
-            let Some(line) = body.next_line() else {
+            let Some(line) = lines.next_line() else {
                 return Err(Wrong::File("its header has no end, or is no text; write the file again".into()));
             };
-            let wrong = || Wrong::Line(body.line, "this is no line of a PLY header; write the file again".into());
-            if body.line == 1 && line.trim_ascii() != b"ply" {
+            let wrong = || Wrong::Line(lines.line, "this is no line of a PLY header; write the file again".into());
+            if lines.line == 1 && line.trim_ascii() != b"ply" {
                 return Err(wrong());
             }
             let words: Vec<&[u8]> = words(line).collect();
@@ -221,7 +239,8 @@ impl Header {
         }
         let encoding =
             encoding.ok_or_else(|| Wrong::File("its header has no line format; write the file again".into()))?;
-        Ok((Header { encoding, elements, comments }, Body { encoding, ..body }))
+        let place = Rows { encoding, ..lines }.place(bytes);
+        Ok((Header { encoding, elements, comments }, place))
     }
 
     /// Number of elements of a name.
@@ -230,7 +249,64 @@ impl Header {
     }
 }
 
-impl<'a> Body<'a> {
+impl<'a> Rows<'a> {
+    /// Rows from a place on, in these bytes of a file that begin there.
+    pub fn new(bytes: &'a [u8], place: Place) -> Rows<'a> {
+        let Place { encoding, line_end, line, .. } = place;
+        Rows { rest: bytes, encoding, line_end, line }
+    }
+
+    /// The place of the next row, in the bytes where these rows began.
+    pub fn place(&self, began: &[u8]) -> Place {
+        let Rows { rest, encoding, line_end, line } = *self;
+        Place { offset: began.len() - rest.len(), encoding, line_end, line }
+    }
+
+    /// Number of bytes from the next row on.
+    pub fn bytes_left(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// Skips the next row of an element. Returns false, and skips nothing, if the bytes end before the row does; `is_end`: the file ends with them.
+    pub fn skip(&mut self, element: &Element, is_end: bool) -> bool {
+        let mut next = self.clone();
+        let is_there = match self.encoding {
+            Encoding::Ascii => next.next_row().is_some() && (is_end || next.ends_in_line_end(self)),
+            _ => next.skip_binary(element).is_some(),
+        };
+        if is_there {
+            *self = next;
+        }
+        is_there
+    }
+
+    /// Whether the last line between `before` and this place is whole.
+    fn ends_in_line_end(&self, before: &Rows) -> bool {
+        let passed = before.rest.len() - self.rest.len();
+        before.rest[..passed].last() == Some(&self.line_end)
+    }
+
+    /// `None`: the bytes end before the row does.
+    fn skip_binary(&mut self, element: &Element) -> Option<()> {
+        let bytes = match element.row_bytes() {
+            Some(bytes) => bytes,
+            None => {
+                let mut bytes = 0usize;
+                for property in &element.properties {
+                    let mut count = 1;
+                    if let Some(length) = property.length {
+                        let number = self.rest.get(bytes..bytes.checked_add(length.bytes())?)?;
+                        (count, bytes) = (length.decode(number, self.encoding) as usize, bytes + length.bytes());
+                    }
+                    bytes = bytes.checked_add(count.checked_mul(property.kind.bytes())?)?;
+                }
+                bytes
+            }
+        };
+        self.rest = self.rest.get(bytes..)?;
+        Some(())
+    }
+
     fn next_line(&mut self) -> Option<&'a [u8]> {
         if self.rest.is_empty() {
             return None;
@@ -245,16 +321,28 @@ impl<'a> Body<'a> {
         Some(line)
     }
 
-    /// Reads all of an element; `each` takes the rows one by one.
+    /// The next line of a text that is not empty.
+    fn next_row(&mut self) -> Option<&'a [u8]> {
+        loop {
+            let line = self.next_line()?.trim_ascii();
+            if !line.is_empty() {
+                return Some(line);
+            }
+        }
+    }
+
+    /// Reads `count` rows of an element; `each` takes them one by one.
     ///
     /// # Errors
-    /// The file ends, a line of a text has other numbers, or an error of `each`.
-    pub fn read(&mut self, element: &Element, each: &mut dyn FnMut(&Row) -> Result<(), Wrong>) -> Result<(), Wrong> {
-        if element.properties.is_empty() {
-            return Ok(());
-        }
+    /// The bytes end, a line of a text has other numbers, or an error of `each`.
+    pub fn read(
+        &mut self,
+        element: &Element,
+        count: usize,
+        mut each: impl FnMut(&Row) -> Result<(), Wrong>,
+    ) -> Result<(), Wrong> {
         let mut row = Row::default();
-        for _ in 0..element.count {
+        for _ in 0..count {
             row.values.clear();
             row.ends.clear();
             match self.encoding {
@@ -267,12 +355,7 @@ impl<'a> Body<'a> {
     }
 
     fn read_line(&mut self, element: &Element, row: &mut Row) -> Result<(), Wrong> {
-        let line = loop {
-            let line = self.next_line().ok_or_else(|| cut_short(element))?.trim_ascii();
-            if !line.is_empty() {
-                break line;
-            }
-        };
+        let line = self.next_row().ok_or_else(|| cut_short(element))?;
         let wrong = || {
             let name = &element.name;
             let what = format!("this is no line of the numbers that its header says; it is one of its {name} elements");
@@ -332,7 +415,7 @@ impl Row {
     }
 }
 
-fn cut_short(element: &Element) -> Wrong {
+pub(super) fn cut_short(element: &Element) -> Wrong {
     Wrong::File(format!("ends within its {} elements; is it cut short?", element.name))
 }
 

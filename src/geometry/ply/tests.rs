@@ -1,5 +1,6 @@
 use super::*;
-use glam::DVec3;
+use crate::input::Window;
+use glam::{DVec3, Vec2};
 
 /// A square and a triangle beside it, in text, with what else a vertex and a face have.
 fn text(vertex: &str, of_vertices: [&str; 5], face: &str, of_faces: [&str; 2]) -> String {
@@ -24,10 +25,21 @@ fn mesh(bytes: &[u8]) -> Mesh {
 }
 
 fn parsed(bytes: &[u8]) -> std::result::Result<(Mesh, Vec<String>), String> {
-    parse(bytes, Limits::default()).map_err(|wrong| match wrong {
+    parsed_in_blocks(bytes, Window::whole(bytes.to_vec()))
+}
+
+/// The mesh of a file whose bytes come through a window.
+fn parsed_in_blocks(bytes: &[u8], window: Window) -> std::result::Result<(Mesh, Vec<String>), String> {
+    let limits = Limits::default();
+    let parsed = Header::parse(bytes).and_then(|(header, header_end)| {
+        check_sizes(&header, bytes.len() as u64, limits)?;
+        parse(&header, Body::new(window, header_end), limits)
+    });
+    parsed.map_err(|wrong| match wrong {
         Wrong::Line(line, text) => format!("line {line}: {text}"),
         Wrong::File(text) => text,
         Wrong::Memory(e) => e.to_string(),
+        Wrong::Unreadable(e) => e.to_string(),
     })
 }
 
@@ -79,6 +91,31 @@ fn binary_files_give_the_same_mesh() {
         assert_eq!(mesh.materials[0].diffuse, [1.0; 3]);
         let cut = parsed(&bytes[..bytes.len() - 2]).unwrap_err();
         assert_eq!(cut, "ends within its face elements; is it cut short?");
+    }
+}
+
+/// Wherever the bytes end that are read first, the row there is read as a whole.
+#[test]
+fn rows_may_lie_in_two_blocks() {
+    let binary = b"ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty uchar x\nproperty uchar y\nproperty ushort z\n\
+                   element edge 1\nproperty list uchar short of\nelement face 2\nproperty list uchar ushort vertex_indices\n\
+                   property uchar texnumber\nend_header\n";
+    let data = [
+        0, 0, 1, 0, 1, 0, 0, 1, 0, 1, 2, 0, 1, 1, 9, 1, 2, 5, 0, 6, 0, 4, 0, 0, 1, 0, 3, 0, 2, 0, 7, 3, 1, 0, 2, 0, 3,
+        0, 8,
+    ];
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("rest");
+    for bytes in
+        [[&binary[..], &data].concat(), plain().into_bytes(), plain().replace("3 1 4 2", "\n\n3 1 4 2").into_bytes()]
+    {
+        let expected = mesh(&bytes);
+        let header_end = bytes.windows(10).position(|word| word == b"end_header").unwrap() + 11;
+        for first in header_end..bytes.len() {
+            std::fs::write(&path, &bytes[first..]).unwrap();
+            let window = Window::of(bytes[..first].to_vec(), std::fs::File::open(&path).unwrap()).unwrap();
+            assert_eq!(parsed_in_blocks(&bytes, window).unwrap().0, expected, "{first}");
+        }
     }
 }
 

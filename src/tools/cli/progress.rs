@@ -34,6 +34,12 @@ impl Step {
         Step { doing: doing.into(), share: None }
     }
 
+    /// The stage of the work, or else the step.
+    fn name(&self) -> &str {
+        let stage = self.share.as_ref().map_or("", Share::stage);
+        if stage.is_empty() { &self.doing } else { stage }
+    }
+
     /// What is done of it and the time left, as ", 35 %, 12 s left"; empty where that is not known.
     fn so_far(&self) -> String {
         let Some(share) = self.share.as_ref().filter(|share| (0.0..1.0).contains(&share.done()) && share.done() > 0.0)
@@ -94,7 +100,7 @@ fn show_spinner(mut step: Step, messages: &Receiver<Step>) {
     let bar = bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
     bar.enable_steady_tick(TICK);
     loop {
-        bar.set_message(format!("{}{}", step.doing, step.so_far()));
+        bar.set_message(format!("{}{}", step.name(), step.so_far()));
         match messages.recv_timeout(SILENT) {
             Ok(next) => step = next,
             Err(RecvTimeoutError::Timeout) => {}
@@ -109,7 +115,7 @@ fn print_lines(mut step: Step, messages: &Receiver<Step>) {
     let started = Instant::now();
     receive_and_tick(messages, |message| match message {
         Some(next) => step = next,
-        None => print_line(format_args!("{}, {} s{}", step.doing, started.elapsed().as_secs(), step.so_far())),
+        None => print_line(format_args!("{}, {} s{}", step.name(), started.elapsed().as_secs(), step.so_far())),
     });
 }
 

@@ -160,9 +160,11 @@ fn buffers_of_one_file_share_its_bytes() {
     let buffer = json["buffers"][0].clone();
     json["buffers"] = vec![buffer; 3].into();
     let bytes = serde_json::to_vec(&json).unwrap();
-    let source =
-        Source::parse(&bytes, FileAccess { folder: folder.path(), files: Files::Below, loading: &Loading::default() })
-            .unwrap();
+    let source = Source::parse(
+        (&bytes).into(),
+        FileAccess { folder: folder.path(), files: Files::Below, loading: &Loading::default() },
+    )
+    .unwrap();
     assert!(source.buffers.len() == 3 && source.buffers.iter().all(|b| Arc::ptr_eq(b, &source.buffers[0])));
 }
 
