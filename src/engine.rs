@@ -287,6 +287,7 @@ impl Engine {
             atlas,
             rival,
             planes_copy: None,
+            slots: clustered.slots.clone(),
             places: clustered.places.clone(),
             saved_by_tracing: 0,
             shown: Arc::downgrade(&clustered),

@@ -13,8 +13,10 @@ use std::sync::Arc;
 pub struct Changes {
     /// Rays, the size of the image, or what is wanted: all that a plan says.
     pub plan: bool,
-    /// Triangles in their clusters.
+    /// Triangles, or their order.
     pub triangles: bool,
+    /// Places of triangles in the world.
+    pub places: bool,
     /// Where triangles lie about the anchor.
     pub positions: bool,
     /// Alpha masks of triangles.
@@ -36,21 +38,23 @@ pub enum Dirty {
 pub(super) struct Shown<'a> {
     pub scene: &'a Scene,
     pub plan: &'a Arc<Plan>,
-    /// [`Clustered::places`] of the triangles.
+    /// [`Clustered::slots`] and [`Clustered::places`] of the triangles.
+    pub slots: &'a Arc<()>,
     pub places: &'a Arc<()>,
 }
 
 impl Changes {
     /// Nothing is known of what was there.
     pub const ALL: Changes =
-        Changes { plan: true, triangles: true, positions: true, alpha_masks: true, appearance: true };
+        Changes { plan: true, triangles: true, places: true, positions: true, alpha_masks: true, appearance: true };
 
     /// From what is shown to a frame that was planned.
     pub(super) fn between(shown: &Shown, next: &Planned) -> Changes {
         let Planned { scene, plan, clustered, .. } = next;
         Changes {
             plan: !Arc::ptr_eq(plan, shown.plan),
-            triangles: !Arc::ptr_eq(shown.places, &clustered.places),
+            triangles: !Arc::ptr_eq(shown.slots, &clustered.slots),
+            places: !Arc::ptr_eq(shown.places, &clustered.places),
             positions: !(same_mesh(scene, shown.scene) && plan.anchor == shown.plan.anchor),
             // part of the mesh
             alpha_masks: false,
@@ -65,8 +69,8 @@ impl Changes {
 
     /// Which stages are to run again.
     pub fn dirty(self) -> Dirty {
-        let Changes { plan, triangles, positions, alpha_masks, appearance } = self;
-        match (plan || triangles || positions || alpha_masks, appearance) {
+        let Changes { plan, triangles, places, positions, alpha_masks, appearance } = self;
+        match (plan || triangles || places || positions || alpha_masks, appearance) {
             (true, _) => Dirty::All,
             (false, true) => Dirty::Appearance,
             (false, false) => Dirty::Nothing,

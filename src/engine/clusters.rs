@@ -3,6 +3,7 @@
 //! Positions are rebased to an anchor in f64 and stored as f32 pairs. Every triangle names its corners in the
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
+pub mod moved;
 pub mod surfaces;
 
 use crate::arrays::MapEach;
@@ -14,6 +15,7 @@ use crate::gpu::layout::{
 };
 use crate::parallel;
 use glam::DVec3;
+use moved::Moved;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -50,6 +52,10 @@ pub struct Clustered {
     pub anchor: DVec3,
     /// Identity of the triangles and their places in the world; copies about other anchors share it.
     pub places: Arc<()>,
+    /// Identity of the order in which triangles lie in chunks: placements of the same triangles share it.
+    pub slots: Arc<()>,
+    /// The changes against an earlier placement, where these are known.
+    pub moved: Option<Moved>,
     /// The tables that surfaces have.
     pub surfaces: SurfaceKind,
     /// Triangles without area, left out.
@@ -94,7 +100,8 @@ pub fn cluster<'a>(
     }
     let slots: usize = chunks.iter().map(|c| c.triangles.len()).sum();
     let without_area = mesh.triangles.len() - slots;
-    Clustered { chunks, anchor, places: Arc::default(), surfaces, without_area }
+    let [places, slots] = Default::default();
+    Clustered { chunks, anchor, places, slots, moved: None, surfaces, without_area }
 }
 
 fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, whole: bool) -> Chunk {
@@ -124,7 +131,7 @@ impl Clustered {
             let ids = chunk.id_first..chunk.id_first + chunk.id_count;
             !parallel::any(ids, |id| slot(id) == NONE && has_area(mesh.into(), id))
         };
-        self.places = Arc::default();
+        (self.places, self.moved) = (Arc::default(), None);
         self.chunks.iter_mut().all(|chunk| {
             (self.without_area == 0 || lies_flat(chunk))
                 && chunk.place(mesh.into(), self.anchor)
@@ -138,8 +145,8 @@ impl Clustered {
     pub fn anchored<'a>(&self, all: impl Into<MovingMesh<'a>>, anchor: DVec3) -> Clustered {
         let all = all.into();
         let chunks = self.chunks.iter().map(|chunk| chunk.anchored(all, anchor)).collect();
-        let Clustered { surfaces, without_area, .. } = *self;
-        Clustered { chunks, anchor, places: self.places.clone(), surfaces, without_area }
+        let (places, slots) = (self.places.clone(), self.slots.clone());
+        Clustered { chunks, anchor, places, slots, moved: None, ..*self }
     }
 }
 
@@ -154,7 +161,6 @@ const GROWN_MAX: f64 = 1.5;
 impl Chunk {
     /// All that depends on positions, of the triangles in their slots; whether each has an area.
     fn place(&mut self, all: MovingMesh, anchor: DVec3) -> bool {
-        let mesh = all.mesh;
         let (first, indices) = self.used.as_ref().map_or((0, Vec::new()), |used| vertex_indices(used));
         // every vertex of the chunk is in the list, if there is one
         let index_of = |v: u32| if indices.is_empty() { v } else { indices[(v - first) as usize] };
@@ -165,23 +171,8 @@ impl Chunk {
         let each = triangles.chunks_mut(CLUSTER as usize).zip(groups.chunks_mut(TRIANGLE_GROUPS)).zip(clusters);
         let all_have_area = AtomicBool::new(true);
         parallel::for_each(each, |((triangles, groups), cluster)| {
-            let (mut whole, mut have_area) = (Bounds::NONE, true);
-            for (group, triangles) in groups.iter_mut().zip(triangles.chunks_mut(TRIANGLE_GROUP as usize)) {
-                let mut own = Bounds::NONE;
-                for triangle in triangles.iter_mut() {
-                    let id = triangle[3] & ID_MASK;
-                    let order = order_by_position(all, id);
-                    have_area &= has_area(all, id);
-                    own = (0..all.count()).fold(own, |own, step| own.with(&extremes(all, id, step)));
-                    *triangle = match mesh.radius(id) {
-                        Some(radius) => packed_sphere(mesh, triangle[3], radius, index_of),
-                        None => packed_triangle(mesh, triangle[3], order, index_of),
-                    };
-                }
-                *group = own;
-                whole = whole.joined(own);
-            }
-            *cluster = whole;
+            let have_area = place_cluster(triangles, groups, all, &index_of);
+            *cluster = groups.iter().fold(Bounds::NONE, |whole, group| whole.joined(*group));
             all_have_area.fetch_and(have_area, Ordering::Relaxed);
         });
         *self = self.anchored(all, anchor);
@@ -222,6 +213,30 @@ impl Chunk {
     fn size(&self) -> f64 {
         self.clusters.iter().map(|c| c.half.iter().map(|h| f64::from(*h)).sum::<f64>()).sum()
     }
+}
+
+/// Puts the triangles of a cluster where their vertices are, and the boxes of its groups around them; whether each has an area.
+fn place_cluster(
+    triangles: &mut [[u32; 4]],
+    groups: &mut [Bounds],
+    all: MovingMesh,
+    index_of: &impl Fn(u32) -> u32,
+) -> bool {
+    let mut have_area = true;
+    for (group, triangles) in groups.iter_mut().zip(triangles.chunks_mut(TRIANGLE_GROUP as usize)) {
+        *group = Bounds::NONE;
+        for triangle in triangles {
+            let id = triangle[3] & ID_MASK;
+            let order = order_by_position(all, id);
+            have_area &= has_area(all, id);
+            *group = (0..all.count()).fold(*group, |group, step| group.with(&extremes(all, id, step)));
+            *triangle = match all.mesh.radius(id) {
+                Some(radius) => packed_sphere(all.mesh, triangle[3], radius, index_of),
+                None => packed_triangle(all.mesh, triangle[3], order, index_of),
+            };
+        }
+    }
+    have_area
 }
 
 /// The vertices of some triangles, ascending.
@@ -437,5 +452,50 @@ mod tests {
             }
             assert!(!cluster(&flat, DVec3::ZERO, SurfaceKind::Plain, limit).refit(&mesh));
         }
+    }
+    #[test]
+    fn clusters_of_moved_vertices_alone_change() {
+        let mesh = mesh();
+        // a corner of the soup moves
+        let moved = moved(&mesh, |p| if p.x > 0.3 && p.y > 0.3 { p + DVec3::new(0.1, 0.0, -0.2) } else { p });
+        for limit in LIMITS {
+            let before = cluster(&mesh, DVec3::ZERO, SurfaceKind::Plain, limit);
+            let after = before.moved(&mesh, &moved).unwrap();
+            let mut refitted = before.clone();
+            assert!(refitted.refit(&moved));
+            let changes = &after.moved.as_ref().unwrap().chunks;
+            assert!(Arc::ptr_eq(&after.slots, &before.slots) && !Arc::ptr_eq(&after.places, &before.places));
+            for (((a, b), old), changed) in after.chunks.iter().zip(&refitted.chunks).zip(&before.chunks).zip(changes) {
+                assert_eq!((&a.triangles, &a.vertices), (&b.triangles, &b.vertices));
+                assert_eq!((&a.clusters, &a.triangle_groups), (&b.clusters, &b.triangle_groups));
+                let holds = |ranges: &[std::ops::Range<usize>], k: usize| ranges.iter().any(|range| range.contains(&k));
+                let same = |k: usize| a.triangles[k] == old.triangles[k];
+                assert!((0..a.triangles.len()).all(|k| holds(&changed.slots(), k) || same(k)));
+                assert!(
+                    (0..a.vertices.len()).all(|k| holds(&changed.vertices, k) != (a.vertices[k] == old.vertices[k]))
+                );
+                let same = |k: usize| a.triangle_groups[k] == old.triangle_groups[k];
+                assert!((0..a.triangle_groups.len()).all(|k| holds(&changed.groups(), k) || same(k)));
+            }
+            let count = |of: fn(&moved::MovedChunk) -> usize| changes.iter().map(of).sum::<usize>();
+            let some = count(|changed| changed.clusters.iter().map(ExactSizeIterator::len).sum());
+            assert!(some > 0 && some < after.chunks.iter().map(|chunk| chunk.clusters.len()).sum());
+        }
+    }
+
+    #[test]
+    fn other_triangles_are_no_moved_ones() {
+        let mesh = mesh();
+        let clustered = cluster(&mesh, DVec3::ZERO, SurfaceKind::Plain, LIMITS[0]);
+        let mut fewer = mesh.clone();
+        fewer.triangles.truncate(600);
+        fewer.material_of.truncate(600);
+        let flat = moved(&mesh, |p| DVec3::new(p.x, 0.0, 0.0));
+        let mut turned = mesh.clone();
+        turned.triangles[5].swap(0, 1);
+        for other in [fewer, flat, turned] {
+            assert!(clustered.moved(&mesh, &other).is_none());
+        }
+        assert!(clustered.moved(&mesh, &mesh).is_some());
     }
 }

@@ -59,7 +59,8 @@ pub struct Frames {
     pub(super) planes_copy: Option<wgpu::Buffer>,
     /// The triangles that are on the device, while some plan keeps them.
     pub(super) shown: Weak<Clustered>,
-    /// [`Clustered::places`] of these.
+    /// [`Clustered::slots`] and [`Clustered::places`] of these.
+    pub(super) slots: Arc<()>,
     pub(super) places: Arc<()>,
     /// The same as they are now, where every vertex is new in each timed frame.
     pub(super) moving: Option<Clustered>,
@@ -291,27 +292,35 @@ impl Frames {
         if !is_plain || has_optics || scene.caustics.is_some() || !is_as_large || !is_wanted {
             return Ok(false);
         }
-        let shown = Shown { scene: &self.scene, plan: &self.plan, places: &self.places };
+        let shown = Shown { scene: &self.scene, plan: &self.plan, slots: &self.slots, places: &self.places };
         // until all is there nothing counts as the same
         let is_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
         let changes = if is_partly_uploaded { Changes::ALL } else { Changes::between(&shown, planned) };
         if changes.triangles {
             self.saved_by_tracing = 0;
             self.resident.upload_scene(&self.gpu, (clustered, &scene.mesh), plan.origin)?;
+        } else if changes.places {
+            let moved = clustered.moved.as_ref().filter(|moved| Arc::ptr_eq(&moved.from, &self.places));
+            let is_about_its_anchor = plan.anchor == self.plan.anchor;
+            self.resident.move_scene(&self.gpu, clustered, moved.filter(|_| is_about_its_anchor), plan.origin)?;
         } else if changes.positions {
             self.resident.anchor_scene(&self.gpu, clustered)?;
             if plan.origin != self.plan.origin {
                 self.resident.upload_bvh(&self.gpu, clustered, plan.origin)?;
             }
         }
-        (self.shown, self.places) = (Arc::downgrade(clustered), clustered.places.clone());
+        self.shown = Arc::downgrade(clustered);
+        (self.slots, self.places) = (clustered.slots.clone(), clustered.places.clone());
         if changes.plan {
             self.resident.aim(&self.gpu, camera, plan)?;
         } else if changes.triangles {
             self.resident.write_params(&self.gpu, camera, plan)?;
         }
-        if changes.positions {
+        let casts_itself = scene.casters.is_none() && self.scene.casters.is_none();
+        if changes.triangles || changes.positions && !(casts_itself && plan.anchor == self.plan.anchor) {
             self.resident.forget_shadow_casters();
+        } else if changes.places {
+            self.resident.refit_shadow_casters(scene);
         }
         if changes.needs_appearance() {
             self.resident.upload_appearance(&self.gpu, &self.pages, scene, plan)?;

@@ -165,10 +165,13 @@ impl Planner {
         let clustered = match last.filter(|l| same_places(l, &scene, &plan)) {
             Some(last) if last.plan.anchor == plan.anchor => last.clustered.clone(),
             Some(last) => Arc::new(last.clustered.anchored(scene.moving_mesh(), plan.anchor)),
-            None => {
-                run.share.enter("sorting triangles");
-                Arc::new(cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit))
-            }
+            None => Arc::new(match last.and_then(|last| moved(last, &scene, &plan)) {
+                Some(moved) => moved,
+                None => {
+                    run.share.enter("sorting triangles");
+                    cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit)
+                }
+            }),
         };
         let call = CallMs { place: ms_since(started), ..CallMs::default() };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
@@ -272,6 +275,15 @@ pub(super) fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
         channels.push(TriangleId);
     }
     channels
+}
+
+/// The triangles of `last` for this plan, where only some of their vertices have moved.
+fn moved(last: &Planned, scene: &Scene, plan: &Plan) -> Option<Clustered> {
+    if scene.steps.is_some() || last.clustered.surfaces != plan.variant.surfaces() {
+        return None;
+    }
+    let moved = last.clustered.moved(&last.scene.mesh, &scene.mesh)?;
+    Some(if moved.anchor == plan.anchor { moved } else { moved.anchored(&*scene.mesh, plan.anchor) })
 }
 
 /// The shape of a scene, taken over where it is that of `last`.

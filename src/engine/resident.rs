@@ -8,7 +8,9 @@ use super::medium::{medium, voxels};
 use super::pages::PageStore;
 use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
+use crate::engine::clusters::moved::{Moved, MovedChunk};
 use crate::engine::clusters::{Chunk, Clustered};
+use crate::engine::plan::hierarchy::moving::MovingBvh;
 use crate::engine::plan::hierarchy::{Hierarchy, PackedBvh, TracedBvh};
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::pictures::ScenePictures;
@@ -81,6 +83,8 @@ pub struct ChunkOnDevice {
     pub clusters: u32,
     /// Length of `triangles`.
     pub slots: u32,
+    /// The hierarchy that trace follows, kept from the first move of triangles on.
+    moving_bvh: Option<MovingBvh>,
 }
 
 /// The clusters of one batch in one band, for one bounce.
@@ -201,6 +205,7 @@ impl Resident {
                 self.bvh = BvhState::GivenUp;
             }
             let bvh = bvh.unwrap_or_default();
+            there.moving_bvh = None;
             there.buffers.upload_texels(gpu, "bvh", &bvh.nodes)?;
             there.buffers.upload_texels(gpu, "bvh_triangles", &bvh.triangles)?;
         }
@@ -219,6 +224,46 @@ impl Resident {
         each.try_for_each(|(there, chunk)| there.buffers.upload_texels(gpu, "triangles", &chunk.triangles))?;
         self.anchor_scene(gpu, clustered)?;
         self.upload_bvh(gpu, clustered, origin)
+    }
+
+    /// Puts the triangles that are there where they are now: all of them, or those that `moved` since the device had the others.
+    pub fn move_scene(&mut self, gpu: &Gpu, clustered: &Clustered, moved: Option<&Moved>, origin: DVec3) -> Result<()> {
+        for (k, (there, chunk)) in self.chunks.iter_mut().zip(&clustered.chunks).enumerate() {
+            match moved.map(|moved| &moved.chunks[k]) {
+                Some(moved) => move_chunk(gpu, &mut there.buffers, chunk, moved)?,
+                None => {
+                    there.buffers.upload_texels(gpu, "triangles", &chunk.triangles)?;
+                    place(gpu, &mut there.buffers, chunk)?;
+                }
+            }
+        }
+        self.move_bvh(gpu, clustered, moved, origin)
+    }
+
+    /// Fits the hierarchies that trace follows to triangles that moved, where they are there.
+    fn move_bvh(&mut self, gpu: &Gpu, clustered: &Clustered, moved: Option<&Moved>, origin: DVec3) -> Result<()> {
+        if !self.traces || !matches!(self.bvh, BvhState::Built | BvhState::Preferred) {
+            return Ok(());
+        }
+        let offset = clustered.anchor - origin;
+        for (k, (there, chunk)) in self.chunks.iter_mut().zip(&clustered.chunks).enumerate() {
+            let moved = moved.map(|moved| moved.chunks[k].slots());
+            if let (Some(bvh), Some(moved)) = (&mut there.moving_bvh, moved)
+                && let Some(changed) = bvh.refit(chunk, offset, &moved)
+            {
+                there.buffers.update_texels(gpu, "bvh", &bvh.traced.nodes, &changed.nodes)?;
+                there.buffers.update_texels(gpu, "bvh_triangles", &bvh.traced.triangles, &changed.triangles)?;
+                continue;
+            }
+            there.moving_bvh = MovingBvh::new(chunk, offset);
+            let Some(bvh) = &there.moving_bvh else {
+                self.bvh = BvhState::GivenUp;
+                continue;
+            };
+            there.buffers.upload_texels(gpu, "bvh", &bvh.traced.nodes)?;
+            there.buffers.upload_texels(gpu, "bvh_triangles", &bvh.traced.triangles)?;
+        }
+        Ok(())
     }
 
     /// Puts the triangles that are there about another anchor. Hierarchies do not follow it.
@@ -552,7 +597,15 @@ fn chunk_on_device(
     buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
     let clusters = chunk.clusters.len() as u32;
     let slots = chunk.triangles.len() as u32;
-    Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters, slots })
+    Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters, slots, moving_bvh: None })
+}
+
+/// The tables of a chunk where triangles moved.
+fn move_chunk(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk, moved: &MovedChunk) -> Result<()> {
+    buffers.update_texels(gpu, "triangles", &chunk.triangles, &moved.slots())?;
+    buffers.update_texels(gpu, "vertices", &chunk.vertices, &moved.vertices)?;
+    buffers.update_texels(gpu, "clusters", &chunk.clusters, &moved.clusters)?;
+    buffers.update(gpu, "triangle_groups", &chunk.triangle_groups, &moved.groups())
 }
 
 /// What is relative to the anchor.

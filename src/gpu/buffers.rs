@@ -5,6 +5,7 @@ use super::kernels::{Access, Binding, Kernel};
 use super::layout::TEXELS_A_ROW;
 use crate::input::{Error, Result};
 use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Buffers and textures of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
@@ -22,6 +23,45 @@ struct Texture {
 
 /// Bytes of a texel of a table.
 const TEXEL_BYTES: u32 = 16;
+
+/// Sends rows of a table. `bytes` are all of its bytes; the last row ends in zeros.
+fn write_rows(gpu: &Gpu, texture: &wgpu::Texture, bytes: &[u8], rows: Range<u32>) {
+    let row_bytes = TEXEL_BYTES * TEXELS_A_ROW;
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None };
+    let write = |bytes: &[u8], y: u32| {
+        let to = wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y, z: 0 }, ..texture.as_image_copy() };
+        let height = bytes.len() as u32 / row_bytes;
+        let size = wgpu::Extent3d { width: TEXELS_A_ROW, height, depth_or_array_layers: 1 };
+        gpu.queue.write_texture(to, bytes, layout, size);
+    };
+    let own = &bytes[(rows.start * row_bytes) as usize..bytes.len().min((rows.end * row_bytes) as usize)];
+    let (full, rest) = own.split_at(own.len() / row_bytes as usize * row_bytes as usize);
+    if !full.is_empty() {
+        write(full, rows.start);
+    }
+    if !rest.is_empty() {
+        let mut last = rest.to_vec();
+        last.resize(row_bytes as usize, 0);
+        write(&last, rows.start + full.len() as u32 / row_bytes);
+    }
+}
+
+/// Bytes of a buffer that are sent together where one of them changed.
+const BLOCK_BYTES: usize = 1 << 12;
+
+/// The blocks of so many bytes that hold ascending ranges of items, joined where they touch.
+fn blocks_of<T>(ranges: &[Range<usize>], count: usize, bytes: usize) -> Vec<Range<usize>> {
+    let mut blocks: Vec<Range<usize>> = Vec::new();
+    for range in ranges {
+        let (start, end) =
+            (range.start * size_of::<T>() / bytes, (range.end.min(count) * size_of::<T>()).div_ceil(bytes));
+        match blocks.last_mut() {
+            Some(last) if start <= last.end => last.end = last.end.max(end),
+            _ => blocks.push(start..end),
+        }
+    }
+    blocks
+}
 
 /// Rows of a table that are sent at once: 32 MiB.
 const ROWS_A_WRITE: u32 = 512;
@@ -116,27 +156,47 @@ impl Buffers {
             });
             self.place_texture(name, &texture, wgpu::TextureViewDimension::D2);
         }
-        let target = self.textures[name].texture.as_image_copy();
-        // full rows, then what is left and zeros
-        let (full, rest) = bytes.split_at(bytes.len() / row_bytes as usize * row_bytes as usize);
-        let mut last = rest.to_vec();
-        last.resize(if rest.is_empty() { 0 } else { row_bytes as usize }, 0);
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None };
-        let write = |bytes: &[u8], y: u32| {
-            let to = wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y, z: 0 }, ..target };
-            let size = wgpu::Extent3d { height: bytes.len() as u32 / row_bytes, ..size };
-            gpu.queue.write_texture(to, bytes, layout, size);
-        };
-        let parts = full.chunks((ROWS_A_WRITE * row_bytes) as usize);
-        for (bytes, y) in parts.zip((0..).step_by(ROWS_A_WRITE as usize)) {
-            write(bytes, y);
-            if full.len() > bytes.len() {
+        let texture = &self.textures[name].texture;
+        for first in (0..rows).step_by(ROWS_A_WRITE as usize) {
+            write_rows(gpu, texture, bytes, first..(first + ROWS_A_WRITE).min(rows));
+            if rows > ROWS_A_WRITE {
                 // the copies that wgpu keeps of these bytes are free once the device has them
                 gpu.queue.submit([]);
             }
         }
-        if !last.is_empty() {
-            write(&last, rows - 1);
+        Ok(())
+    }
+
+    /// Sends the rows of a table again that hold some of its items, which are as many as those of the texture that is there.
+    pub fn update_texels<T: bytemuck::NoUninit>(
+        &mut self,
+        gpu: &Gpu,
+        name: &'static str,
+        items: &[T],
+        changed: &[Range<usize>],
+    ) -> Result<()> {
+        let Some(there) = self.textures.get(name) else { return self.upload_texels(gpu, name, items) };
+        for rows in blocks_of::<T>(changed, items.len(), (TEXEL_BYTES * TEXELS_A_ROW) as usize) {
+            // within the rows of the texture
+            write_rows(gpu, &there.texture, bytemuck::cast_slice(items), rows.start as u32..rows.end as u32);
+        }
+        Ok(())
+    }
+
+    /// Sends some items of a storage buffer again, which has as many.
+    pub fn update<T: bytemuck::NoUninit>(
+        &mut self,
+        gpu: &Gpu,
+        name: &'static str,
+        items: &[T],
+        changed: &[Range<usize>],
+    ) -> Result<()> {
+        let Some(there) = self.buffers.get(name) else { return self.upload(gpu, name, items) };
+        let bytes: &[u8] = bytemuck::cast_slice(items);
+        for block in blocks_of::<T>(changed, items.len(), BLOCK_BYTES) {
+            let start = block.start * BLOCK_BYTES;
+            let end = (block.end * BLOCK_BYTES).min(bytes.len());
+            gpu.queue.write_buffer(there, start as u64, &bytes[start..end]);
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 //! first kind can be refitted.
 
 mod crowd;
+pub mod moving;
 mod wide;
 
 use crate::arrays::MapEach;
@@ -174,17 +175,19 @@ impl TracedBvh {
             return TracedBvh::of_moving(chunk, offset);
         }
         let place = Place { offset, scale: scale_of(chunk, offset) };
-        let boxed = |slot: u32| {
-            Aabb::from_points(&primitive(chunk, slot, 0, place).extremes().map_each(|v| v.as_vec3().into()))
-        };
-        let tree = Wide::build(chunk.triangles.len() as u32, boxed);
-        if depth(&tree.nodes) > WAITING_MAX {
+        let Wide { nodes, items } = Wide::build(chunk.triangles.len() as u32, |slot| boxed(chunk, slot, place));
+        TracedBvh::of(chunk, place, &nodes, &items)
+    }
+
+    /// The tables of a tree over the slots of a chunk; `None` where it is deeper than the kernel can follow.
+    fn of(chunk: &Chunk, place: Place, tree: &[CwBvhNode], slots: &[u32]) -> Option<TracedBvh> {
+        if depth(tree) > WAITING_MAX {
             return None;
         }
         let mut nodes = vec![[(place.scale as f32).to_bits(), 0, 0, 0]];
-        nodes.extend(tree.nodes.iter().flat_map(node_rows));
+        nodes.extend(tree.iter().flat_map(node_rows));
         let rows = |slot: &u32| primitive(chunk, *slot, 0, place).rows(*slot);
-        let triangles = parallel::map(&tree.items, rows).into_flattened();
+        let triangles = parallel::map(slots, rows).into_flattened();
         Some(TracedBvh { nodes, triangles })
     }
 
@@ -239,6 +242,11 @@ fn scale_of(chunk: &Chunk, offset: DVec3) -> f64 {
     let of_spheres = parallel::reduce(chunk.triangles.as_slice(), |t| Some(far(t)), f64::max);
     let largest = of_vertices.into_iter().chain(of_spheres).fold(f64::from(f32::MIN_POSITIVE), f64::max);
     largest.log2().ceil().exp2().recip()
+}
+
+/// The box of what is in a slot, scaled.
+fn boxed(chunk: &Chunk, slot: u32, place: Place) -> Aabb {
+    Aabb::from_points(&primitive(chunk, slot, 0, place).extremes().map_each(|v| v.as_vec3().into()))
 }
 
 /// A triangle or sphere at a time step, scaled.

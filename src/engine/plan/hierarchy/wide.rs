@@ -117,7 +117,7 @@ fn in_f64(b: &Aabb) -> bvh::Aabb {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::testing::Rng;
     use glam::Vec3A;
@@ -135,7 +135,7 @@ mod tests {
     }
 
     /// Each item lies once in a leaf, in all boxes above it, and nodes lie behind the nodes above them.
-    fn assert_whole(wide: &Wide, boxes: &[Aabb]) {
+    pub fn assert_whole(wide: &Wide, boxes: &[Aabb]) {
         let mut found = vec![0; boxes.len()];
         let mut todo = vec![(0, Aabb { min: Vec3A::NEG_INFINITY, max: Vec3A::INFINITY })];
         while let Some((at, within)) = todo.pop() {

@@ -1,0 +1,153 @@
+//! Triangles whose vertices have moved, in the slots where they were. Only clusters with such vertices are placed again.
+
+use super::{Bounds, Chunk, Clustered, EMPTY, GROWN_MAX, NONE, TRIANGLE_GROUPS, has_area, vertex_indices};
+use crate::geometry::mesh::Mesh;
+use crate::gpu::layout::{CLUSTER, ID_MASK, TRIANGLE_GROUP, Vertex};
+use crate::parallel;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The changes of triangles against another placement of the same triangles.
+#[derive(Debug, Clone)]
+pub struct Moved {
+    /// The other placement: its [`Clustered::places`].
+    pub from: Arc<()>,
+    /// The changed tables of each chunk.
+    pub chunks: Vec<MovedChunk>,
+}
+
+/// Vertices and clusters of a chunk that changed, as ascending ranges.
+#[derive(Debug, Clone, Default)]
+pub struct MovedChunk {
+    pub vertices: Vec<Range<usize>>,
+    pub clusters: Vec<Range<usize>>,
+}
+
+impl MovedChunk {
+    /// The changed slots.
+    pub fn slots(&self) -> Vec<Range<usize>> {
+        times(&self.clusters, CLUSTER as usize)
+    }
+
+    /// The changed triangle groups.
+    pub fn groups(&self) -> Vec<Range<usize>> {
+        times(&self.clusters, TRIANGLE_GROUPS)
+    }
+}
+
+fn times(ranges: &[Range<usize>], each: usize) -> Vec<Range<usize>> {
+    ranges.iter().map(|range| range.start * each..range.end * each).collect()
+}
+
+impl Clustered {
+    /// The triangles of `from`, which these are, where the vertices of `to` are, about the same anchor. `None` where they are to be clustered
+    /// anew: the meshes differ in more than positions and normals, a triangle has got or lost its area, or the boxes have grown by half.
+    pub fn moved(&self, from: &Mesh, to: &Mesh) -> Option<Clustered> {
+        if self.chunks.iter().any(|chunk| chunk.steps > 1) || !differ_in_places_alone(from, to) {
+            return None;
+        }
+        let count = to.positions.len();
+        let has_moved: Vec<bool> = parallel::map(0..count, |k| from.positions[k] != to.positions[k]);
+        let chunks: Vec<(Chunk, MovedChunk)> =
+            self.chunks.iter().map(|chunk| chunk.moved(to, &has_moved, self)).collect::<Option<_>>()?;
+        let (chunks, moved) = chunks.into_iter().unzip();
+        let moved = Some(Moved { from: self.places.clone(), chunks: moved });
+        Some(Clustered { chunks, places: Arc::default(), moved, slots: self.slots.clone(), ..*self })
+    }
+}
+
+/// Whether two meshes have the same triangles, surfaces and sides; vertices and normals may lie elsewhere.
+fn differ_in_places_alone(a: &Mesh, b: &Mesh) -> bool {
+    let sides = |mesh: &Mesh| mesh.materials.iter().map(|material| material.two_sided).collect::<Vec<_>>();
+    a.positions.len() == b.positions.len()
+        && a.normals.len() == b.normals.len()
+        && a.triangles == b.triangles
+        && a.radii == b.radii
+        && a.material_of == b.material_of
+        && sides(a) == sides(b)
+        && a.corner_normals == b.corner_normals
+        && (&a.uvs, &a.corner_uvs) == (&b.uvs, &b.corner_uvs)
+        && (&a.colors, &a.corner_colors) == (&b.colors, &b.corner_colors)
+}
+
+impl Chunk {
+    fn moved(&self, to: &Mesh, has_moved: &[bool], all: &Clustered) -> Option<(Chunk, MovedChunk)> {
+        let corners = |id: u32| to.triangles[id as usize];
+        let moves = |id: u32| corners(id).iter().any(|v| has_moved[*v as usize]);
+        let lies_flat = |id: u32| self.slot_of_id[(id - self.id_first) as usize] == NONE;
+        let gets_area = |id: u32| moves(id) && lies_flat(id) && has_area(to.into(), id);
+        if all.without_area > 0 && parallel::any(self.id_first..self.id_first + self.id_count, gets_area) {
+            return None;
+        }
+        let each = CLUSTER as usize;
+        let slots = |cluster: usize| cluster * each..((cluster + 1) * each).min(self.triangles.len());
+        let is_changed = |cluster: usize| self.triangles[slots(cluster)].iter().any(|t| moves(t[3] & ID_MASK));
+        let clusters = ranges(&parallel::map(0..self.clusters.len(), is_changed));
+        let used = self.used.as_ref().map(|used| used.as_slice());
+        let vertex = |k: usize| used.map_or(k, |used| used[k] as usize);
+        let vertices = ranges(&parallel::map(0..self.vertices.len(), |k| has_moved[vertex(k)]));
+
+        let (first, indices) = used.map_or((0, Vec::new()), vertex_indices);
+        let index_of = |v: u32| if indices.is_empty() { v } else { indices[(v - first) as usize] };
+        let mut own = self.clone();
+        let triangles = Arc::make_mut(&mut own.triangles);
+        let [cluster_boxes, group_boxes] = Arc::make_mut(&mut own.boxes);
+        let placed: Vec<Vec<PlacedCluster>> = clusters
+            .iter()
+            .map(|range| parallel::map(range.clone(), |k| PlacedCluster::of(&self.triangles[slots(k)], to, &index_of)))
+            .collect();
+        for (k, PlacedCluster { triangles: new, groups, whole, have_area }) in
+            clusters.iter().flat_map(Clone::clone).zip(placed.into_iter().flatten())
+        {
+            if !have_area {
+                return None;
+            }
+            triangles[slots(k)].copy_from_slice(&new);
+            group_boxes[k * TRIANGLE_GROUPS..(k + 1) * TRIANGLE_GROUPS].copy_from_slice(&groups);
+            cluster_boxes[k] = whole;
+            own.clusters[k] = whole.packed(all.anchor, k * each, slots(k).len());
+            for (n, group) in groups.iter().enumerate() {
+                let at = k * TRIANGLE_GROUPS + n;
+                let [start, end] = [at, at + 1].map(|at| (at * TRIANGLE_GROUP as usize).min(self.triangles.len()));
+                own.triangle_groups[at] =
+                    if start == end { EMPTY } else { group.packed(all.anchor, start, end - start) };
+            }
+        }
+        for k in vertices.iter().flat_map(Clone::clone) {
+            own.vertices[k] = Vertex::new(to.positions[vertex(k)] - all.anchor);
+        }
+        (own.size() <= GROWN_MAX * self.clustered_size).then_some((own, MovedChunk { vertices, clusters }))
+    }
+}
+
+/// The triangles of a cluster where they are now.
+struct PlacedCluster {
+    triangles: Vec<[u32; 4]>,
+    groups: [Bounds; TRIANGLE_GROUPS],
+    whole: Bounds,
+    have_area: bool,
+}
+
+impl PlacedCluster {
+    fn of(triangles: &[[u32; 4]], to: &Mesh, index_of: &impl Fn(u32) -> u32) -> PlacedCluster {
+        let mut own = PlacedCluster {
+            triangles: triangles.to_vec(),
+            groups: [Bounds::NONE; TRIANGLE_GROUPS],
+            whole: Bounds::NONE,
+            have_area: true,
+        };
+        own.have_area = super::place_cluster(&mut own.triangles, &mut own.groups, to.into(), index_of);
+        own.whole = own.groups.iter().fold(Bounds::NONE, |whole, group| whole.joined(*group));
+        own
+    }
+}
+
+/// The ranges of numbers that are marked.
+fn ranges(is_marked: &[bool]) -> Vec<Range<usize>> {
+    let mut at = 0;
+    let runs = is_marked.chunk_by(|a, b| a == b).map(|run| {
+        at += run.len();
+        (run[0], at - run.len()..at)
+    });
+    runs.filter_map(|(is_marked, range)| is_marked.then_some(range)).collect()
+}
