@@ -23,6 +23,7 @@ mod gradients;
 mod layered_reference;
 mod memory;
 mod methods;
+mod moved;
 mod optics;
 mod optics_along_curves;
 mod overflow;
