@@ -164,7 +164,7 @@ impl Planner {
         let started = Instant::now();
         let clustered = match last.filter(|l| same_places(l, &scene, &plan)) {
             Some(last) if last.plan.anchor == plan.anchor => last.clustered.clone(),
-            Some(last) => Arc::new(last.clustered.anchored(scene.moving_mesh(), plan.anchor)),
+            Some(last) => Arc::new(last.clustered.anchored(plan.anchor)),
             None => {
                 run.share.enter("sorting triangles");
                 Arc::new(cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit))
