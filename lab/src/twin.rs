@@ -151,7 +151,7 @@ impl Tables {
         Tables {
             optics: Optics::new(scene, camera, &plan),
             surfaces: surface_tables(&clustered, &scene.mesh),
-            clustered,
+            clustered: clustered.with_vertices(&scene.mesh),
             plan,
             appearance: Appearance::new(scene, extent.anchor, &Pages::default(), Shadows::NONE, None),
         }
@@ -159,7 +159,7 @@ impl Tables {
 
     /// The same with the triangles of `mesh` in other clusters.
     pub fn with_clusters(self, clustered: Clustered, mesh: &Mesh) -> Tables {
-        Tables { surfaces: surface_tables(&clustered, mesh), clustered, ..self }
+        Tables { surfaces: surface_tables(&clustered, mesh), clustered: clustered.with_vertices(mesh), ..self }
     }
 
     /// All clusters of a chunk over a band, for the camera's own rays.

@@ -24,7 +24,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Chunk {
     pub id_first: u32,
     pub id_count: u32,
-    /// All time steps of a vertex together.
+    /// All time steps of a vertex together; empty but in [`Chunk::with_vertices`].
     pub vertices: Vec<Vertex>,
     /// Per slot: three vertices in the order of their positions; id, file order and sidedness. Of a sphere: the vertex in its centre, its
     /// radius as two f32, and its id, [`SPHERE`] and sidedness.
@@ -142,11 +142,17 @@ impl Clustered {
 
 impl Clustered {
     /// Returns a copy of the triangles about another anchor.
-    pub fn anchored<'a>(&self, all: impl Into<MovingMesh<'a>>, anchor: DVec3) -> Clustered {
-        let all = all.into();
-        let chunks = self.chunks.iter().map(|chunk| chunk.anchored(all, anchor)).collect();
+    pub fn anchored(&self, anchor: DVec3) -> Clustered {
+        let chunks = self.chunks.iter().map(|chunk| chunk.anchored(anchor)).collect();
         let (places, slots) = (self.places.clone(), self.slots.clone());
         Clustered { chunks, anchor, places, slots, moved: None, ..*self }
+    }
+
+    /// Returns a copy whose chunks have their vertices.
+    #[cfg(any(test, feature = "internals"))]
+    pub fn with_vertices(&self, mesh: &Mesh) -> Clustered {
+        let chunks = self.chunks.iter().map(|chunk| chunk.with_vertices(mesh.into(), self.anchor)).collect();
+        Clustered { chunks, ..self.clone() }
     }
 }
 
@@ -175,18 +181,27 @@ impl Chunk {
             *cluster = groups.iter().fold(Bounds::NONE, |whole, group| whole.joined(*group));
             all_have_area.fetch_and(have_area, Ordering::Relaxed);
         });
-        *self = self.anchored(all, anchor);
+        *self = self.anchored(anchor);
         all_have_area.into_inner()
     }
 
-    /// Returns a copy of the triangles about another anchor.
-    fn anchored(&self, all: MovingMesh, anchor: DVec3) -> Chunk {
+    /// Returns the vertices relative to an anchor, all time steps of a vertex together. They are made when they are uploaded, and not kept.
+    pub fn vertices(&self, all: MovingMesh, anchor: DVec3) -> Vec<Vertex> {
         let used = self.used.as_ref().map(|used| used.as_slice());
         let (count, steps) = (used.map_or(all.mesh.positions.len(), <[u32]>::len), all.count() as usize);
-        let vertices = parallel::map(0..count * steps, |k| {
+        parallel::map(0..count * steps, |k| {
             let (k, step) = (k / steps, (k % steps) as u32);
             Vertex::new(all.position(used.map_or(k as u32, |used| used[k]), step) - anchor)
-        });
+        })
+    }
+
+    /// Returns a copy that has its vertices, relative to the anchor of its boxes.
+    pub fn with_vertices(&self, all: MovingMesh, anchor: DVec3) -> Chunk {
+        Chunk { vertices: self.vertices(all, anchor), ..self.clone() }
+    }
+
+    /// Returns a copy of the triangles about another anchor.
+    fn anchored(&self, anchor: DVec3) -> Chunk {
         let packed = |boxes: &[Bounds], each: usize| {
             parallel::map(0..boxes.len(), |k| {
                 let slots = self.triangles.len().min((k + 1) * each).saturating_sub(k * each);
@@ -195,7 +210,7 @@ impl Chunk {
         };
         let [clusters, groups] = &*self.boxes;
         Chunk {
-            vertices,
+            vertices: Vec::new(),
             clusters: packed(clusters, CLUSTER as usize),
             triangle_groups: packed(groups, TRIANGLE_GROUP as usize),
             id_first: self.id_first,
@@ -276,10 +291,15 @@ fn morton_order(all: MovingMesh, ids: std::ops::Range<u32>) -> Vec<u32> {
         let place = (sum(id) - bounds.0) * scale;
         interleave(place.x) | interleave(place.y) << 1 | interleave(place.z) << 2
     };
-    let mut keyed = parallel::flat_map(ids, |id| has_area(all, id).then(|| (key(id), id)));
+    // triangles without area come last
+    let mut keyed = parallel::map(ids, |id| (if has_area(all, id) { key(id) } else { NO_KEY }, id));
     parallel::sort(&mut keyed);
-    keyed.into_iter().map(|(_, id)| id).collect()
+    keyed.truncate(keyed.partition_point(|(key, _)| *key < NO_KEY));
+    parallel::map(&keyed, |(_, id)| *id)
 }
+
+/// More than a key of 63 bits.
+const NO_KEY: u64 = u64::MAX;
 
 /// The low 21 bits of a number, two zero bits between each.
 fn interleave(place: f64) -> u64 {
@@ -423,7 +443,8 @@ mod tests {
             let mut refitted = cluster(&mesh, DVec3::ZERO, SurfaceKind::Plain, limit);
             let slots: Vec<_> = refitted.chunks.iter().map(|c| c.slot_of_id.clone()).collect();
             assert!(refitted.refit(&rotated));
-            let anew = cluster(&rotated, DVec3::ZERO, SurfaceKind::Plain, limit);
+            let anew = cluster(&rotated, DVec3::ZERO, SurfaceKind::Plain, limit).with_vertices(&rotated);
+            let refitted = refitted.with_vertices(&rotated);
             assert_eq!(refitted.chunks.len(), anew.chunks.len());
             assert_eq!(anew.chunks.len() > 1, limit == LIMITS[1]);
             for ((a, b), slots) in refitted.chunks.iter().zip(&anew.chunks).zip(slots) {
@@ -463,6 +484,8 @@ mod tests {
             let after = before.moved(&mesh, &moved).unwrap();
             let mut refitted = before.clone();
             assert!(refitted.refit(&moved));
+            let [before, refitted] = [before.with_vertices(&mesh), refitted.with_vertices(&moved)];
+            let after = after.with_vertices(&moved);
             let changes = &after.moved.as_ref().unwrap().chunks;
             assert!(Arc::ptr_eq(&after.slots, &before.slots) && !Arc::ptr_eq(&after.places, &before.places));
             for (((a, b), old), changed) in after.chunks.iter().zip(&refitted.chunks).zip(&before.chunks).zip(changes) {

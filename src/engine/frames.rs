@@ -171,7 +171,7 @@ impl Frames {
         self.run.share.enter("building a hierarchy");
         let anew = || Arc::new(cluster(self.scene.moving_mesh(), anchor, variant.surfaces(), self.gpu.table_limit));
         let clustered = self.shown.upgrade().unwrap_or_else(anew);
-        self.resident.build_bvh(&self.gpu, &clustered, origin)?;
+        self.resident.build_bvh(&self.gpu, (&clustered, self.scene.moving_mesh()), origin)?;
         self.run.share.enter("");
         Ok(())
     }
@@ -245,10 +245,11 @@ impl Frames {
             self.resident.upload_appearance(&self.gpu, &self.pages, moved, &self.plan)?;
         }
         if clustered.refit(&moved.mesh) {
-            return self.resident.place_scene(&self.gpu, clustered, self.plan.origin);
+            let triangles = (&*clustered, (&*moved.mesh).into());
+            return self.resident.move_scene(&self.gpu, triangles, None, self.plan.origin);
         }
         *clustered = cluster(&*moved.mesh, self.plan.anchor, self.plan.variant.surfaces(), self.gpu.table_limit);
-        self.resident.upload_scene(&self.gpu, (clustered, &moved.mesh), self.plan.origin)?;
+        self.resident.upload_scene(&self.gpu, (clustered, (&*moved.mesh).into()), self.plan.origin)?;
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }
 
@@ -296,17 +297,18 @@ impl Frames {
         // until all is there nothing counts as the same
         let is_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
         let changes = if is_partly_uploaded { Changes::ALL } else { Changes::between(&shown, planned) };
+        let triangles = (&**clustered, scene.moving_mesh());
         if changes.triangles {
             self.saved_by_tracing = 0;
-            self.resident.upload_scene(&self.gpu, (clustered, &scene.mesh), plan.origin)?;
+            self.resident.upload_scene(&self.gpu, triangles, plan.origin)?;
         } else if changes.places {
             let moved = clustered.moved.as_ref().filter(|moved| Arc::ptr_eq(&moved.from, &self.places));
             let is_about_its_anchor = plan.anchor == self.plan.anchor;
-            self.resident.move_scene(&self.gpu, clustered, moved.filter(|_| is_about_its_anchor), plan.origin)?;
+            self.resident.move_scene(&self.gpu, triangles, moved.filter(|_| is_about_its_anchor), plan.origin)?;
         } else if changes.positions {
-            self.resident.anchor_scene(&self.gpu, clustered)?;
+            self.resident.anchor_scene(&self.gpu, triangles)?;
             if plan.origin != self.plan.origin {
-                self.resident.upload_bvh(&self.gpu, clustered, plan.origin)?;
+                self.resident.upload_bvh(&self.gpu, triangles, plan.origin)?;
             }
         }
         self.shown = Arc::downgrade(clustered);

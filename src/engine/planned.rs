@@ -164,7 +164,7 @@ impl Planner {
         let started = Instant::now();
         let clustered = match last.filter(|l| same_places(l, &scene, &plan)) {
             Some(last) if last.plan.anchor == plan.anchor => last.clustered.clone(),
-            Some(last) => Arc::new(last.clustered.anchored(scene.moving_mesh(), plan.anchor)),
+            Some(last) => Arc::new(last.clustered.anchored(plan.anchor)),
             None => Arc::new(match last.and_then(|last| moved(last, &scene, &plan)) {
                 Some(moved) => moved,
                 None => {
@@ -283,7 +283,7 @@ fn moved(last: &Planned, scene: &Scene, plan: &Plan) -> Option<Clustered> {
         return None;
     }
     let moved = last.clustered.moved(&last.scene.mesh, &scene.mesh)?;
-    Some(if moved.anchor == plan.anchor { moved } else { moved.anchored(&*scene.mesh, plan.anchor) })
+    Some(if moved.anchor == plan.anchor { moved } else { moved.anchored(plan.anchor) })
 }
 
 /// The shape of a scene, taken over where it is that of `last`.

@@ -1,5 +1,9 @@
 //! What lies on the device between frames: the scene's chunks, the bands' tables, and the lists between the stages.
 
+mod costs;
+mod moves;
+mod upload;
+
 use super::Capacities;
 use super::bounce_tables::BounceTables;
 use super::bounces::{Bounce, bounces};
@@ -8,26 +12,26 @@ use super::medium::{medium, voxels};
 use super::pages::PageStore;
 use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
-use crate::engine::clusters::moved::{Moved, MovedChunk};
-use crate::engine::clusters::{Chunk, Clustered};
+use crate::engine::clusters::Clustered;
 use crate::engine::plan::hierarchy::moving::MovingBvh;
 use crate::engine::plan::hierarchy::{Hierarchy, PackedBvh, TracedBvh};
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::pictures::ScenePictures;
 use crate::engine::plan::turned::LensBand;
 use crate::engine::plan::{Band, Plan};
-use crate::geometry::mesh::Mesh;
+use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::Gpu;
-use crate::gpu::buffers::{Buffers, wait};
-use crate::gpu::kernels::{LightsKind, Method, SurfaceKind};
+use crate::gpu::buffers::Buffers;
+use crate::gpu::kernels::{LightsKind, Method};
 use crate::gpu::layout::Params;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::volume::{Grid, Volume};
+use costs::Costs;
 use glam::DVec3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use wgpu::BufferUsages;
+use upload::{chunk_on_device, place, upload_band};
 
 pub struct Resident {
     pub chunks: Vec<ChunkOnDevice>,
@@ -75,6 +79,9 @@ pub struct Resident {
 
 /// How an image is wrapped, its cutoff and its blended material's opacity, its page, and its origin there.
 type AlphaMask = (u32, (f32, Option<f32>), u32, [u32; 2]);
+
+/// Triangles in their clusters, and the mesh that has them.
+pub type Triangles<'a> = (&'a Clustered, MovingMesh<'a>);
 
 pub struct ChunkOnDevice {
     pub buffers: Buffers,
@@ -138,7 +145,7 @@ impl Resident {
             grid: None,
         };
         resident.upload_bands(gpu, plan)?;
-        resident.upload_scene(gpu, (clustered, &scene.mesh), plan.origin)?;
+        resident.upload_scene(gpu, (clustered, scene.moving_mesh()), plan.origin)?;
         if plan.variant.samples_edges() {
             resident.shared.upload_uniform(gpu, "sample_offsets", &sample_offsets(&plan.sample_offsets))?;
         }
@@ -149,9 +156,9 @@ impl Resident {
     }
 
     /// Builds the hierarchies that trace follows, of the triangles that are on the device.
-    pub fn build_bvh(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
+    pub fn build_bvh(&mut self, gpu: &Gpu, triangles: Triangles, origin: DVec3) -> Result<()> {
         self.bvh = BvhState::Built;
-        self.upload_bvh(gpu, clustered, origin)
+        self.upload_bvh(gpu, triangles, origin)
     }
 
     /// What tracing a frame costs: each chunk has a hierarchy of its own.
@@ -176,31 +183,26 @@ impl Resident {
     }
 
     /// Puts the triangles of a mesh on the device, anew where they were there before.
-    pub fn upload_scene(&mut self, gpu: &Gpu, (clustered, mesh): (&Clustered, &Mesh), origin: DVec3) -> Result<()> {
+    pub fn upload_scene(&mut self, gpu: &Gpu, triangles: Triangles, origin: DVec3) -> Result<()> {
+        let clustered = triangles.0;
         self.without_area = clustered.without_area;
         self.bvh = if self.always_traces { BvhState::Built } else { BvhState::None };
         let mut there = std::mem::take(&mut self.chunks).into_iter().map(|c| c.buffers);
         let mut each = || there.next().unwrap_or_default();
-        for chunk in &clustered.chunks {
-            self.chunks.push(chunk_on_device(gpu, (chunk, mesh), clustered.surfaces, each())?);
-            // staging memory for one chunk is enough
-            if clustered.chunks.len() > 1 {
-                gpu.queue.submit([]);
-                wait(gpu)?;
-            }
-        }
-        self.upload_bvh(gpu, clustered, origin)
+        let on_device = |chunk| chunk_on_device(gpu, chunk, triangles, each());
+        self.chunks = clustered.chunks.iter().map(on_device).collect::<Result<_>>()?;
+        self.upload_bvh(gpu, triangles, origin)
     }
 
     /// Uploads the hierarchies that trace follows, relative to `origin`; empty ones while they are not built.
-    pub fn upload_bvh(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
+    pub fn upload_bvh(&mut self, gpu: &Gpu, (clustered, all): Triangles, origin: DVec3) -> Result<()> {
         if !self.traces {
             return Ok(());
         }
         let is_there = matches!(self.bvh, BvhState::Built | BvhState::Preferred);
         for (there, chunk) in self.chunks.iter_mut().zip(&clustered.chunks) {
-            let bvh =
-                if is_there { TracedBvh::new(chunk, clustered.anchor - origin) } else { Some(TracedBvh::default()) };
+            let of_chunk = || TracedBvh::new(&chunk.with_vertices(all, clustered.anchor), clustered.anchor - origin);
+            let bvh = if is_there { of_chunk() } else { Some(TracedBvh::default()) };
             if bvh.is_none() {
                 self.bvh = BvhState::GivenUp;
             }
@@ -217,59 +219,10 @@ impl Resident {
         self.always_traces && self.bvh == BvhState::GivenUp
     }
 
-    /// Puts the triangles that are there where they are now.
-    pub fn place_scene(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
-        let chunks = || clustered.chunks.iter();
-        let mut each = self.chunks.iter_mut().zip(chunks());
-        each.try_for_each(|(there, chunk)| there.buffers.upload_texels(gpu, "triangles", &chunk.triangles))?;
-        self.anchor_scene(gpu, clustered)?;
-        self.upload_bvh(gpu, clustered, origin)
-    }
-
-    /// Puts the triangles that are there where they are now: all of them, or those that `moved` since the device had the others.
-    pub fn move_scene(&mut self, gpu: &Gpu, clustered: &Clustered, moved: Option<&Moved>, origin: DVec3) -> Result<()> {
-        for (k, (there, chunk)) in self.chunks.iter_mut().zip(&clustered.chunks).enumerate() {
-            match moved.map(|moved| &moved.chunks[k]) {
-                Some(moved) => move_chunk(gpu, &mut there.buffers, chunk, moved)?,
-                None => {
-                    there.buffers.upload_texels(gpu, "triangles", &chunk.triangles)?;
-                    place(gpu, &mut there.buffers, chunk)?;
-                }
-            }
-        }
-        self.move_bvh(gpu, clustered, moved, origin)
-    }
-
-    /// Fits the hierarchies that trace follows to triangles that moved, where they are there.
-    fn move_bvh(&mut self, gpu: &Gpu, clustered: &Clustered, moved: Option<&Moved>, origin: DVec3) -> Result<()> {
-        if !self.traces || !matches!(self.bvh, BvhState::Built | BvhState::Preferred) {
-            return Ok(());
-        }
-        let offset = clustered.anchor - origin;
-        for (k, (there, chunk)) in self.chunks.iter_mut().zip(&clustered.chunks).enumerate() {
-            let moved = moved.map(|moved| moved.chunks[k].slots());
-            if let (Some(bvh), Some(moved)) = (&mut there.moving_bvh, moved)
-                && let Some(changed) = bvh.refit(chunk, offset, &moved)
-            {
-                there.buffers.update_texels(gpu, "bvh", &bvh.traced.nodes, &changed.nodes)?;
-                there.buffers.update_texels(gpu, "bvh_triangles", &bvh.traced.triangles, &changed.triangles)?;
-                continue;
-            }
-            there.moving_bvh = MovingBvh::new(chunk, offset);
-            let Some(bvh) = &there.moving_bvh else {
-                self.bvh = BvhState::GivenUp;
-                continue;
-            };
-            there.buffers.upload_texels(gpu, "bvh", &bvh.traced.nodes)?;
-            there.buffers.upload_texels(gpu, "bvh_triangles", &bvh.traced.triangles)?;
-        }
-        Ok(())
-    }
-
     /// Puts the triangles that are there about another anchor. Hierarchies do not follow it.
-    pub fn anchor_scene(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
-        let mut each = self.chunks.iter_mut().zip(&clustered.chunks);
-        each.try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))
+    pub fn anchor_scene(&mut self, gpu: &Gpu, triangles: Triangles) -> Result<()> {
+        let mut each = self.chunks.iter_mut().zip(&triangles.0.chunks);
+        each.try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk, triangles))
     }
 
     /// Rebuilds the hierarchy of shadow casters when the appearance is next uploaded.
@@ -383,8 +336,8 @@ impl Resident {
         Ok(self.shadow_casters.insert(built).packed(scene))
     }
 
-    /// A start from the size of the largest chunk: most clusters meet a few nodes, most triangles a few tiles; plus 32 MiB in all, so that
-    /// the first frames of all but very few scenes fit. A frame whose lists are too small is done again.
+    /// A start from the size of the largest chunk: most clusters meet a few nodes, most triangles a few tiles, of very many triangles one or
+    /// none; plus 32 MiB in all, so that the first frames of all but very few scenes fit. A frame whose lists are too small is done again.
     fn first_guess(&self, camera: &Camera, plan: &Plan) -> Capacities {
         let largest = |of: fn(&ChunkOnDevice) -> u32| self.chunks.iter().map(of).max().map_or(0, u64::from);
         let (clusters, triangles) = (largest(|chunk| chunk.clusters), largest(|chunk| chunk.slots));
@@ -395,7 +348,7 @@ impl Resident {
             queue: 8 * clusters + (1 << 15),
             work: 4 * clusters + (1 << 17),
             tasks: 16 * clusters + (1 << 18),
-            pairs: 2 * triangles + 4 * cells + (1 << 20),
+            pairs: (2 * triangles).min(triangles + triangles / 4 + (1 << 22)) + 4 * cells + (1 << 20),
             recheck_items: triangles / 16 + pixels / 64 + proven + (1 << 14),
             edges: pixels / 8 + 1024,
         }
@@ -404,8 +357,9 @@ impl Resident {
     /// A start for the rounds of raster: busy tiles of large chunks have more pairs than one round takes. A round that finds no busy tile
     /// takes far less time than a frame that is done again. Samples of edges are found in one round.
     fn first_rounds(&self, plan: &Plan) -> u32 {
-        let is_large = self.chunks.iter().any(|chunk| chunk.slots >= LARGE_CHUNK);
-        if is_large && !plan.variant.samples_edges() { LARGE_CHUNK_ROUNDS } else { 1 }
+        let largest = self.chunks.iter().map(|chunk| chunk.slots).max().unwrap_or(0);
+        let is_large = largest >= LARGE_CHUNK && !plan.variant.samples_edges();
+        if is_large { LARGE_CHUNK_ROUNDS * largest.div_ceil(LARGE_CHUNK) } else { 1 }
     }
 
     /// The buffers that kernels write, at the present capacities, and the parameters that name these.
@@ -539,33 +493,10 @@ impl Resident {
     }
 }
 
-/// Triangles of a large chunk, and the rounds of raster over its busy tiles that the first frame has. A fisheye image of 800 x 600 pixels
-/// over a terrain took three or four rounds in chunks of 1.4 million triangles, and one in a chunk of a million.
+/// Triangles of a large chunk, and the rounds of raster over its busy tiles that the first frame has for each so many triangles. A fisheye
+/// image of 800 x 600 pixels over a terrain took three or four rounds in chunks of 1.4 million triangles, and one in a chunk of a million.
 const LARGE_CHUNK: u32 = 1 << 20;
-const LARGE_CHUNK_ROUNDS: u32 = 4;
-
-/// What things cost besides raster's lists, in the units of [`crate::gpu::layout::CULL_COST`]. Measurements are in `bench_results/lab.md`.
-struct Costs {
-    /// The stages of raster, however little they do.
-    stages: u64,
-    /// Tracing a pixel.
-    pixel: u64,
-    /// Building a hierarchy on the CPU, a triangle.
-    triangle: u64,
-    /// So many are a millisecond.
-    millisecond: u32,
-}
-
-impl Costs {
-    const SOFTWARE: Costs = Costs { stages: 0, pixel: 16, triangle: 15, millisecond: 10_000 };
-    /// An NVIDIA H200 does in 0.1 ns what a software adapter does in 0.1 µs.
-    const GPU: Costs = Costs { stages: 1_900_000, pixel: 2, triangle: 15_000, millisecond: 10_000_000 };
-
-    /// Tracing the rays of a band.
-    fn trace(&self, plan: &Plan, band: &Band) -> u64 {
-        self.pixel * u64::from(band.rows) * u64::from(plan.width)
-    }
-}
+const LARGE_CHUNK_ROUNDS: u32 = 2;
 
 /// The hierarchies that trace follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -578,75 +509,4 @@ pub enum BvhState {
     Preferred,
     /// They are too deep, or paths take too many steps in them: raster does it all.
     GivenUp,
-}
-
-/// In these buffers, where they are as large.
-fn chunk_on_device(
-    gpu: &Gpu,
-    (chunk, mesh): (&Chunk, &Mesh),
-    surfaces: SurfaceKind,
-    mut buffers: Buffers,
-) -> Result<ChunkOnDevice> {
-    place(gpu, &mut buffers, chunk)?;
-    buffers.upload_texels(gpu, "triangles", &chunk.triangles)?;
-    match surfaces {
-        SurfaceKind::Plain => buffers.upload_texels(gpu, "surfaces", &chunk.surfaces(mesh))?,
-        SurfaceKind::Mapped => buffers.upload_texels(gpu, "surfaces", &chunk.mapped_surfaces(mesh))?,
-        SurfaceKind::Colored => buffers.upload_texels(gpu, "surfaces", &chunk.colored_surfaces(mesh))?,
-    }
-    buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
-    let clusters = chunk.clusters.len() as u32;
-    let slots = chunk.triangles.len() as u32;
-    Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters, slots, moving_bvh: None })
-}
-
-/// The tables of a chunk where triangles moved.
-fn move_chunk(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk, moved: &MovedChunk) -> Result<()> {
-    buffers.update_texels(gpu, "triangles", &chunk.triangles, &moved.slots())?;
-    buffers.update_texels(gpu, "vertices", &chunk.vertices, &moved.vertices)?;
-    buffers.update_texels(gpu, "clusters", &chunk.clusters, &moved.clusters)?;
-    buffers.update(gpu, "triangle_groups", &chunk.triangle_groups, &moved.groups())
-}
-
-/// What is relative to the anchor.
-fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk) -> Result<()> {
-    buffers.upload_texels(gpu, "vertices", &chunk.vertices)?;
-    buffers.upload_texels(gpu, "clusters", &chunk.clusters)?;
-    buffers.upload(gpu, "triangle_groups", &chunk.triangle_groups)
-}
-
-/// Bytes of a ray in each of its two tables.
-const RAY_BYTES: u64 = 24;
-
-/// A band's tables; those of its lens are there already with `keeps_lens`.
-fn upload_band(gpu: &Gpu, band: &Band, keeps_lens: bool, buffers: &mut Buffers) -> Result<()> {
-    buffers.upload(gpu, "nodes", &band.nodes.nodes)?;
-    if !band.moments.is_empty() {
-        buffers.upload(gpu, "moments", &band.moments)?;
-    }
-    if let Some(turned) = &band.turned {
-        buffers.upload_uniform(gpu, "viewer", &turned.pose())?;
-    }
-    if keeps_lens {
-        return Ok(());
-    }
-    if let Some(turned) = &band.turned {
-        buffers.upload(gpu, "lens_hi", &turned.lens.table.hi)?;
-        buffers.upload(gpu, "lens_lo", &turned.lens.table.lo)?;
-        let bytes = RAY_BYTES * u64::from(turned.count());
-        buffers.create(gpu, "rays_hi", bytes, BufferUsages::empty())?;
-        buffers.create(gpu, "rays_lo", bytes, BufferUsages::empty())?;
-    }
-    buffers.upload(gpu, "tile_start", &band.tiles.start)?;
-    buffers.upload(gpu, "cells", &band.tiles.cells)?;
-    buffers.upload_texels(gpu, "pieces", &band.tiles.pieces)?;
-    if let Some(rays) = &band.rays {
-        buffers.upload(gpu, "rays_hi", &rays.hi)?;
-        buffers.upload(gpu, "rays_lo", &rays.lo)?;
-    }
-    if !band.tiles.cell_samples.is_empty() {
-        buffers.upload(gpu, "cell_samples", &band.tiles.cell_samples)?;
-        buffers.upload(gpu, "sample_ray_deltas", &band.sample_ray_deltas)?;
-    }
-    Ok(())
 }

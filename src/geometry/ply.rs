@@ -179,7 +179,11 @@ fn assemble(vertices: Vertices, faces: Faces, textures: usize) -> std::result::R
         let [x, y, z] = mesh.positions[k].to_array();
         Wrong::File(format!("vertex {k} lies at ({x}, {y}, {z}); use finite numbers"))
     })?;
-    mesh.material_of = faces.textures;
+    mesh.material_of = match faces.textures.is_empty() {
+        // memory of zeros is taken when it is written
+        true => vec![0; count],
+        false => faces.textures,
+    };
     mesh.material_of.resize(count, 0);
     // attributes of faces go before attributes of vertices
     if !faces.colors.is_empty() {

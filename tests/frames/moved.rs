@@ -39,7 +39,7 @@ fn compare(
     wanted: &Wanted,
     run: &RunOptions,
 ) {
-    let camera = Arc::new(camera(pinhole(), SIZE, FORWARD));
+    let camera = Arc::new(camera(pinhole(DVec3::new(0.3, 0.5, 4.0), DVec3::ZERO, 40.0), SIZE, FORWARD));
     let planned = kept.planner().plan(scene, camera.clone(), wanted, run, last.as_ref()).unwrap();
     *last = Some(planned.clone());
     let followed = sequence.render(kept, planned, run).unwrap().rendered();

@@ -2,7 +2,7 @@
 
 use super::{Bounds, Chunk, Clustered, EMPTY, GROWN_MAX, NONE, TRIANGLE_GROUPS, has_area, vertex_indices};
 use crate::geometry::mesh::Mesh;
-use crate::gpu::layout::{CLUSTER, ID_MASK, TRIANGLE_GROUP, Vertex};
+use crate::gpu::layout::{CLUSTER, ID_MASK, TRIANGLE_GROUP};
 use crate::parallel;
 use std::ops::Range;
 use std::sync::Arc;
@@ -84,8 +84,11 @@ impl Chunk {
         let is_changed = |cluster: usize| self.triangles[slots(cluster)].iter().any(|t| moves(t[3] & ID_MASK));
         let clusters = ranges(&parallel::map(0..self.clusters.len(), is_changed));
         let used = self.used.as_ref().map(|used| used.as_slice());
-        let vertex = |k: usize| used.map_or(k, |used| used[k] as usize);
-        let vertices = ranges(&parallel::map(0..self.vertices.len(), |k| has_moved[vertex(k)]));
+        let moved_vertices = match used {
+            Some(used) => parallel::map(used, |v| has_moved[*v as usize]),
+            None => has_moved.to_vec(),
+        };
+        let vertices = ranges(&moved_vertices);
 
         let (first, indices) = used.map_or((0, Vec::new()), vertex_indices);
         let index_of = |v: u32| if indices.is_empty() { v } else { indices[(v - first) as usize] };
@@ -112,9 +115,6 @@ impl Chunk {
                 own.triangle_groups[at] =
                     if start == end { EMPTY } else { group.packed(all.anchor, start, end - start) };
             }
-        }
-        for k in vertices.iter().flat_map(Clone::clone) {
-            own.vertices[k] = Vertex::new(to.positions[vertex(k)] - all.anchor);
         }
         (own.size() <= GROWN_MAX * self.clustered_size).then_some((own, MovedChunk { vertices, clusters }))
     }

@@ -174,11 +174,11 @@ mod tests {
             positions: mesh.positions.iter().map(|p| if p.x > 0.5 { *p - DVec3::Y * by } else { *p }).collect(),
             ..mesh.clone()
         };
-        let before = cluster(&mesh, DVec3::ZERO, SurfaceKind::Plain, 1 << 27);
+        let before = cluster(&mesh, DVec3::ZERO, SurfaceKind::Plain, 1 << 27).with_vertices(&mesh);
         let offset = DVec3::new(0.25, 0.0, -0.5);
         let mut bvh = MovingBvh::new(&before.chunks[0], offset).unwrap();
         assert_holds(&bvh, &before.chunks[0]);
-        let after = before.moved(&mesh, &moved(0.05)).unwrap();
+        let after = before.moved(&mesh, &moved(0.05)).unwrap().with_vertices(&moved(0.05));
         let slots = after.moved.as_ref().unwrap().chunks[0].slots();
         let old = bvh.traced.clone();
         let changed = bvh.refit(&after.chunks[0], offset, &slots).unwrap();
@@ -193,7 +193,7 @@ mod tests {
         }
         // another place, another size
         assert!(bvh.refit(&after.chunks[0], DVec3::ZERO, &slots).is_none());
-        let away = cluster(&moved(100.0), DVec3::ZERO, SurfaceKind::Plain, 1 << 27);
+        let away = cluster(&moved(100.0), DVec3::ZERO, SurfaceKind::Plain, 1 << 27).with_vertices(&moved(100.0));
         assert!(bvh.refit(&away.chunks[0], offset, &slots).is_none());
     }
 }

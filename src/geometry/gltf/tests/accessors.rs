@@ -18,7 +18,7 @@ fn external_inline_and_binary_buffers_are_the_same() {
     let uri = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAA\
                AAABAAIAAgABAAMAAAECAw==";
     assert_eq!(load_quad(|json| json["buffers"][0]["uri"] = uri.into()).unwrap(), external);
-    assert_eq!(parse(&quad_glb(), here(&Loading::default()), &Images::default(), None).unwrap(), external);
+    assert_eq!(parse(quad_glb(), here(&Loading::default()), &Images::default(), None).unwrap(), external);
 }
 
 #[test]
@@ -268,6 +268,6 @@ proptest! {
         let place = place % numbers.len();
         let at = text.match_indices(|c: char| c.is_ascii_digit()).nth(place).unwrap().0;
         let changed = format!("{}{value}{}", &text[..at], &text[at + 1..]);
-        let _ = parse(&glb(changed.replace(WITH_URI, "").as_bytes(), &quad_bytes()), here(&Loading::default()), &Images::default(), None);
+        let _ = parse(glb(changed.replace(WITH_URI, "").as_bytes(), &quad_bytes()), here(&Loading::default()), &Images::default(), None);
     }
 }

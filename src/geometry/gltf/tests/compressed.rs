@@ -25,7 +25,7 @@ fn load_compressed(edit: impl FnOnce(&mut serde_json::Value)) -> Result<Mesh> {
     json["buffers"] = vec![serde_json::json!({"byteLength": binary.len()}), fallback].into();
     json["extensionsRequired"] = vec!["EXT_meshopt_compression"].into();
     edit(&mut json);
-    parse(&document_glb(&json, &binary), here(&Loading::default()), &Images::default(), None)
+    parse(document_glb(&json, &binary), here(&Loading::default()), &Images::default(), None)
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn load_draco(length: Option<usize>, edit: impl FnOnce(&mut serde_json::Value)) 
         serde_json::json!({"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}});
     json["extensionsRequired"] = vec!["KHR_draco_mesh_compression"].into();
     edit(&mut json);
-    parse(&document_glb(&json, &binary), here(&Loading::default()), &Images::default(), None)
+    parse(document_glb(&json, &binary), here(&Loading::default()), &Images::default(), None)
 }
 
 #[test]

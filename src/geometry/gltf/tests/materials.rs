@@ -57,7 +57,7 @@ fn load_textured_quad(images: &Images, edit: impl FnOnce(&mut serde_json::Value)
     let json = textured_quad(edit);
     let uvs: Vec<u8> = [0.0f32, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0].iter().flat_map(|v| v.to_le_bytes()).collect();
     let binary = [quad_bytes(), uvs, two_texels()].concat();
-    parse(&document_glb(&json, &binary), here(&Loading::default()), images, None)
+    parse(document_glb(&json, &binary), here(&Loading::default()), images, None)
 }
 
 #[test]
@@ -215,7 +215,7 @@ fn a_triangle_is_there_from_its_opacity_on() {
         json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 3.into();
         let colors = [1.0f32, 1.0, 0.25, 0.25].iter().flat_map(|a| [1.0, 1.0, 1.0, *a]).flat_map(f32::to_le_bytes);
         let binary = [quad_bytes(), colors.collect()].concat();
-        is_there(&parse(&document_glb(&json, &binary), here(&Loading::default()), &Images::of(read), None).unwrap())
+        is_there(&parse(document_glb(&json, &binary), here(&Loading::default()), &Images::of(read), None).unwrap())
     };
     // means of 0.75 and 0.5
     assert_eq!(colored(1.0, ImagesRead::Masks), [true, true]);

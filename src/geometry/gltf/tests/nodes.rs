@@ -96,7 +96,7 @@ fn nodes_have_instances_or_are_hidden_and_are_parts() {
             {"name": "below", "mesh": 0},
         ]);
         edit(&mut json);
-        parse(&document_glb(&json, &binary), here(&Loading::default()), &Images::default(), None)
+        parse(document_glb(&json, &binary), here(&Loading::default()), &Images::default(), None)
     };
     let mesh = load(&|_| {}).unwrap();
     let tree = |triangles| Part { name: "tree".into(), triangles };

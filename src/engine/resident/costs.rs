@@ -1,0 +1,26 @@
+//! Costs of stages, by which a frame is rasterized or traced.
+
+use crate::engine::plan::{Band, Plan};
+
+/// What things cost besides raster's lists, in the units of [`crate::gpu::layout::CULL_COST`]. Measurements are in `bench_results/lab.md`.
+pub(super) struct Costs {
+    /// The stages of raster, however little they do.
+    pub stages: u64,
+    /// Tracing a pixel.
+    pub pixel: u64,
+    /// Building a hierarchy on the CPU, a triangle.
+    pub triangle: u64,
+    /// So many are a millisecond.
+    pub millisecond: u32,
+}
+
+impl Costs {
+    pub const SOFTWARE: Costs = Costs { stages: 0, pixel: 16, triangle: 15, millisecond: 10_000 };
+    /// An NVIDIA H200 does in 0.1 ns what a software adapter does in 0.1 µs.
+    pub const GPU: Costs = Costs { stages: 1_900_000, pixel: 2, triangle: 15_000, millisecond: 10_000_000 };
+
+    /// Tracing the rays of a band.
+    pub fn trace(&self, plan: &Plan, band: &Band) -> u64 {
+        self.pixel * u64::from(band.rows) * u64::from(plan.width)
+    }
+}
