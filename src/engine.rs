@@ -12,6 +12,7 @@ mod composition;
 mod counts;
 mod encode;
 mod frames;
+pub mod in_view;
 pub mod left_out;
 mod medium;
 pub mod pages;
@@ -240,7 +241,7 @@ impl Engine {
     /// Uploads what was planned. No frame is rendered yet.
     fn upload(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
         let own_scene = planned.scene_without_optics();
-        let Planned { scene, camera, plan, clustered, wanted, .. } = planned;
+        let Planned { scene, camera, whole, plan, clustered, wanted, .. } = planned;
         let mut atlas = self.atlas_renderer(&own_scene, &camera, &wanted, run)?;
         let caustics = if wanted.has_colour() { self.device_caustics(&own_scene)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
@@ -260,6 +261,8 @@ impl Engine {
             gpu: self.gpu.clone(),
             #[cfg(feature = "internals")]
             planner: self.planner(),
+            #[cfg(feature = "internals")]
+            whole,
             run: run.clone(),
             pages: self.pages.clone(),
             stages,

@@ -6,7 +6,7 @@
 use crate::arrays::MapEach;
 use crate::geometry::mesh::{self, Mesh, NO_NORMAL};
 use crate::geometry::time_steps::MovingMesh;
-use crate::gpu::kernels::SurfaceKind;
+use crate::gpu::kernels::{SurfaceKind, Variant};
 use crate::gpu::layout::{
     CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, SPHERE, TRIANGLE_GROUP, Vertex, split2,
 };
@@ -32,7 +32,7 @@ pub struct Chunk {
     pub uvs: Arc<Vec<[f32; 6]>>,
     /// Where vertices have colours, nine numbers a slot: those of the corners in file order.
     pub colors: Arc<Vec<[f32; 9]>>,
-    /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit.
+    /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit, and for spheres that are out of view.
     pub slot_of_id: Arc<Vec<u32>>,
     pub clusters: Vec<Cluster>,
     /// One for each triangle group of each cluster; the last cluster's may be empty.
@@ -66,13 +66,32 @@ const COLORED_TRIANGLE_BYTES: u64 = 80;
 const VERTEX_BYTES: u64 = size_of::<Vertex>() as u64;
 
 /// Splits a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with what is wanted of surfaces.
+#[cfg(any(test, feature = "internals"))]
 pub fn cluster<'a>(
     all: impl Into<MovingMesh<'a>>,
     anchor: DVec3,
     surfaces: SurfaceKind,
     binding_limit: u64,
 ) -> Clustered {
-    let all = all.into();
+    clustered(all.into(), anchor, (surfaces, true), binding_limit)
+}
+
+/// Splits what kernels of a variant know of a mesh into such chunks. They leave spheres out where none is in view.
+pub fn cluster_shown<'a>(
+    all: impl Into<MovingMesh<'a>>,
+    anchor: DVec3,
+    variant: Variant,
+    binding_limit: u64,
+) -> Clustered {
+    clustered(all.into(), anchor, (variant.surfaces(), variant.spheres), binding_limit)
+}
+
+fn clustered(
+    all: MovingMesh,
+    anchor: DVec3,
+    (surfaces, has_spheres): (SurfaceKind, bool),
+    binding_limit: u64,
+) -> Clustered {
     let mesh = all.mesh;
     let surface_bytes = if surfaces == SurfaceKind::Colored { COLORED_TRIANGLE_BYTES } else { TRIANGLE_BYTES };
     let steps = u64::from(all.count());
@@ -88,7 +107,7 @@ pub fn cluster<'a>(
         .step_by(per_chunk.max(1) as usize)
         .map(|first| {
             let ids = first as u32..(first + per_chunk).min(count) as u32;
-            chunk(all, anchor, ids, (whole, surfaces))
+            chunk(all, anchor, ids, (whole, surfaces, has_spheres))
         })
         .collect();
     if chunks.is_empty() {
@@ -96,12 +115,21 @@ pub fn cluster<'a>(
         chunks.push(Chunk::default());
     }
     let slots: usize = chunks.iter().map(|c| c.triangles.len()).sum();
-    Clustered { chunks, anchor, places: Arc::default(), without_area: mesh.triangles.len() - slots }
+    let hidden = if has_spheres { 0 } else { mesh.sphere_count() };
+    Clustered { chunks, anchor, places: Arc::default(), without_area: mesh.triangles.len() - hidden - slots }
 }
 
-fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, surfaces): (bool, SurfaceKind)) -> Chunk {
+fn chunk(
+    all: MovingMesh,
+    anchor: DVec3,
+    ids: std::ops::Range<u32>,
+    (whole, surfaces, has_spheres): (bool, SurfaceKind, bool),
+) -> Chunk {
     let mesh = all.mesh;
-    let order = morton_order(all, ids.clone());
+    let mut order = morton_order(all, ids.clone());
+    if !has_spheres {
+        order.retain(|id| mesh.radius(*id).is_none());
+    }
     let mut chunk = Chunk { id_first: ids.start, id_count: ids.len() as u32, steps: all.count(), ..Default::default() };
     if !whole {
         let mut used = parallel::map(&order, |&id| mesh.triangles[id as usize]).into_flattened();
