@@ -62,6 +62,8 @@ pub enum LeftOut {
     NotInView(&'static str),
     /// Lights that send out nothing, by their number.
     BlackLights(usize),
+    /// Projector lights that light nothing in view, by their number.
+    IdleProjectorLights(usize),
 }
 
 impl LeftOut {
@@ -116,6 +118,10 @@ impl LeftOut {
             LeftOut::OneFrame(why) => ["one frame for all images", why],
             LeftOut::Missing(missing) => [&*missing.what, &*missing.why],
             LeftOut::NotInView(part) => [part, "not in view"],
+            LeftOut::IdleProjectorLights(1) => ["1 projector light", "lights nothing in view"],
+            LeftOut::IdleProjectorLights(count) => {
+                return [format!("{count} projector lights").into(), "light nothing in view".into()];
+            }
             LeftOut::BlackLights(1) => ["1 light", "black"],
             LeftOut::BlackLights(count) => return [format!("{count} lights").into(), "black".into()],
         };

@@ -3,8 +3,7 @@
 use super::RunOptions;
 use super::changes::{PlannedBy, same_places, same_triangles};
 use super::combinations::Asked;
-use super::in_view::InView;
-use super::in_view::objects::Objects;
+use super::in_view::{InView, SceneFacts};
 use super::medium::node_bytes;
 use crate::camera::ray_order::reordered;
 use crate::camera::{Camera, Rays};
@@ -54,7 +53,8 @@ pub(super) struct Whole {
     /// Without the facets of the camera's optics.
     pub scene: Arc<Scene>,
     pub shape: SceneShape,
-    pub objects: Arc<Objects>,
+    /// Facts about these triangles and projector lights.
+    pub facts: Arc<SceneFacts>,
     /// With its pixels in the order of their rays, where these are incoherent.
     pub camera: Arc<Camera>,
 }
@@ -72,9 +72,10 @@ impl Planned {
 impl Whole {
     /// Takes over from `last` what follows from the triangles alone, where these are the same.
     fn of(scene: &Scene, camera: Arc<Camera>, shape: SceneShape, last: Option<&Planned>) -> Whole {
-        let same = last.filter(|last| same_triangles(last, scene));
-        let objects = same.map_or_else(Arc::default, |last| last.whole.objects.clone());
-        Whole { scene: Arc::new(scene.clone()), shape, objects, camera }
+        let has_same_beams = |last: &&Planned| last.whole.scene.projector_lights == scene.projector_lights;
+        let same = last.filter(|last| same_triangles(last, scene)).filter(has_same_beams);
+        let facts = same.map_or_else(Arc::default, |last| last.whole.facts.clone());
+        Whole { scene: Arc::new(scene.clone()), shape, facts, camera }
     }
 }
 
@@ -254,7 +255,7 @@ impl Planner {
     /// The parts of a scene that a frame shows, and those that an earlier one has shown: a part that comes into view brings other kernels and
     /// all triangles anew, once.
     fn in_view(&self, whole: &Whole, plan: &Plan, wanted: &Wanted, run: &RunOptions, seen: Option<InView>) -> InView {
-        let in_view = InView::of(&whole.scene, &whole.objects, &whole.camera, plan, wanted, run);
+        let in_view = InView::of(&whole.scene, &whole.facts, &whole.camera, plan, wanted, run);
         seen.map_or(in_view, |seen| in_view.joined(seen))
     }
 

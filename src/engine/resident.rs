@@ -137,7 +137,7 @@ impl Resident {
         if plan.variant.samples_edges() {
             resident.shared.upload_uniform(gpu, "sample_offsets", &sample_offsets(&plan.sample_offsets))?;
         }
-        resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, camera, plan));
+        resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(camera, plan));
         resident.allocate_lists(gpu, camera, plan)?;
         Ok(resident)
     }
@@ -216,6 +216,11 @@ impl Resident {
     pub fn anchor_scene(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
         let mut each = self.chunks.iter_mut().zip(&clustered.chunks);
         each.try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))
+    }
+
+    /// Takes over the patches of pictures that a plan has made.
+    pub fn take_pictures(&mut self, pictures: Option<&ScenePictures>) {
+        self.pictures = pictures.cloned();
     }
 
     /// Rebuilds the hierarchy of shadow casters when the appearance is next uploaded.
@@ -329,19 +334,24 @@ impl Resident {
         Ok(self.shadow_casters.insert(built).packed(scene))
     }
 
-    /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles; plus 32 MiB in all, so that the
-    /// first frames of all but very few scenes fit. A frame whose lists are too small is done again.
-    fn first_guess(&self, scene: &Scene, camera: &Camera, plan: &Plan) -> Capacities {
+    /// A start from the sizes of the scene and the image: most clusters meet a few nodes, most triangles a few tiles; plus up to 32 MiB in all, so
+    /// that the first frames of all but very few scenes fit. A frame whose lists are too small is done again.
+    fn first_guess(&self, camera: &Camera, plan: &Plan) -> Capacities {
         let clusters: u64 = self.chunks.iter().map(|c| c.clusters as u64).sum();
+        let slots: u64 = self.chunks.iter().map(|c| u64::from(c.slots)).sum();
         let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
         let proven = pixels * plan.variant.proven_a_pixel(camera.layers.len());
         let cells = plan.bands.iter().map(|b| b.tiles.cells.len()).max().unwrap_or(0) as u64;
+        let nodes = plan.bands.iter().map(|b| b.nodes.nodes.len()).max().unwrap_or(0) as u64;
+        let spare = |items: u64| items * cells.min(SPARE_CELLS) / SPARE_CELLS;
+        // no list has an item twice
+        let items = |things: u64, guess: u64| guess.min(things * nodes).max(ITEMS_MIN);
         Capacities {
-            queue: 4 * clusters + (1 << 15),
-            work: 4 * clusters + (1 << 17),
-            tasks: 16 * clusters + (1 << 18),
-            pairs: 2 * scene.mesh.triangles.len() as u64 + 4 * cells + (1 << 20),
-            recheck_items: scene.mesh.triangles.len() as u64 / 16 + pixels / 64 + proven + (1 << 14),
+            queue: items(clusters, 4 * clusters + spare(1 << 15)),
+            work: items(clusters, 4 * clusters + spare(1 << 17)),
+            tasks: items(slots, 16 * clusters + spare(1 << 18)),
+            pairs: items(slots, 2 * slots + 4 * cells + spare(1 << 20)),
+            recheck_items: slots / 16 + pixels / 64 + proven + (1 << 14),
             edges: pixels / 8 + 1024,
         }
     }
@@ -476,6 +486,12 @@ impl Resident {
         chunks + rest + self.bounce_tables.as_ref().map_or(0, BounceTables::bytes)
     }
 }
+
+/// Cells from which on an image has all of the spare items in its lists; fewer have a part in proportion: 512 x 512 pixels.
+const SPARE_CELLS: u64 = 4096;
+
+/// Items of the shortest list.
+const ITEMS_MIN: u64 = 64;
 
 /// What things cost besides raster's lists, in the units of [`crate::gpu::layout::CULL_COST`]. Measurements are in `bench_results/lab.md`.
 struct Costs {

@@ -221,6 +221,35 @@ fn black_lights() {
     assert_left_out("no other", [&pinhole(&[black, black]), &pinhole(&[dark])], &["2 lights"], "black");
 }
 
+/// A projector that throws an image of this value from above the things towards a place.
+fn projector(folder: &std::path::Path, value: u8, target: &str) -> String {
+    let path = folder.join(format!("{value}.png"));
+    std::fs::write(&path, png_bytes(2, 2, &[value; 12]).unwrap()).unwrap();
+    let camera = format!("{{ kind = \"pinhole\", eye = [0, 4, 0.5], target = {target}, vfov = 50 }}");
+    format!("[[projector_light]]\nimage = '{}'\nmode = \"light\"\ncamera = {camera}\n", path.display())
+}
+
+#[test]
+fn projector_lights() {
+    let folder = tempfile::tempdir().unwrap();
+    let sun = "[[light]]\ndirection = [-1, -2, -1]\n";
+    let with = |value: u8, target: &str| pinhole(&[sun, &projector(folder.path(), value, target)]);
+    let plain = pinhole(&[sun]);
+    let reason = "lights nothing in view";
+    assert_left_out("up into the sky", [&with(200, "[0, 9, 1]"), &plain], &["1 projector light"], reason);
+    assert_left_out("black", [&with(0, "[0, 0, 0]"), &plain], &["1 projector light"], reason);
+    // only what lies behind the camera is reached
+    let ball = "[[mesh]]\nbuiltin = \"icosphere\"\nscale = 0.4\ntranslate = [0.1, 6, 9]\n";
+    let both = |parts: &[&str]| pinhole(&[&[sun, ball], parts].concat());
+    let behind = projector(folder.path(), 200, "[0.1, 6, 9]");
+    assert_left_out("behind", [&both(&[&behind]), &both(&[])], &["1 projector light"], reason);
+    assert_needed("onto the floor", [&with(200, "[0, 0, 0]"), &plain]);
+    // without any light of its own a scene would have a headlight
+    let alone = pinhole(&[&projector(folder.path(), 0, "[0, 0, 0]")]);
+    let dark = pinhole(&["[[light]]\ndirection = [0, -1, 0]\ncolor = [0, 0, 0]\n"]);
+    assert_left_out("no other light", [&alone, &dark], &["1 projector light"], reason);
+}
+
 /// A sequence uploads anew when a part first comes into view, and keeps it.
 #[test]
 fn a_part_that_comes_into_view_stays_for_the_rest_of_a_sequence() {

@@ -2,8 +2,7 @@
 
 use super::super::changes::Changes;
 use super::super::combinations::{Asked, Feature};
-use super::super::in_view::InView;
-use super::super::in_view::objects::Objects;
+use super::super::in_view::{InView, SceneFacts};
 use super::super::planned::{Whole, outlined_by};
 use super::super::{RunOptions, setup};
 use super::{Frames, moved};
@@ -80,7 +79,8 @@ impl Frames {
         let contents = |shown: &Scene, whole: &Scene| in_view.contents(shown, SceneContents::of(whole));
         let lit = contents(&self.scene, &self.whole.scene.with_optics(&self.camera));
         let contents = contents(&in_view.scene(&scene), &scene);
-        let needed = InView::of(&scene, &Objects::default(), &self.whole.camera, &self.plan, &self.wanted, &self.run);
+        let needed =
+            InView::of(&scene, &SceneFacts::default(), &self.whole.camera, &self.plan, &self.wanted, &self.run);
         let outlined = |s: &Scene| outlined_by(&s.style, &self.camera);
         if lit != contents || in_view.joined(needed) != in_view || outlined(&self.scene) != outlined(&scene) {
             return Err(Error::input(
