@@ -237,7 +237,12 @@ impl Planner {
         let written = written(scene, camera, wanted);
         let variant = variant(camera, contents, &written, self.has, run);
         let by = PlannedBy { scene, camera, extent, wanted, whole: (contents, variant) };
-        let seen = last.filter(|last| same_triangles(last, scene)).map(|last| last.plan.in_view);
+        let seen = last.filter(|last| same_triangles(last, scene) && last.wanted == *wanted).map(|last| InView {
+            // a light that is black for a while takes no kernels away
+            black_lights: last.plan.in_view.black_lights
+                || last.whole.scene.lights != scene.lights && last.plan.variant.lights == variant.lights,
+            ..last.plan.in_view
+        });
         if let Some(last) = last.filter(|last| by.is_that_of(last)) {
             let in_view = self.in_view(whole, &last.plan, wanted, run, seen);
             if in_view == last.plan.in_view {

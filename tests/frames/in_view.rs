@@ -5,12 +5,13 @@ use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::left_out::LeftOut;
+use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Rendered, RunOptions};
 use anamorph::internals::image::png_bytes;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::volume::Mode;
 use common::file::load;
-use common::gpu::{Without, render_with, words};
+use common::gpu::{Without, engine, render_with, wanted, words};
 use common::volumes::{SHELLS, bumps, grid, volume};
 use glam::{DAffine3, DQuat, DVec3};
 use std::sync::Arc;
@@ -250,27 +251,46 @@ fn projector_lights() {
     assert_left_out("no other light", [&alone, &dark], &["1 projector light"], reason);
 }
 
+/// The frames of a sequence, each of a scene through a camera.
+fn sequence(frames: &[(&Scene, Arc<Camera>)]) -> Vec<Rendered> {
+    let Some(mut engine) = engine(&frames[0].1, Without::Nothing) else { return Vec::new() };
+    let (run, mut sequence, mut last) = (RunOptions::default(), Sequence::default(), None);
+    let each = frames.iter().map(|(scene, camera)| {
+        let planned = engine.planner().plan(scene, camera.clone(), &wanted(), &run, last.as_ref()).unwrap();
+        last = Some(planned.clone());
+        let shown = sequence.render(&mut engine, planned, &run).unwrap().rendered();
+        let whole = RunOptions { no_cull: true, ..run.clone() };
+        let anew = engine.render(scene, camera.clone(), &wanted(), &whole).unwrap();
+        assert!(words(&shown.frame) == words(&anew.frame));
+        shown
+    });
+    each.collect()
+}
+
 /// A sequence uploads anew when a part first comes into view, and keeps it.
 #[test]
 fn a_part_that_comes_into_view_stays_for_the_rest_of_a_sequence() {
-    use anamorph::internals::engine::sequence::Sequence;
-    use common::gpu::{engine, wanted};
     let scene = pinhole(&[BALL_BEHIND]);
     let camera_at = |eye: &str| {
         let view = format!("kind = \"pinhole\"\neye = {eye}\ntarget = [0.1, 6, 6]\nvfov = 40\nline_time = 0.01\n");
         Arc::new(common::file::camera_of("", (64, 48), &view).unwrap())
     };
     let away = Arc::new(scene.camera().unwrap());
-    let Some(mut engine) = engine(&away, Without::Nothing) else { return };
-    let (run, mut sequence, mut last) = (RunOptions::default(), Sequence::default(), None);
-    let mut methods = Vec::new();
-    for camera in [away.clone(), camera_at("[0, 5, 14]"), away.clone(), camera_at("[1, 5, 14]")] {
-        let planned = engine.planner().plan(&scene, camera.clone(), &wanted(), &run, last.as_ref()).unwrap();
-        last = Some(planned.clone());
-        let readback = sequence.render(&mut engine, planned, &run).unwrap().rendered();
-        let anew = engine.render(&scene, camera, &wanted(), &RunOptions { no_cull: true, ..run.clone() }).unwrap();
-        assert!(words(&readback.frame) == words(&anew.frame));
-        methods.push((readback.method.name, left_out(&readback, "not in view").len()));
-    }
-    assert_eq!(methods, [("raster", 1), ("trace", 0), ("trace", 0), ("trace", 0)]);
+    let cameras = [away.clone(), camera_at("[0, 5, 14]"), away, camera_at("[1, 5, 14]")];
+    let frames = sequence(&cameras.map(|camera| (&scene, camera)));
+    let found = frames.iter().map(|frame| (frame.method.name, left_out(frame, "not in view").len()));
+    let expected = [("raster", 1), ("trace", 0), ("trace", 0), ("trace", 0)];
+    assert!(frames.is_empty() || found.eq(expected));
+}
+
+/// A light that is black for a while stays, so that nothing is uploaded anew as it goes on and off.
+#[test]
+fn a_light_that_goes_out_stays_for_the_rest_of_a_sequence() {
+    let on = pinhole(&[SHADOWS]);
+    let mut off = on.clone();
+    off.lights[0].colour = [0.0; 3];
+    let camera = Arc::new(on.camera().unwrap());
+    let frames = sequence(&[&off, &on, &off, &on].map(|scene| (scene, camera.clone())));
+    let found = frames.iter().map(|frame| left_out(frame, "black").len());
+    assert!(frames.is_empty() || found.eq([1, 0, 0, 0]));
 }

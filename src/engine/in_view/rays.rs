@@ -12,6 +12,7 @@ pub struct ImageRays<'a> {
     bands: &'a [Band],
     /// Origin of the bounds, world units.
     anchor: DVec3,
+    scene_size: f64,
     t_range: [f64; 2],
 }
 
@@ -25,14 +26,20 @@ const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 /// the device.
 const BOX_TOLERANCE: f64 = 1.0 / (1u64 << 22) as f64;
 
-/// Margin of a box, relative to its distance from the world's origin. It covers the distance of a receiver's triangles from its plane.
+/// Margin of a box, relative to its distance from the world's origin and the size of the scene. It covers the distances of a receiver's
+/// triangles from its plane, 2^-32 of these, and of triangles from the ends of rays at which they count as met, 2^-42.
 const PLACE_TOLERANCE: f64 = 1.0 / (1u64 << 31) as f64;
 
 impl<'a> ImageRays<'a> {
     /// The rays of a plan's bands, which start and end at `t_range`. Returns `None` if the plan does not bound them as straight rays.
     pub fn of(plan: &'a Plan, t_range: [f64; 2]) -> Option<ImageRays<'a>> {
         let is_straight = plan.variant.rechecks() && plan.slabs.count() == 1;
-        is_straight.then_some(ImageRays { bands: &plan.bands, anchor: plan.anchor, t_range })
+        is_straight.then_some(ImageRays {
+            bands: &plan.bands,
+            anchor: plan.anchor,
+            scene_size: plan.scene_size,
+            t_range,
+        })
     }
 
     /// Returns `false` only if no ray meets the box between these corners.
@@ -43,7 +50,7 @@ impl<'a> ImageRays<'a> {
         let half = (hi - lo) / 2.0;
         let centre = lo + half - self.anchor;
         let margin = BOX_TOLERANCE * (centre.abs() + half).max_element()
-            + PLACE_TOLERANCE * (lo.abs().max(hi.abs()) + self.anchor.abs()).max_element();
+            + PLACE_TOLERANCE * ((lo.abs().max(hi.abs()) + self.anchor.abs()).max_element() + self.scene_size);
         let target = Target { centre, half: half + margin };
         !target.half.is_finite() || self.bands.iter().any(|band| target.may_be_met(&band.nodes, self.t_range))
     }
