@@ -487,8 +487,8 @@ impl Resident {
     }
 }
 
-/// Cells from which on an image has all of the spare items in its lists; fewer have a part in proportion: 512 x 512 pixels.
-const SPARE_CELLS: u64 = 4096;
+/// Cells from which on an image has all of the spare items in its lists; fewer have a part in proportion: 256 x 256 pixels.
+const SPARE_CELLS: u64 = 1024;
 
 /// Items of the shortest list.
 const ITEMS_MIN: u64 = 64;
