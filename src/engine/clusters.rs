@@ -65,15 +65,15 @@ const TRIANGLE_BYTES: u64 = 48;
 const COLORED_TRIANGLE_BYTES: u64 = 80;
 const VERTEX_BYTES: u64 = size_of::<Vertex>() as u64;
 
-/// Splits a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with what is wanted of surfaces.
+/// Splits a mesh into chunks none of whose tables exceeds `table_limit` bytes; `surfaces` says which tables there are.
 #[cfg(any(test, feature = "internals"))]
 pub fn cluster<'a>(
     all: impl Into<MovingMesh<'a>>,
     anchor: DVec3,
     surfaces: SurfaceKind,
-    binding_limit: u64,
+    table_limit: u64,
 ) -> Clustered {
-    clustered(all.into(), anchor, (surfaces, true), binding_limit)
+    clustered(all.into(), anchor, (surfaces, true), table_limit)
 }
 
 /// Splits what kernels of a variant know of a mesh into such chunks. They leave spheres out where none is in view.
@@ -81,16 +81,16 @@ pub fn cluster_shown<'a>(
     all: impl Into<MovingMesh<'a>>,
     anchor: DVec3,
     variant: Variant,
-    binding_limit: u64,
+    table_limit: u64,
 ) -> Clustered {
-    clustered(all.into(), anchor, (variant.surfaces(), variant.spheres), binding_limit)
+    clustered(all.into(), anchor, (variant.surfaces(), variant.spheres), table_limit)
 }
 
 fn clustered(
     all: MovingMesh,
     anchor: DVec3,
     (surfaces, has_spheres): (SurfaceKind, bool),
-    binding_limit: u64,
+    table_limit: u64,
 ) -> Clustered {
     let mesh = all.mesh;
     let surface_bytes = if surfaces == SurfaceKind::Colored { COLORED_TRIANGLE_BYTES } else { TRIANGLE_BYTES };
@@ -98,10 +98,10 @@ fn clustered(
     // trace tests a triangle at the two ends of each of its ways
     let traced_bytes = if steps > 1 { 2 * (steps - 1) * TRIANGLE_BYTES } else { TRIANGLE_BYTES };
     let (triangle_bytes, vertex_bytes) = (surface_bytes.max(traced_bytes), steps * VERTEX_BYTES);
-    let whole = mesh.triangles.len() as u64 * triangle_bytes <= binding_limit
-        && mesh.positions.len() as u64 * vertex_bytes <= binding_limit;
+    let whole = mesh.triangles.len() as u64 * triangle_bytes <= table_limit
+        && mesh.positions.len() as u64 * vertex_bytes <= table_limit;
     let per_chunk =
-        if whole { mesh.triangles.len() as u64 } else { binding_limit / triangle_bytes.max(3 * vertex_bytes) };
+        if whole { mesh.triangles.len() as u64 } else { table_limit / triangle_bytes.max(3 * vertex_bytes) };
     let count = mesh.triangles.len() as u64;
     let mut chunks: Vec<Chunk> = (0..count)
         .step_by(per_chunk.max(1) as usize)
