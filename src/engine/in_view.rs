@@ -162,10 +162,15 @@ impl InView {
         }
     }
 
+    /// The number of black lights that are left out.
+    pub fn black_lights_left_out(&self, scene: &Scene) -> usize {
+        if self.black_lights { 0 } else { scene.lights.iter().filter(|light| is_black(light)).count() }
+    }
+
     /// The parts that are left out of a scene with the contents `whole`, for reports.
     pub fn left_out(&self, scene: &Scene, camera: &Camera, wanted: &Wanted, whole: SceneContents) -> Vec<LeftOut> {
         let is_lit = wanted.has_colour();
-        let black = scene.lights.iter().filter(|light| is_black(light)).count();
+        let black = self.black_lights_left_out(scene);
         let idle = scene.projector_lights.len() - self.scene(scene).projector_lights.len();
         let rows = [
             (whole.has_spheres && !self.kinds.spheres, LeftOut::NotInView("spheres")),
@@ -175,7 +180,7 @@ impl InView {
             (camera.optics.is_some() && !self.optics, LeftOut::NotInView("bounce, fit and meet")),
             (whole.volume.is_some() && !self.volume && wanted.needs_volume(), LeftOut::NotInView("volume")),
             (scene.caustics.is_some() && !self.caustics && is_lit, LeftOut::NotInView("caustics")),
-            (black > 0 && !self.black_lights && is_lit, LeftOut::BlackLights(black)),
+            (black > 0 && is_lit, LeftOut::BlackLights(black)),
             (idle > 0 && wanted.needs_appearance(), LeftOut::IdleProjectorLights(idle)),
         ];
         rows.into_iter().filter_map(|(is_left_out, row)| is_left_out.then_some(row)).collect()

@@ -228,6 +228,8 @@ pub struct Plan {
     pub variant: Variant,
     /// The parts of the scene that the kernels know of.
     pub in_view: InView,
+    /// The contents of these parts.
+    pub contents: SceneContents,
     /// The contents of the scene with all parts, and the variant for them.
     pub whole: (SceneContents, Variant),
     /// Pixels of a row.
@@ -391,6 +393,7 @@ impl Plan {
         Plan {
             variant,
             in_view: InView::ALL,
+            contents,
             whole: (contents, variant),
             width: camera.width,
             slabs,
@@ -453,7 +456,7 @@ impl Plan {
 
     /// The plan for kernels of another variant, which know of fewer parts of the scene.
     pub fn showing(self, in_view: InView, variant: Variant, contents: SceneContents, wanted: &Wanted) -> Plan {
-        Plan { variant, in_view, planes: planes(wanted), steps: contents.steps.max(1), ..self }
+        Plan { variant, in_view, contents, planes: planes(wanted), steps: contents.steps.max(1), ..self }
     }
 
     /// The plan with the moments of all pixels of the image, row by row.

@@ -253,7 +253,10 @@ impl Planner {
         });
         if let Some(last) = last.filter(|last| by.is_that_of(last)) {
             let in_view = self.in_view(whole, &last.plan, wanted, run, seen);
-            if in_view == last.plan.in_view {
+            let shown = in_view.contents(&in_view.scene(scene), contents);
+            let has_same_lights =
+                in_view.black_lights_left_out(scene) == in_view.black_lights_left_out(&last.whole.scene);
+            if (in_view, shown) == (last.plan.in_view, last.plan.contents) && has_same_lights {
                 return last.plan.clone();
             }
         }

@@ -3,16 +3,23 @@
 
 use crate::common;
 
-use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::{Camera, Ray};
+use anamorph::internals::engine::in_view::ImageRays;
 use anamorph::internals::engine::left_out::LeftOut;
+use anamorph::internals::engine::plan::variant::variant;
+use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, SceneShape};
 use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Rendered, RunOptions};
+use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::image::png_bytes;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::volume::Mode;
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::load;
 use common::gpu::{Without, engine, render_with, wanted, words};
+use common::rng::Rng;
 use common::volumes::{SHELLS, bumps, grid, volume};
+use common::{ALL_T, FORWARD, camera, scene as scene_of, soup};
 use glam::{DAffine3, DQuat, DVec3};
 use std::sync::Arc;
 
@@ -249,6 +256,55 @@ fn projector_lights() {
     let alone = pinhole(&[&projector(folder.path(), 0, "[0, 0, 0]")]);
     let dark = pinhole(&["[[light]]\ndirection = [0, -1, 0]\ncolor = [0, 0, 0]\n"]);
     assert_left_out("no other light", [&alone, &dark], &["1 projector light"], reason);
+}
+
+/// Whether a ray meets a box between the ends of t.
+fn meets(ray: &Ray, t_range: [f64; 2], (lo, hi): (DVec3, DVec3)) -> bool {
+    let (a, b) = ((lo - ray.origin) / ray.direction, (hi - ray.origin) / ray.direction);
+    let first = a.min(b).max_element().max(t_range[0]);
+    first <= a.max(b).min_element().min(t_range[1])
+}
+
+/// No ray of any pixel meets a box that frames may leave out; and a third of the boxes that all rays miss may be left out, at least.
+#[test]
+fn boxes_that_no_ray_meets() {
+    const PIXELS: (u32, u32) = (48, 36);
+    let shape = MeshShape { discontinuous: true, weights: true, ..Default::default() };
+    let kinds = glc_of_each_class().into_iter().chain([("mesh", mesh_camera(1, 9, 7, shape))]);
+    let mut cameras: Vec<Camera> =
+        kinds.flat_map(|(_, kind)| [FORWARD, ALL_T, [0.2, 0.7]].map(|t| camera(kind.clone(), PIXELS, t))).collect();
+    cameras.push(raymap(PIXELS.0, PIXELS.1, FORWARD));
+    let lens = |keys: &str| {
+        common::file::camera_of("", PIXELS, &format!("{keys}\neye = [0, 0, 2]\ntarget = [0, 0, 0]")).unwrap()
+    };
+    cameras.extend([lens("kind = \"fisheye\"\nfov = 150"), lens("kind = \"sphere\"")]);
+    let mut rng = Rng(5);
+    for camera in cameras {
+        let scene = scene_of(soup(&mut rng, 9, 1.0));
+        let (has, wanted) = (AdapterFeatures { f64: true, ..AdapterFeatures::default() }, wanted());
+        let (contents, extent) = (SceneContents::of(&scene), SceneExtent::of(&camera, SceneShape::of(&scene)));
+        let variant = variant(&camera, contents, &wanted, has, &RunOptions::default());
+        let plan = Plan::new(variant, &camera, contents, extent, &wanted, has, 1 << 27);
+        let rays = ImageRays::of(&plan, camera.t_range).unwrap();
+        let pixels = (0..PIXELS.1).flat_map(|j| (0..PIXELS.0).map(move |i| (i, j)));
+        let all: Vec<Ray> = pixels.filter_map(|(i, j)| camera.ray(i, j)).collect();
+        let (mut left_out, mut missed) = (0, 0);
+        for _ in 0..400 {
+            let (centre, half) = (6.0 * rng.vector(), 0.5 * rng.vector().abs() + 0.01);
+            let bounds = (centre - half, centre + half);
+            let is_met = all.iter().any(|ray| meets(ray, camera.t_range, bounds));
+            let may_be_met = rays.may_meet(bounds);
+            assert!(may_be_met || !is_met, "{}, {:?}: {bounds:?}", camera.kind, camera.t_range);
+            missed += usize::from(!is_met);
+            left_out += usize::from(!may_be_met);
+        }
+        println!("{}, {:?}: {left_out} of {missed} boxes left out", camera.kind, camera.t_range);
+        assert!(
+            camera.kind == "sphere" || missed > 20 && 3 * left_out > missed,
+            "{}: {left_out} of {missed}",
+            camera.kind
+        );
+    }
 }
 
 /// The frames of a sequence, each of a scene through a camera.

@@ -82,7 +82,7 @@ fn a_triangle_takes_what_is_said() {
 fn a_pixel_takes_what_is_said() {
     for mut engine in engines().into_iter().flatten() {
         // lists begin with all spare items from 256 x 256 pixels on
-        let (few, many) = (bytes(&mut engine, 4, 256), bytes(&mut engine, 4, 1024));
+        let (few, many) = (bytes(&mut engine, 5, 256), bytes(&mut engine, 5, 1024));
         let pixels = 1024.0 * 1024.0 - 256.0 * 256.0;
         let (taken, said) = (many.0 - few.0, (pixel(engine.1) + 2.0 * 4.0) * pixels);
         println!("{:.1} bytes a pixel, {:.1} said", taken / pixels, said / pixels);
