@@ -157,9 +157,9 @@ fn alpha_masks_on_a_quad_behind_the_camera() {
 
 #[test]
 fn a_volume_behind_the_camera() {
-    let with = |centre: DVec3| {
+    let with = |center: DVec3| {
         let mut grid = grid([9, 9, 9], DQuat::IDENTITY, bumps);
-        grid.to_world = DAffine3::from_translation(centre) * grid.to_world;
+        grid.to_world = DAffine3::from_translation(center) * grid.to_world;
         Scene { volume: Some(volume(grid, &SHELLS, Mode::Composite, true)), ..pinhole(&[]) }
     };
     let behind = with(DVec3::new(0.0, 2.0, 7.0));
@@ -168,8 +168,8 @@ fn a_volume_behind_the_camera() {
 }
 
 /// A ball of glass at a place, before the same eye.
-fn glass(centre: &str, parts: &[&str]) -> Scene {
-    let lens = format!("lens = {{ shape = \"sphere\", center = {centre}, radius = 0.5 }}");
+fn glass(center: &str, parts: &[&str]) -> Scene {
+    let lens = format!("lens = {{ shape = \"sphere\", center = {center}, radius = 0.5 }}");
     scene(
         parts,
         &format!(
@@ -189,9 +189,9 @@ fn a_glass_ball_behind_the_camera() {
 /// A flat mirror behind the things, in which the camera sees behind itself.
 #[test]
 fn a_mirror_that_shows_a_sphere_behind_the_camera() {
-    let mirror = |centre: &str, parts: &[&str]| {
+    let mirror = |center: &str, parts: &[&str]| {
         let mirror = format!(
-            "mirror = {{ shape = \"quadric\", vertex = {centre}, axis = [0, 0, 1], curvature = 0, radius = 2 }}"
+            "mirror = {{ shape = \"quadric\", vertex = {center}, axis = [0, 0, 1], curvature = 0, radius = 2 }}"
         );
         let eye = VIEW.replace('\n', ", ");
         scene(parts, &format!("kind = \"reflection\"\n{mirror}\neye = {{ kind = \"pinhole\", {eye} }}\n"))
@@ -290,8 +290,8 @@ fn boxes_that_no_ray_meets() {
         let all: Vec<Ray> = pixels.filter_map(|(i, j)| camera.ray(i, j)).collect();
         let (mut left_out, mut missed) = (0, 0);
         for _ in 0..400 {
-            let (centre, half) = (6.0 * rng.vector(), 0.5 * rng.vector().abs() + 0.01);
-            let bounds = (centre - half, centre + half);
+            let (center, half) = (6.0 * rng.vector(), 0.5 * rng.vector().abs() + 0.01);
+            let bounds = (center - half, center + half);
             let is_met = all.iter().any(|ray| meets(ray, camera.t_range, bounds));
             let may_be_met = rays.may_meet(bounds);
             assert!(may_be_met || !is_met, "{}, {:?}: {bounds:?}", camera.kind, camera.t_range);

@@ -48,17 +48,17 @@ impl<'a> ImageRays<'a> {
             return false;
         }
         let half = (hi - lo) / 2.0;
-        let centre = lo + half - self.anchor;
-        let margin = BOX_TOLERANCE * (centre.abs() + half).max_element()
+        let center = lo + half - self.anchor;
+        let margin = BOX_TOLERANCE * (center.abs() + half).max_element()
             + PLACE_TOLERANCE * ((lo.abs().max(hi.abs()) + self.anchor.abs()).max_element() + self.scene_size);
-        let target = Target { centre, half: half + margin };
+        let target = Target { center, half: half + margin };
         !target.half.is_finite() || self.bands.iter().any(|band| target.may_be_met(&band.nodes, self.t_range))
     }
 }
 
 /// A box, relative to the anchor.
 struct Target {
-    centre: DVec3,
+    center: DVec3,
     half: DVec3,
 }
 
@@ -95,7 +95,7 @@ impl Target {
     fn is_missed_by(&self, rays: &Bundle, t_range: [f64; 2]) -> bool {
         let forward = rays.d[0].normalize_or_zero();
         let slowest = forward.dot(rays.d[0]) - forward.dot(rays.d[1]).abs() - forward.dot(rays.d[2]).abs() - rays.r_d;
-        let far = (rays.p[0] - self.centre).length() + size(&rays.p[1..]) + rays.r_p + self.half.length();
+        let far = (rays.p[0] - self.center).length() + size(&rays.p[1..]) + rays.r_p + self.half.length();
         // a ray that is farther along has passed the box
         let most = if slowest > 0.0 { far / slowest * (1.0 + ROUNDING) } else { f64::INFINITY };
         let t = [t_range[0].max(-most), t_range[1].min(most)];
@@ -104,7 +104,7 @@ impl Target {
         }
         let [a, b, c, d] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
             .map_each(|(x, y)| rays.d[0] + x * rays.d[1] + y * rays.d[2]);
-        let to_box = self.centre - rays.p[0];
+        let to_box = self.center - rays.p[0];
         let normals = [
             forward,
             a.cross(b),
@@ -132,8 +132,8 @@ impl Target {
         let ends = [t0 * d_lo, t0 * d_hi, t1 * d_lo, t1 * d_hi];
         let lo = p_lo + ends.into_iter().fold(f64::INFINITY, f64::min);
         let hi = p_hi + ends.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let (middle, half) = (normal.dot(self.centre), normal.abs().dot(self.half));
-        let sizes = self.centre.length()
+        let (middle, half) = (normal.dot(self.center), normal.abs().dot(self.half));
+        let sizes = self.center.length()
             + self.half.length()
             + size(&rays.p)
             + rays.r_p
