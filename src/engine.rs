@@ -13,6 +13,7 @@ mod composition;
 mod counts;
 mod encode;
 mod frames;
+pub mod in_view;
 pub mod left_out;
 mod medium;
 pub mod pages;
@@ -250,7 +251,7 @@ impl Engine {
     /// Uploads what was planned. No frame is rendered yet.
     fn upload(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
         let own_scene = planned.scene_without_optics();
-        let Planned { scene, camera, plan, clustered, wanted, .. } = planned;
+        let Planned { scene, camera, whole, plan, clustered, wanted, .. } = planned;
         let mut atlas = self.atlas_renderer(&own_scene, &camera, &wanted, run)?;
         let caustics = if wanted.has_colour() { self.device_caustics(&own_scene)? } else { None };
         run.share.enter("compiling kernels");
@@ -260,6 +261,7 @@ impl Engine {
         let rival = run.rival.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
         run.share.enter("uploading triangles");
         let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, run.capacities)?;
+        resident.take_pictures(whole.facts.beams.pictures());
         resident.upload_appearance(&self.gpu, &self.pages, &scene, &plan)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
         if let Some(most) = run.draws_max.filter(|most| draws > *most) {
@@ -274,6 +276,8 @@ impl Engine {
             gpu: self.gpu.clone(),
             #[cfg(feature = "internals")]
             planner: self.planner(),
+            #[cfg(feature = "internals")]
+            whole,
             run: run.clone(),
             pages: self.pages.clone(),
             stages,

@@ -66,6 +66,9 @@ pub mod engine {
     pub mod combinations {
         pub use crate::engine::combinations::{Feature, REFUSALS, Refusal, at_once};
     }
+    pub mod in_view {
+        pub use crate::engine::in_view::rays::ImageRays;
+    }
     pub mod left_out {
         pub use crate::engine::left_out::LeftOut;
     }

@@ -78,38 +78,39 @@ impl Changes {
     }
 }
 
-/// What a plan follows from.
+/// What a plan follows from, with all parts of the scene.
 pub(super) struct PlannedBy<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Arc<Camera>,
     pub extent: SceneExtent,
     pub wanted: &'a Wanted,
-    pub variant: Variant,
+    pub whole: (SceneContents, Variant),
 }
 
 impl PlannedBy<'_> {
-    /// The plan of `last` is the plan for this.
+    /// The plan of `last` is the plan for this, if the same parts of the scene show.
     pub fn is_that_of(&self, last: &Planned) -> bool {
-        let PlannedBy { scene, camera, extent, wanted, variant } = self;
+        let PlannedBy { scene, camera, extent, wanted, whole } = self;
         let Plan { anchor, origin, centre, scene_size, .. } = *last.plan;
-        Arc::ptr_eq(&last.camera, camera)
+        let was = &last.whole.scene;
+        Arc::ptr_eq(&last.whole.camera, camera)
             && SceneExtent { anchor, origin, centre, scene_size } == *extent
-            && SceneContents::of(&last.scene) == SceneContents::of(scene)
             && last.wanted == **wanted
-            && (&last.scene.style, last.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
-            && last.plan.variant == *variant
-            && (scene.steps.is_none() || same_steps(&last.scene, scene) && last.scene.exposure == scene.exposure)
+            && was.style == scene.style
+            && last.plan.whole == *whole
+            && (scene.steps.is_none() || same_steps(was, scene) && was.exposure == scene.exposure)
     }
 }
 
 /// The clusters of `last` hold the triangles of this scene for this plan, relative to this anchor or another one.
 pub(super) fn same_places(last: &Planned, scene: &Scene, plan: &Plan) -> bool {
-    same_mesh(&last.scene, scene) && last.plan.variant.surfaces() == plan.variant.surfaces()
+    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.spheres);
+    same_mesh(&last.scene, scene) && by(&last.plan) == by(plan)
 }
 
 /// The scene of `last`, without the facets of a camera, is made of these triangles.
 pub(super) fn same_triangles(last: &Planned, scene: &Scene) -> bool {
-    Arc::ptr_eq(&last.own_mesh, &scene.mesh) && same_steps(&last.scene, scene)
+    same_mesh(&last.whole.scene, scene)
 }
 
 /// Both are made of the same triangles, not of equal ones.

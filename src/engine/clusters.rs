@@ -9,7 +9,7 @@ pub mod surfaces;
 use crate::arrays::MapEach;
 use crate::geometry::mesh::{self, Mesh};
 use crate::geometry::time_steps::MovingMesh;
-use crate::gpu::kernels::SurfaceKind;
+use crate::gpu::kernels::{SurfaceKind, Variant};
 use crate::gpu::layout::{
     CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, SPHERE, TRIANGLE_GROUP, Vertex, split2,
 };
@@ -29,7 +29,7 @@ pub struct Chunk {
     /// Per slot: three vertices in the order of their positions; id, file order and sidedness. Of a sphere: the vertex in its centre, its
     /// radius as two f32, and its id, [`SPHERE`] and sidedness.
     pub triangles: Arc<Vec<[u32; 4]>>,
-    /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit.
+    /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit, and for spheres that are out of view.
     pub slot_of_id: Arc<Vec<u32>>,
     pub clusters: Vec<Cluster>,
     /// One for each triangle group of each cluster; the last cluster's may be empty.
@@ -69,13 +69,32 @@ const COLORED_TRIANGLE_BYTES: u64 = 80;
 const VERTEX_BYTES: u64 = size_of::<Vertex>() as u64;
 
 /// Splits a mesh into chunks none of whose tables exceeds `table_limit` bytes; `surfaces` says which tables there are.
+#[cfg(any(test, feature = "internals"))]
 pub fn cluster<'a>(
     all: impl Into<MovingMesh<'a>>,
     anchor: DVec3,
     surfaces: SurfaceKind,
     table_limit: u64,
 ) -> Clustered {
-    let all = all.into();
+    clustered(all.into(), anchor, (surfaces, true), table_limit)
+}
+
+/// Splits what kernels of a variant know of a mesh into such chunks. They leave spheres out where none is in view.
+pub fn cluster_shown<'a>(
+    all: impl Into<MovingMesh<'a>>,
+    anchor: DVec3,
+    variant: Variant,
+    table_limit: u64,
+) -> Clustered {
+    clustered(all.into(), anchor, (variant.surfaces(), variant.spheres), table_limit)
+}
+
+fn clustered(
+    all: MovingMesh,
+    anchor: DVec3,
+    (surfaces, has_spheres): (SurfaceKind, bool),
+    table_limit: u64,
+) -> Clustered {
     let mesh = all.mesh;
     let surface_bytes = if surfaces == SurfaceKind::Colored { COLORED_TRIANGLE_BYTES } else { TRIANGLE_BYTES };
     let steps = u64::from(all.count());
@@ -91,7 +110,7 @@ pub fn cluster<'a>(
         .step_by(per_chunk.max(1) as usize)
         .map(|first| {
             let ids = first as u32..(first + per_chunk).min(count) as u32;
-            chunk(all, anchor, ids, whole)
+            chunk(all, anchor, ids, (whole, has_spheres))
         })
         .collect();
     if chunks.is_empty() {
@@ -99,14 +118,18 @@ pub fn cluster<'a>(
         chunks.push(Chunk::default());
     }
     let slots: usize = chunks.iter().map(|c| c.triangles.len()).sum();
-    let without_area = mesh.triangles.len() - slots;
+    let hidden = if has_spheres { 0 } else { mesh.sphere_count() };
+    let without_area = mesh.triangles.len() - hidden - slots;
     let [places, slots] = Default::default();
     Clustered { chunks, anchor, places, slots, moved: None, surfaces, without_area }
 }
 
-fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, whole: bool) -> Chunk {
+fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, has_spheres): (bool, bool)) -> Chunk {
     let mesh = all.mesh;
-    let order = morton_order(all, ids.clone());
+    let mut order = morton_order(all, ids.clone());
+    if !has_spheres {
+        order.retain(|id| mesh.radius(*id).is_none());
+    }
     let mut chunk = Chunk { id_first: ids.start, id_count: ids.len() as u32, steps: all.count(), ..Default::default() };
     if !whole {
         chunk.used = Some(Arc::new(used_vertices(mesh, &order)));

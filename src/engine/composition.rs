@@ -3,6 +3,7 @@
 //! composite.
 
 use super::combinations::Asked;
+use super::left_out::LeftOut;
 use super::plan::Wanted;
 use super::{Engine, Method, Rendered, RunOptions};
 use crate::camera::composition::{Composition, Held};
@@ -230,7 +231,7 @@ const NEWTON_STEPS: u32 = 4;
 fn joined(mut all: Rendered, next: Rendered) -> Rendered {
     all.add_costs(&next);
     all.left_out.extend(next.left_out);
-    all.left_out.dedup_by(|a, b| discriminant(a) == discriminant(b));
+    all.left_out.dedup_by(|a, b| discriminant(a) == discriminant(b) && !matches!(a, LeftOut::NotInView(_)));
     all
 }
 

@@ -14,7 +14,7 @@ use super::resident::{BvhState, Resident};
 use super::running::Running;
 use super::{Counts, MethodUsed, Rendered, RunOptions};
 use crate::camera::Camera;
-use crate::engine::clusters::{Clustered, cluster};
+use crate::engine::clusters::{Clustered, cluster_shown};
 use crate::engine::left_out::LeftOut;
 use crate::engine::plan::{Plan, Wanted};
 use crate::engine::rival::Rival;
@@ -36,13 +36,16 @@ pub struct Frames {
     /// Plans anew when the camera changes.
     #[cfg(feature = "internals")]
     pub(super) planner: super::planned::Planner,
+    /// The scene and the camera with the parts that are out of view.
+    #[cfg(feature = "internals")]
+    pub(super) whole: super::planned::Whole,
     pub(super) run: RunOptions,
     /// Where the images on triangles come from.
     pub(super) pages: Arc<PageStore>,
     pub(super) stages: Arc<Stages>,
     /// For rays after a bounce.
     pub(super) after_bounce: Option<Arc<Stages>>,
-    pub(super) scene: Scene,
+    pub(super) scene: Arc<Scene>,
     pub(super) camera: Arc<Camera>,
     pub(super) plan: Arc<Plan>,
     pub(super) wanted: Wanted,
@@ -169,7 +172,7 @@ impl Frames {
     pub(super) fn build_bvh(&mut self) -> Result<()> {
         let Plan { anchor, origin, variant, .. } = *self.plan;
         self.run.share.enter("building a hierarchy");
-        let anew = || Arc::new(cluster(self.scene.moving_mesh(), anchor, variant.surfaces(), self.gpu.table_limit));
+        let anew = || Arc::new(cluster_shown(self.scene.moving_mesh(), anchor, variant, self.gpu.table_limit));
         let clustered = self.shown.upgrade().unwrap_or_else(anew);
         self.resident.build_bvh(&self.gpu, (&clustered, self.scene.moving_mesh()), origin)?;
         self.run.share.enter("");
@@ -248,7 +251,7 @@ impl Frames {
             let triangles = (&*clustered, (&*moved.mesh).into());
             return self.resident.move_scene(&self.gpu, triangles, None, self.plan.origin);
         }
-        *clustered = cluster(&*moved.mesh, self.plan.anchor, self.plan.variant.surfaces(), self.gpu.table_limit);
+        *clustered = cluster_shown(&*moved.mesh, self.plan.anchor, self.plan.variant, self.gpu.table_limit);
         self.resident.upload_scene(&self.gpu, (clustered, (&*moved.mesh).into()), self.plan.origin)?;
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }
@@ -328,6 +331,8 @@ impl Frames {
             self.resident.upload_appearance(&self.gpu, &self.pages, scene, plan)?;
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
+        #[cfg(feature = "internals")]
+        self.whole.clone_from(&planned.whole);
         (self.plan, self.wanted) = (plan.clone(), wanted.clone());
         self.is_partly_uploaded = false;
         self.mark_dirty(changes);

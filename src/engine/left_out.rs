@@ -58,6 +58,12 @@ pub enum LeftOut {
     /// One frame for the images of several cameras, and why not.
     OneFrame(&'static str),
     Missing(Missing),
+    /// A part of the engine for things that no ray of the image meets.
+    NotInView(&'static str),
+    /// Lights that send out nothing, by their number.
+    BlackLights(usize),
+    /// Projector lights that light nothing in view, by their number.
+    IdleProjectorLights(usize),
 }
 
 impl LeftOut {
@@ -111,6 +117,13 @@ impl LeftOut {
             LeftOut::Style => ["style", "the reference draws no wireframe, outline, borders or hatching"],
             LeftOut::OneFrame(why) => ["one frame for all images", why],
             LeftOut::Missing(missing) => [&*missing.what, &*missing.why],
+            LeftOut::NotInView(part) => [part, "not in view"],
+            LeftOut::IdleProjectorLights(1) => ["1 projector light", "lights nothing in view"],
+            LeftOut::IdleProjectorLights(count) => {
+                return [format!("{count} projector lights").into(), "light nothing in view".into()];
+            }
+            LeftOut::BlackLights(1) => ["1 light", "black"],
+            LeftOut::BlackLights(count) => return [format!("{count} lights").into(), "black".into()],
         };
         [what.into(), why.into()]
     }

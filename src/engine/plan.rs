@@ -26,6 +26,7 @@ use crate::arrays::MapEach;
 use crate::camera::perturb::scene_size;
 use crate::camera::ray_order::is_reordered;
 use crate::camera::{Camera, Rays};
+use crate::engine::in_view::InView;
 use crate::engine::left_out::LeftOut;
 use crate::geometry::mesh::Material;
 use crate::geometry::time_steps::Moment;
@@ -74,6 +75,7 @@ pub struct SceneContents {
     pub steps: u32,
     /// Rays pass through a volume.
     pub volume: Option<VolumeKind>,
+    pub has_caustics: bool,
 }
 
 impl SceneContents {
@@ -100,6 +102,7 @@ impl SceneContents {
             has_images: mesh.is_textured(),
             has_alpha_masks: mesh.has_alpha_masks(),
             has_gloss: mesh.materials.iter().any(Material::is_glossy),
+            has_caustics: scene.caustics.is_some(),
         }
     }
 }
@@ -180,7 +183,7 @@ impl Wanted {
     }
 
     /// What a volume changes is part of it.
-    fn needs_volume(&self) -> bool {
+    pub(crate) fn needs_volume(&self) -> bool {
         self.has_colour() || self.channels.contains(&Channel::A)
     }
 
@@ -223,6 +226,12 @@ pub struct Band {
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub variant: Variant,
+    /// The parts of the scene that the kernels know of.
+    pub in_view: InView,
+    /// The contents of these parts.
+    pub contents: SceneContents,
+    /// The contents of the scene with all parts, and the variant for them.
+    pub whole: (SceneContents, Variant),
     /// Pixels of a row.
     pub width: u32,
     pub slabs: Slabs,
@@ -367,29 +376,8 @@ impl Plan {
         wanted: &Wanted,
     ) -> Plan {
         let slabs = Slabs::of(camera);
-        let mut planes: Vec<Channel> = wanted.channels.iter().copied().filter(|c| c.is_rendered()).collect();
-        if wanted.srgb8 {
-            planes.extend([Channel::R, Channel::G, Channel::B]);
-        }
-        planes.extend((wanted.sample_ids || wanted.has_labels()).then_some(Channel::TriangleId));
-        planes.extend(wanted.has_normalised_depth().then_some(Channel::Z));
-        planes.sort_unstable();
-        planes.dedup();
-        let table_bytes = match variant.rays {
-            // an item of `paths`
-            RaysKind::Pieces | RaysKind::Field if variant.optics.is_some() => 32,
-            RaysKind::Pieces => 0,
-            RaysKind::Field => 24,
-            RaysKind::Curves { degree } => 12 * (degree as u64 + 1) * slabs.layers as u64,
-        };
-        let sample_bytes = match variant.rays {
-            _ if !variant.samples_edges() => 0,
-            RaysKind::Pieces => 8 * u64::from(variant.samples + 1),
-            RaysKind::Field | RaysKind::Curves { .. } => 24 * u64::from(variant.samples),
-        };
-        // of 8 bytes each, and a quarter more for what is uncertain
-        let item_bytes = 10 * variant.proven_a_pixel(camera.layers.len());
-        let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes).max(item_bytes);
+        let planes = planes(wanted);
+        let pixel_bytes = pixel_bytes(variant, &planes, slabs);
         let sample_offsets = match variant.samples_edges() {
             // the rasterizer says what its samples see at the pixel's centre
             true if variant.centred => vec![DVec2::ZERO; variant.samples as usize],
@@ -404,6 +392,9 @@ impl Plan {
         let left_out = left_out(camera, slabs, &bands, &planes, wanted, contents, target.has);
         Plan {
             variant,
+            in_view: InView::ALL,
+            contents,
+            whole: (contents, variant),
             width: camera.width,
             slabs,
             bands,
@@ -424,7 +415,50 @@ impl Plan {
     }
 }
 
+/// The channels that `shade` writes.
+fn planes(wanted: &Wanted) -> Vec<Channel> {
+    let mut planes: Vec<Channel> = wanted.channels.iter().copied().filter(|c| c.is_rendered()).collect();
+    if wanted.srgb8 {
+        planes.extend([Channel::R, Channel::G, Channel::B]);
+    }
+    planes.extend((wanted.sample_ids || wanted.has_labels()).then_some(Channel::TriangleId));
+    planes.extend(wanted.has_normalised_depth().then_some(Channel::Z));
+    planes.sort_unstable();
+    planes.dedup();
+    planes
+}
+
+/// Bytes that the widest table of a band has a pixel.
+fn pixel_bytes(variant: Variant, planes: &[Channel], slabs: Slabs) -> u64 {
+    let table_bytes = match variant.rays {
+        // an item of `paths`
+        RaysKind::Pieces | RaysKind::Field if variant.optics.is_some() => 32,
+        RaysKind::Pieces => 0,
+        RaysKind::Field => 24,
+        RaysKind::Curves { degree } => 12 * (degree as u64 + 1) * slabs.layers as u64,
+    };
+    let sample_bytes = match variant.rays {
+        _ if !variant.samples_edges() => 0,
+        RaysKind::Pieces => 8 * u64::from(variant.samples + 1),
+        RaysKind::Field | RaysKind::Curves { .. } => 24 * u64::from(variant.samples),
+    };
+    // of 8 bytes each, and a quarter more for what is uncertain
+    let item_bytes = 10 * variant.proven_a_pixel(slabs.layers as usize);
+    (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes).max(item_bytes)
+}
+
 impl Plan {
+    /// Whether the tables of another variant fit a binding in the bands of this plan.
+    pub fn fits(&self, variant: Variant, wanted: &Wanted, binding_limit: u64) -> bool {
+        let row_bytes = u64::from(self.width + 1) * pixel_bytes(variant, &planes(wanted), self.slabs);
+        u64::from(self.rows_max() + 1) * row_bytes <= binding_limit
+    }
+
+    /// The plan for kernels of another variant, which know of fewer parts of the scene.
+    pub fn showing(self, in_view: InView, variant: Variant, contents: SceneContents, wanted: &Wanted) -> Plan {
+        Plan { variant, in_view, contents, planes: planes(wanted), steps: contents.steps.max(1), ..self }
+    }
+
     /// The plan with the moments of all pixels of the image, row by row.
     pub fn with_moments(mut self, moments: &[Moment]) -> Plan {
         let width = self.width as usize;

@@ -3,14 +3,14 @@
 use super::RunOptions;
 use super::changes::{PlannedBy, same_places, same_triangles};
 use super::combinations::Asked;
+use super::in_view::{InView, SceneFacts};
 use super::medium::node_bytes;
 use crate::camera::ray_order::reordered;
 use crate::camera::{Camera, Rays};
 use crate::engine::call_ms::{CallMs, ms_since};
-use crate::engine::clusters::{Clustered, cluster};
+use crate::engine::clusters::{Clustered, cluster_shown};
 use crate::engine::plan::variant::{method, variant};
 use crate::engine::plan::{Plan, PlanTarget, SceneContents, SceneExtent, SceneShape, Wanted};
-use crate::geometry::mesh::Mesh;
 use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::Method;
 use crate::image::frame::Channel;
@@ -36,14 +36,12 @@ pub struct Planner {
 /// A frame, planned.
 #[derive(Clone)]
 pub struct Planned {
-    /// With the facets of the camera's optics, as the last triangles of its mesh.
-    pub(super) scene: Scene,
-    /// The scene's mesh without these facets.
-    pub(super) own_mesh: Arc<Mesh>,
-    /// The same of the scene without these facets.
-    shape: SceneShape,
-    /// With its pixels in the order of their rays, where these are incoherent.
+    /// The parts that show, with the facets of the camera's optics as the last triangles of the mesh.
+    pub(super) scene: Arc<Scene>,
+    /// The camera, without its optics where these do not show.
     pub(super) camera: Arc<Camera>,
+    /// The scene and the camera with all parts.
+    pub(super) whole: Whole,
     /// The camera with its pixels in their own order; only to recognize it.
     asked: Weak<Camera>,
     pub(super) plan: Arc<Plan>,
@@ -53,10 +51,35 @@ pub struct Planned {
     pub(super) call: CallMs,
 }
 
+/// A scene and a camera with all parts, shown or not.
+#[derive(Clone)]
+pub(super) struct Whole {
+    /// Without the facets of the camera's optics.
+    pub scene: Arc<Scene>,
+    pub shape: SceneShape,
+    /// Facts about these triangles and projector lights.
+    pub facts: Arc<SceneFacts>,
+    /// With its pixels in the order of their rays, where these are incoherent.
+    pub camera: Arc<Camera>,
+}
+
 impl Planned {
-    /// The scene that was asked for.
-    pub(super) fn scene_without_optics(&self) -> Scene {
-        Scene { mesh: self.own_mesh.clone(), ..self.scene.clone() }
+    /// The parts of the scene that show, without the facets of the camera's optics.
+    pub(super) fn scene_without_optics(&self) -> Arc<Scene> {
+        match Arc::ptr_eq(&self.scene.mesh, &self.whole.scene.mesh) {
+            true => self.scene.clone(),
+            false => Arc::new(Scene { mesh: self.whole.scene.mesh.clone(), ..Scene::clone(&self.scene) }),
+        }
+    }
+}
+
+impl Whole {
+    /// Takes over from `last` what follows from the triangles alone, where these are the same.
+    fn of(scene: &Scene, camera: Arc<Camera>, shape: SceneShape, last: Option<&Planned>) -> Whole {
+        let has_same_beams = |last: &&Planned| last.whole.scene.projector_lights == scene.projector_lights;
+        let same = last.filter(|last| same_triangles(last, scene)).filter(has_same_beams);
+        let facts = same.map_or_else(Arc::default, |last| last.whole.facts.clone());
+        Whole { scene: Arc::new(scene.clone()), shape, facts, camera }
     }
 }
 
@@ -114,7 +137,7 @@ impl Planner {
         let centre = SceneExtent::of(&asked, shape).centre;
         let known = last.filter(|l| l.asked.as_ptr() == Arc::as_ptr(&asked) && l.plan.centre == centre);
         let camera = match known {
-            Some(last) => last.camera.clone(),
+            Some(last) => last.whole.camera.clone(),
             None => reordered(&asked, centre).map_or_else(|| asked.clone(), Arc::new),
         };
         let planned = self.plan_in_order((scene, shape), camera, wanted, run, last)?;
@@ -128,9 +151,8 @@ impl Planner {
             return None;
         }
         let run = RunOptions { method: Method::Raster, ..run.clone() };
-        let scene = planned.scene_without_optics();
-        let again =
-            self.plan_in_order((&scene, planned.shape), planned.camera.clone(), &planned.wanted, &run, None).ok()?;
+        let Whole { scene, shape, camera, .. } = &planned.whole;
+        let again = self.plan_in_order((scene, *shape), camera.clone(), &planned.wanted, &run, None).ok()?;
         (again.plan.variant.method == Method::Raster).then(|| Planned { asked: planned.asked.clone(), ..again })
     }
 
@@ -143,7 +165,6 @@ impl Planner {
         run: &RunOptions,
         last: Option<&Planned>,
     ) -> Result<Planned> {
-        let own_mesh = scene.mesh.clone();
         let asked_for = Asked {
             rival: run.rival,
             no_cull: run.no_cull,
@@ -152,15 +173,24 @@ impl Planner {
             ..Asked::new(scene, &camera, wanted)
         };
         asked_for.check()?;
-        let whole = scene.with_optics(&camera);
-        let shape_of_whole = if matches!(whole, Cow::Borrowed(_)) { shape } else { SceneShape::of(&whole) };
-        let scene = whole.into_owned();
-        let extent = SceneExtent::of(&camera, shape_of_whole);
-        check_size(shape_of_whole, extent)?;
+        let whole = Whole::of(scene, camera.clone(), shape, last);
+        let with_optics = scene.with_optics(&whole.camera);
+        let has_facets = matches!(with_optics, Cow::Owned(_));
+        let shape_of_all = if has_facets { SceneShape::of(&with_optics) } else { shape };
+        let extent = SceneExtent::of(&whole.camera, shape_of_all);
+        check_size(shape_of_all, extent)?;
         scene.check_depth(&wanted.channels)?;
-        self.check_normals(&scene)?;
-        self.check_volume(&scene)?;
-        let plan = self.plan_of(&scene, &camera, extent, wanted, run, last);
+        self.check_normals(&with_optics)?;
+        self.check_volume(scene)?;
+        let plan = self.plan_of(&whole, &with_optics, extent, wanted, run, last);
+        let scene = match plan.in_view.optics && has_facets {
+            true => Arc::new(plan.in_view.scene(&with_optics).into_owned()),
+            false => match plan.in_view.scene(&whole.scene) {
+                Cow::Borrowed(_) => whole.scene.clone(),
+                Cow::Owned(shown) => Arc::new(shown),
+            },
+        };
+        let shown_camera = plan.in_view.camera(&whole.camera).into_owned();
         let started = Instant::now();
         let clustered = match last.filter(|l| same_places(l, &scene, &plan)) {
             Some(last) if last.plan.anchor == plan.anchor => last.clustered.clone(),
@@ -169,14 +199,14 @@ impl Planner {
                 Some(moved) => moved,
                 None => {
                     run.share.enter("sorting triangles");
-                    cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit)
+                    cluster_shown(scene.moving_mesh(), plan.anchor, plan.variant, self.table_limit)
                 }
             }),
         };
         let call = CallMs { place: ms_since(started), ..CallMs::default() };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
         let (asked, wanted) = (Arc::downgrade(&camera), wanted.clone());
-        Ok(Planned { scene, own_mesh, shape, camera, asked, plan, clustered, wanted, call })
+        Ok(Planned { scene, camera: shown_camera, whole, asked, plan, clustered, wanted, call })
     }
 
     /// Refuses more normals than one binding holds, before any work on the triangles.
@@ -209,40 +239,80 @@ impl Planner {
 
     fn plan_of(
         &self,
-        scene: &Scene,
-        camera: &Arc<Camera>,
+        whole: &Whole,
+        with_optics: &Scene,
         extent: SceneExtent,
         wanted: &Wanted,
         run: &RunOptions,
         last: Option<&Planned>,
     ) -> Arc<Plan> {
-        let contents = SceneContents::of(scene);
+        let Whole { scene, camera, .. } = whole;
+        let contents = SceneContents::of(with_optics);
         let written = written(scene, camera, wanted);
         let variant = variant(camera, contents, &written, self.has, run);
-        let by = PlannedBy { scene, camera, extent, wanted, variant };
-        match last.filter(|last| by.is_that_of(last)) {
-            Some(last) => last.plan.clone(),
-            None => {
-                let plan = self.plan_by(run, camera, (contents, extent), &written, last.map(|last| &*last.plan));
-                Arc::new(scene.moments(camera).map_or(plan.clone(), |moments| plan.with_moments(&moments)))
+        let by = PlannedBy { scene, camera, extent, wanted, whole: (contents, variant) };
+        let seen = last.filter(|last| same_triangles(last, scene) && last.wanted == *wanted).map(|last| InView {
+            // a light that is black for a while takes no kernels away
+            black_lights: last.plan.in_view.black_lights
+                || last.whole.scene.lights != scene.lights && last.plan.variant.lights == variant.lights,
+            ..last.plan.in_view
+        });
+        if let Some(last) = last.filter(|last| by.is_that_of(last)) {
+            let in_view = self.in_view(whole, &last.plan, wanted, run, seen);
+            let shown = in_view.contents(&in_view.scene(scene), contents);
+            let has_same_lights =
+                in_view.black_lights_left_out(scene) == in_view.black_lights_left_out(&last.whole.scene);
+            if (in_view, shown) == (last.plan.in_view, last.plan.contents) && has_same_lights {
+                return last.plan.clone();
             }
         }
+        let plan = self.plan_by(run, whole, (contents, extent), wanted, (seen, last.map(|last| &*last.plan)));
+        let moments = if plan.variant.timed { scene.moments(camera) } else { None };
+        Arc::new(match moments {
+            Some(moments) => plan.with_moments(&moments),
+            None => plan,
+        })
     }
 
-    /// The plan of frames with these options, with exactly the wanted channels; what follows from the lens alone is taken from `last`.
+    /// The parts of a scene that a frame shows, and those that an earlier one has shown: a part that comes into view brings other kernels and
+    /// all triangles anew, once.
+    fn in_view(&self, whole: &Whole, plan: &Plan, wanted: &Wanted, run: &RunOptions, seen: Option<InView>) -> InView {
+        let in_view = InView::of(&whole.scene, &whole.facts, &whole.camera, plan, wanted, run);
+        seen.map_or(in_view, |seen| in_view.joined(seen))
+    }
+
+    /// The plan of frames with these options of the parts of a scene that show, and of those that were `seen` before; what follows from the lens
+    /// alone is taken from `last`. `contents` are with the facets of the camera's optics.
     pub(super) fn plan_by(
         &self,
         run: &RunOptions,
-        camera: &Camera,
+        whole: &Whole,
         (contents, extent): (SceneContents, SceneExtent),
         wanted: &Wanted,
-        last: Option<&Plan>,
+        (seen, last): (Option<InView>, Option<&Plan>),
     ) -> Plan {
-        let variant = variant(camera, contents, wanted, self.has, run);
-        let method_why = method(camera, contents, wanted, self.has, run).1;
-        let target =
-            PlanTarget { has: self.has, binding_limit: self.limit, aims: run.rival.is_none() && variant.f64, last };
-        Plan { method_why, ..Plan::on(target, variant, camera, contents, extent, wanted) }
+        let Whole { scene, camera, .. } = whole;
+        let all = written(scene, camera, wanted);
+        let variant_of_all = variant(camera, contents, &all, self.has, run);
+        let aims = run.rival.is_none() && variant_of_all.f64;
+        let target = PlanTarget { has: self.has, binding_limit: self.limit, aims, last };
+        let method_why = method(camera, contents, &all, self.has, run).1;
+        let plan = Plan { method_why, ..Plan::on(target, variant_of_all, camera, contents, extent, &all) };
+        let in_view = self.in_view(whole, &plan, wanted, run, seen);
+        if in_view == InView::ALL {
+            return plan;
+        }
+        let (shown, eye) = (in_view.scene(scene), in_view.camera(camera));
+        let contents_shown = in_view.contents(&shown, contents);
+        let wanted_shown = written(&shown, &eye, wanted);
+        let variant = variant(&eye, contents_shown, &wanted_shown, self.has, run);
+        if !plan.fits(variant, &wanted_shown, self.limit) {
+            return plan;
+        }
+        let method_why = method(&eye, contents_shown, &wanted_shown, self.has, run).1;
+        let mut plan = plan.showing(in_view, variant, contents_shown, &wanted_shown);
+        plan.left_out.extend(in_view.left_out(scene, camera, wanted, contents));
+        Plan { method_why, ..plan }
     }
 }
 
@@ -279,7 +349,8 @@ pub(super) fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
 
 /// The triangles of `last` for this plan, where only some of their vertices have moved.
 fn moved(last: &Planned, scene: &Scene, plan: &Plan) -> Option<Clustered> {
-    if scene.steps.is_some() || last.clustered.surfaces != plan.variant.surfaces() {
+    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.spheres);
+    if scene.steps.is_some() || last.scene.steps.is_some() || by(&last.plan) != by(plan) {
         return None;
     }
     let moved = last.clustered.moved(&last.scene.mesh, &scene.mesh)?;
@@ -288,7 +359,7 @@ fn moved(last: &Planned, scene: &Scene, plan: &Plan) -> Option<Clustered> {
 
 /// The shape of a scene, taken over where it is that of `last`.
 fn shape(scene: &Scene, last: Option<&Planned>) -> SceneShape {
-    last.filter(|last| same_triangles(last, scene)).map_or_else(|| SceneShape::of(scene), |last| last.shape)
+    last.filter(|last| same_triangles(last, scene)).map_or_else(|| SceneShape::of(scene), |last| last.whole.shape)
 }
 
 /// Supported scene sizes, world units: outside them f32 and pairs of f32 overflow or underflow.

@@ -225,6 +225,11 @@ impl Resident {
         each.try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk, triangles))
     }
 
+    /// Takes over the patches of pictures that a plan has made.
+    pub fn take_pictures(&mut self, pictures: Option<&ScenePictures>) {
+        self.pictures = pictures.cloned();
+    }
+
     /// Rebuilds the hierarchy of shadow casters when the appearance is next uploaded.
     pub fn forget_shadow_casters(&mut self) {
         self.shadow_casters = None;
@@ -336,20 +341,25 @@ impl Resident {
         Ok(self.shadow_casters.insert(built).packed(scene))
     }
 
-    /// A start from the size of the largest chunk: most clusters meet a few nodes, most triangles a few tiles, of very many triangles one or
-    /// none; plus 32 MiB in all, so that the first frames of all but very few scenes fit. A frame whose lists are too small is done again.
+    /// A start from the sizes of the image and of the largest chunk: most clusters meet a few nodes, most triangles a few tiles, of very many
+    /// triangles one or none; plus up to 32 MiB in all, so that the first frames of all but very few scenes fit. A frame whose lists are too
+    /// small is done again.
     fn first_guess(&self, camera: &Camera, plan: &Plan) -> Capacities {
         let largest = |of: fn(&ChunkOnDevice) -> u32| self.chunks.iter().map(of).max().map_or(0, u64::from);
-        let (clusters, triangles) = (largest(|chunk| chunk.clusters), largest(|chunk| chunk.slots));
+        let (clusters, slots) = (largest(|chunk| chunk.clusters), largest(|chunk| chunk.slots));
         let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
         let proven = pixels * plan.variant.proven_a_pixel(camera.layers.len());
         let cells = plan.bands.iter().map(|b| b.tiles.cells.len()).max().unwrap_or(0) as u64;
+        let nodes = plan.bands.iter().map(|b| b.nodes.nodes.len()).max().unwrap_or(0) as u64;
+        let spare = |items: u64| items * cells.min(SPARE_CELLS) / SPARE_CELLS;
+        // no list has an item twice
+        let items = |things: u64, guess: u64| guess.min(things * nodes).max(ITEMS_MIN);
         Capacities {
-            queue: 8 * clusters + (1 << 15),
-            work: 4 * clusters + (1 << 17),
-            tasks: 16 * clusters + (1 << 18),
-            pairs: (2 * triangles).min(triangles + triangles / 4 + (1 << 22)) + 4 * cells + (1 << 20),
-            recheck_items: triangles / 16 + pixels / 64 + proven + (1 << 14),
+            queue: items(clusters, 8 * clusters + spare(1 << 15)),
+            work: items(clusters, 4 * clusters + spare(1 << 17)),
+            tasks: items(slots, 16 * clusters + spare(1 << 18)),
+            pairs: items(slots, (2 * slots).min(slots + slots / 4 + (1 << 22)) + 4 * cells + spare(1 << 20)),
+            recheck_items: slots / 16 + pixels / 64 + proven + (1 << 14),
             edges: pixels / 8 + 1024,
         }
     }
@@ -492,6 +502,12 @@ impl Resident {
         chunks + rest + self.bounce_tables.as_ref().map_or(0, BounceTables::bytes)
     }
 }
+
+/// Cells from which on an image has all of the spare items in its lists; fewer have a part in proportion: 256 x 256 pixels.
+const SPARE_CELLS: u64 = 1024;
+
+/// Items of the shortest list.
+const ITEMS_MIN: u64 = 64;
 
 /// Triangles of a large chunk, and the rounds of raster over its busy tiles that the first frame has for each so many triangles. A fisheye
 /// image of 800 x 600 pixels over a terrain took three or four rounds in chunks of 1.4 million triangles, and one in a chunk of a million.

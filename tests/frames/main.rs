@@ -20,6 +20,7 @@ mod exposed_files;
 mod exposure;
 mod frame_reference;
 mod gradients;
+mod in_view;
 mod layered_reference;
 mod memory;
 mod methods;

@@ -81,10 +81,26 @@ fn a_triangle_takes_what_is_said() {
 #[test]
 fn a_pixel_takes_what_is_said() {
     for mut engine in engines().into_iter().flatten() {
-        let (few, many) = (bytes(&mut engine, 2, 256), bytes(&mut engine, 2, 1024));
+        // lists begin with all spare items from 256 x 256 pixels on
+        let (few, many) = (bytes(&mut engine, 5, 256), bytes(&mut engine, 5, 1024));
         let pixels = 1024.0 * 1024.0 - 256.0 * 256.0;
         let (taken, said) = (many.0 - few.0, (pixel(engine.1) + 2.0 * 4.0) * pixels);
         println!("{:.1} bytes a pixel, {:.1} said", taken / pixels, said / pixels);
         assert!((taken - said).abs() <= ROUNDING, "{taken} bytes taken, {said} said");
+    }
+}
+
+/// A small frame of an empty scene takes what its pixels take, 2^14 items to recheck, 64 items of each other list, and textures of whole rows.
+#[test]
+fn a_small_frame_of_nothing_takes_no_long_lists() {
+    for (engine, lists) in engines().iter_mut().flatten() {
+        let (_, kind) = glc_of_each_class().swap_remove(0);
+        let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
+        let camera = camera(kind, (160, 120), FORWARD);
+        let nothing = scene(anamorph::internals::geometry::mesh::Mesh::default());
+        let taken = engine.render(&nothing, &camera, &wanted, &RunOptions::default()).unwrap().bytes as f64;
+        let said = (pixel(*lists) + 2.0 * 4.0) * 160.0 * 120.0 + 8.0 * 16384.0;
+        println!("{taken} bytes taken, {said} said");
+        assert!(taken <= said + ROUNDING + 16.0 * TEXTURE_ROW, "{taken} bytes taken, {said} said");
     }
 }

@@ -2,7 +2,8 @@
 
 use super::super::changes::Changes;
 use super::super::combinations::{Asked, Feature};
-use super::super::planned::{outlined_by, written};
+use super::super::in_view::{InView, SceneFacts};
+use super::super::planned::{Whole, outlined_by};
 use super::super::{RunOptions, setup};
 use super::{Frames, moved};
 use crate::camera::Camera;
@@ -19,23 +20,20 @@ impl Frames {
     /// # Errors
     /// [`Error::Input`] where the camera is not of the same kind and size as the one before, or reflects or refracts rays.
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
-        let asked = self.changed(&self.scene, camera, Feature::Aimed);
+        let asked = self.changed(&self.whole.scene, camera, Feature::Aimed);
         asked.check()?;
         let Plan { anchor, origin, centre, scene_size, .. } = *self.plan;
         let extent = SceneExtent { anchor, origin, centre, scene_size };
         let shown = Arc::new(reordered(camera, extent.centre).unwrap_or_else(|| camera.clone()));
-        let wanted = written(&self.scene, &shown, &self.wanted);
-        let plan = self.planner.plan_by(
-            &self.run,
-            &shown,
-            (SceneContents::of(&self.scene), extent),
-            &wanted,
-            Some(&self.plan),
-        );
+        let whole = Whole { camera: shown.clone(), ..self.whole.clone() };
+        let contents = SceneContents::of(&whole.scene);
+        let last = (Some(self.plan.in_view), Some(&*self.plan));
+        let plan = self.planner.plan_by(&self.run, &whole, (contents, extent), &self.wanted, last);
         Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;
         let camera = shown;
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
-        if plan.variant != self.plan.variant || !is_as_large {
+        let is_alike = (plan.variant, plan.in_view) == (self.plan.variant, self.plan.in_view);
+        if !is_alike || !is_as_large {
             let (old, new) = (self.camera.kind, camera.kind);
             return Err(Error::input(format!(
                 "frames of {old} cannot be taken by this {new}; call Engine::prepare again"
@@ -51,7 +49,7 @@ impl Frames {
         if let Some(rival) = &mut self.rival {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
-        (self.camera, self.plan, self.is_aimed) = (camera, Arc::new(plan), true);
+        (self.whole, self.camera, self.plan, self.is_aimed) = (whole, camera, Arc::new(plan), true);
         self.is_partly_uploaded = was_partly_uploaded;
         self.mark_dirty(Changes { plan: true, ..Changes::default() });
         Ok(())
@@ -64,7 +62,7 @@ impl Frames {
     /// a sky), or caustics are shown.
     pub fn light(&mut self, scene: &Scene) -> Result<()> {
         if self.caustics.is_some() {
-            self.changed(&self.scene, &self.camera, Feature::Relit).check()?;
+            self.changed(&self.whole.scene, &self.whole.camera, Feature::Relit).check()?;
         }
         if let Some(atlas) = &mut self.atlas {
             atlas.frames.light(scene)?;
@@ -77,9 +75,14 @@ impl Frames {
                 "other triangles or materials than those that are lit; call Engine::prepare again",
             ));
         }
-        let (lit, contents) = (SceneContents::of(&self.scene), SceneContents::of(&scene));
+        let in_view = self.plan.in_view;
+        let contents = |shown: &Scene, whole: &Scene| in_view.contents(shown, SceneContents::of(whole));
+        let lit = contents(&self.scene, &self.whole.scene.with_optics(&self.camera));
+        let contents = contents(&in_view.scene(&scene), &scene);
+        let needed =
+            InView::of(&scene, &SceneFacts::default(), &self.whole.camera, &self.plan, &self.wanted, &self.run);
         let outlined = |s: &Scene| outlined_by(&s.style, &self.camera);
-        if lit != contents || outlined(&self.scene) != outlined(&scene) {
+        if lit != contents || in_view.joined(needed) != in_view || outlined(&self.scene) != outlined(&scene) {
             return Err(Error::input(
                 "other kinds of materials or light than those that are lit; call Engine::prepare again",
             ));
@@ -99,8 +102,11 @@ impl Frames {
             mesh.positions.clone_from(&self.scene.mesh.positions);
             mesh.triangles.clone_from(&self.scene.mesh.triangles);
         }
-        lit.steps.clone_from(&self.scene.steps);
-        self.scene = lit;
+        lit.steps.clone_from(&self.whole.scene.steps);
+        self.scene = Arc::new(in_view.scene(&lit).into_owned());
+        if self.whole.camera.optics.is_none() {
+            self.whole.scene = Arc::new(lit);
+        }
         let was_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
         let keeps_masks = if self.moving.is_some() {
             let now = moved(&self.scene, self.fixed_vertices(), self.timed.moved);

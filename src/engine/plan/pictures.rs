@@ -18,6 +18,7 @@ use patch::Patches;
 use std::sync::Arc;
 
 /// The patches of all pictures of a scene, and what they were made for.
+#[derive(Clone)]
 pub struct ScenePictures {
     /// One a picture; the same for the same camera.
     all: Vec<(Arc<Camera>, Arc<Patches>)>,
@@ -45,6 +46,13 @@ impl ScenePictures {
             all.push((light.camera.clone(), patches));
         }
         Ok(ScenePictures { all, bounds })
+    }
+
+    /// Returns `false` only if no ray of a picture meets a box.
+    pub fn may_reach(&self, picture: usize, bounds: (DVec3, DVec3)) -> bool {
+        let patches = &self.all[picture].1;
+        let size = self.bounds.map_or(0.0, |(lo, hi)| (hi - lo).length());
+        patches.root.may_meet(patches.t_range, bounds, size)
     }
 
     /// The rows of all pictures as kernels read them, the first of which will be row `first`: headers, nodes and patches. Positions are

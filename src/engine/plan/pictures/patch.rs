@@ -38,6 +38,10 @@ pub struct Patch {
     pub d: [DVec3; 4],
 }
 
+/// Margin of a box that rays of a patch may meet, relative to the sizes of the scene and of the patch: four times that by which kernels enlarge
+/// their boxes, `BOX_ROUNDING` of [`super::pack`].
+const MEETING_TOLERANCE: f64 = 1.0 / (1u64 << 18) as f64;
+
 /// A square of the image and what is in it.
 pub enum Square {
     Empty,
@@ -89,6 +93,45 @@ impl Patch {
             let at = corners.map_each(|(x, y)| self.at(of, x * far.x, y * far.y));
             [at.into_iter().fold(DVec3::INFINITY, DVec3::min), at.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max)]
         })
+    }
+}
+
+impl Patch {
+    /// Returns `false` only if no ray of the patch meets a box in a scene of this size after its start.
+    fn may_meet(&self, t_range: [f64; 2], (lo, hi): (DVec3, DVec3), scene_size: f64) -> bool {
+        let [[p_lo, p_hi], [d_lo, d_hi]] = self.boxes();
+        let reach = p_lo.abs().max(p_hi.abs()).max_element() + lo.abs().max(hi.abs()).max_element() + scene_size;
+        let margin = MEETING_TOLERANCE * reach;
+        let d_margin = MEETING_TOLERANCE * d_lo.abs().max(d_hi.abs()).max_element();
+        let (mut first, mut last) = (t_range[0].max(0.0), t_range[1]);
+        // both sides of each slab say from or up to which t it may be met
+        for axis in 0..3 {
+            let ends = [
+                (hi[axis] - p_lo[axis] + margin, d_lo[axis] - d_margin),
+                (p_hi[axis] - lo[axis] + margin, -d_hi[axis] - d_margin),
+            ];
+            // the ray is in the slab's half-space while t speed <= room
+            for (room, speed) in ends {
+                match speed {
+                    _ if speed > 0.0 => last = last.min(room / speed),
+                    _ if speed < 0.0 => first = first.max(room / speed),
+                    _ if room < 0.0 => return false,
+                    _ => {}
+                }
+            }
+        }
+        first <= last
+    }
+}
+
+impl Square {
+    /// Returns `false` only if no ray of the square meets a box in a scene of this size after its start.
+    pub fn may_meet(&self, t_range: [f64; 2], bounds: (DVec3, DVec3), scene_size: f64) -> bool {
+        match self {
+            Square::Empty => false,
+            Square::Patch(patch) => patch.may_meet(t_range, bounds, scene_size),
+            Square::Four(four) => four.iter().any(|square| square.may_meet(t_range, bounds, scene_size)),
+        }
     }
 }
 

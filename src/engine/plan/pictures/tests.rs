@@ -112,6 +112,34 @@ fn no_patch_is_left_out_by_the_boxes_above_it() {
     }
 }
 
+/// No ray of any pixel meets a box that the patches are said to miss; and of boxes that all rays miss a third is found, at least.
+#[test]
+fn boxes_that_no_ray_meets() {
+    let mut rng = Rng(3);
+    let size = (BOUNDS.1 - BOUNDS.0).length();
+    let (mut left_out, mut missed) = (0, 0);
+    for (camera, _) in cameras() {
+        let patches = Patches::new(&camera, Some(BOUNDS)).unwrap();
+        let pixels = (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j)));
+        let rays: Vec<_> = pixels.filter_map(|(i, j)| camera.ray(i, j)).collect();
+        for _ in 0..60 {
+            let (center, half) = (4.0 * rng.vector(), 0.3 * rng.vector().abs());
+            let (lo, hi) = (center - half, center + half);
+            let is_met = rays.iter().any(|ray| {
+                let (a, b) = ((lo - ray.origin) / ray.direction, (hi - ray.origin) / ray.direction);
+                let first = a.min(b).max_element().max(camera.t_range[0]).max(0.0);
+                first <= a.max(b).min_element().min(camera.t_range[1])
+            });
+            let may_be_met = patches.root.may_meet(patches.t_range, (lo, hi), size);
+            assert!(may_be_met || !is_met, "{}: {lo} to {hi}", camera.kind);
+            left_out += usize::from(!may_be_met);
+            missed += usize::from(!is_met);
+        }
+    }
+    println!("{left_out} of {missed} boxes are left out");
+    assert!(3 * left_out > missed, "{left_out} of {missed}");
+}
+
 #[test]
 fn rays_without_any_order_are_refused_before_they_fill_the_memory() {
     let (w, h) = (512u32, 512u32);
