@@ -351,7 +351,7 @@ impl Resident {
             queue: 8 * clusters + (1 << 15),
             work: 4 * clusters + (1 << 17),
             tasks: 16 * clusters + (1 << 18),
-            pairs: (2 * triangles).min(triangles + triangles / 4 + (1 << 22)) + 4 * cells + (1 << 20),
+            pairs: (2 * triangles).min(triangles + triangles / 8 + (1 << 20)) + 4 * cells + (1 << 20),
             recheck_items: triangles / 16 + pixels / 64 + proven + (1 << 14),
             edges: pixels / 8 + 1024,
         }
