@@ -358,7 +358,7 @@ impl Resident {
             queue: items(clusters, 8 * clusters + spare(1 << 15)),
             work: items(clusters, 4 * clusters + spare(1 << 17)),
             tasks: items(slots, 16 * clusters + spare(1 << 18)),
-            pairs: items(slots, (2 * slots).min(slots + slots / 4 + (1 << 22)) + 4 * cells + spare(1 << 20)),
+            pairs: items(slots, (2 * slots).min(slots + slots / 8 + (1 << 20)) + 4 * cells + spare(1 << 20)),
             recheck_items: slots / 16 + pixels / 64 + proven + (1 << 14),
             edges: pixels / 8 + 1024,
         }
