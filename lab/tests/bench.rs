@@ -76,6 +76,34 @@ fn a_quick_run_leaves_every_file_and_a_page_over_all_runs() {
     open_in_a_browser(&out.path().join("index.html"), &run.rows[0].case);
 }
 
+/// A program beside pictures of several samples finds t and ids of one ray per pixel; so does the row that it is compared with.
+#[test]
+fn a_program_runs_beside_cases_of_several_samples() {
+    if adapters().is_empty() {
+        return needs::no_adapter();
+    }
+    let out = tempfile::tempdir().unwrap();
+    let yardstick = yardstick(out.path());
+    let only = ["--case", "through two slits", "--yardstick", &yardstick];
+    let done = bench(&[&["samples", "--quick", "--runs", "1"][..], &only].concat(), out.path());
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let folder = std::fs::read_dir(out.path()).unwrap().map(|e| e.unwrap().path()).find(|p| p.is_dir()).unwrap();
+    let run: Run = serde_json::from_str(&text(&folder.join("results.json"))).unwrap();
+    assert!(run.rows.iter().all(|row| row.refused.is_none() && row.times.is_some()), "{run:?}");
+    let row = |test: &dyn Fn(&Row) -> bool| run.rows.iter().find(|row| test(row)).unwrap();
+    let program = row(&|row| !row.is_ours());
+    let bare = row(&|row| row.label.as_deref() == Some("t and ids alone"));
+    assert_eq!(program.parameter, Some(("samples".to_owned(), 1.0)));
+    assert_eq!(program.parameter, bare.parameter);
+    // the program sees triangle 0 everywhere
+    assert!(program.error.as_ref().unwrap().wrong_share > 0.9, "{program:?}");
+    let error = bare.error.as_ref().unwrap();
+    assert!(error.wrong_safe == 0 && error.t_median.is_some() && error.psnr.is_none(), "{bare:?}");
+    assert_eq!(program.to_ours.map(|r| r.median), bare.times.as_ref().map(|t| 1.5 / t.median));
+    let plain = row(&|row| row.is_ours() && row.label.is_none());
+    assert!(plain.error.as_ref().unwrap().psnr.is_some(), "{plain:?}");
+}
+
 /// A program that is called like the yardstick: its path.
 fn yardstick(folder: &Path) -> String {
     let path = folder.join("yardstick");

@@ -27,8 +27,8 @@ pub fn plots(rows: &[Row], plot: Plot, size: [f64; 2]) -> Vec<Drawn> {
 
 /// Error against time.
 fn of_case(case: &[Row], plot: Plot, size: [f64; 2]) -> Option<Drawn> {
-    // frames of several samples have no wrong triangles to count
-    let of_colours = case.iter().filter_map(|row| row.error.as_ref()).all(super::row::Error::is_of_colours);
+    // frames of several samples have no wrong triangles to count; a program beside them, and what is asked for as much, has no color
+    let of_colours = case.iter().filter_map(|row| row.error.as_ref()).any(super::row::Error::is_of_colours);
     let plot = if of_colours { Plot::Colour } else { plot };
     let error = if plot == Plot::Error { wrong_share } else { rms };
     let series = by_technique(case, |row| at_time(row, error(row)?));

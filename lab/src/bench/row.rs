@@ -218,9 +218,10 @@ impl Row {
     }
 
     /// A row of the program that runs beside the arms.
-    pub fn of_yardstick(suite: &str, case: &Case, program: &Path) -> Row {
+    /// `arm`: this engine's that is asked for as much.
+    pub fn of_yardstick(suite: &str, case: &Case, arm: Option<&Arm>, program: &Path) -> Row {
         let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy().into_owned();
-        let parameter = case.arms.first().and_then(|arm| arm.parameter);
+        let parameter = arm.and_then(|arm| arm.parameter);
         Row { technique: name, ..Row::new(suite, case, &Arm { parameter, ..Arm::ours() }) }
     }
 
