@@ -21,8 +21,17 @@ pub fn plots(rows: &[Row], plot: Plot, size: [f64; 2]) -> Vec<Drawn> {
         }
         Plot::Scaling => parameters(rows).iter().filter_map(|parameter| of_parameter(rows, parameter, size)).collect(),
         Plot::Stiffness => stiffness(rows, size),
-        Plot::Stages => vec![("stages.svg".into(), "time of each stage".into(), bars(rows, size[0]))],
+        Plot::Stages => vec![("stages.svg".into(), "time of each stage".into(), bars(rows, size[0], stages))],
+        Plot::Calls => vec![("calls.svg".into(), "time of each part of a call".into(), bars(rows, size[0], parts))],
     }
+}
+
+fn stages(row: &Row) -> &[(String, f64)] {
+    &row.stages
+}
+
+fn parts(row: &Row) -> &[(String, f64)] {
+    row.calls.as_ref().map_or(&[], |calls| &calls.parts)
 }
 
 /// Error against time.

@@ -4,6 +4,7 @@
 use super::case::{Arm, Case, Samples};
 use super::row::{Certified, Counted, Drawn, Error, Moving, Row};
 use super::times::{Ratio, Times};
+use super::whole;
 use super::yardstick::Yardstick;
 use anamorph::internals::camera::Camera;
 use anamorph::internals::camera::exposure::Sample;
@@ -206,8 +207,12 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
             });
             if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, repeats) {
                 let draws = arm.choice()?.is_some_and(|c| c.technique.draws);
+                let options = options(case, arm, rules)?;
+                let separate: Vec<&Camera> = moved.get(at).into_iter().flatten().collect();
+                let cameras = if separate.is_empty() { vec![camera] } else { separate };
+                // what has no memory for a second copy of its buffers has no time of a call
+                entry.row.calls = whole::calls(engines.of(arm), scene, &cameras, &wanted(case, arm), &options).ok();
                 if draws && arm.samples == Samples::AtOnce(1) {
-                    let options = options(case, arm, rules)?;
                     entry.row.drawn = drawn(&mut engines.drawing, scene, camera, &options, &frame)?;
                 }
             }
