@@ -4,6 +4,7 @@ mod atlas;
 mod bounce_tables;
 pub mod bounces;
 pub mod buffer_table;
+pub mod call_ms;
 mod caustics;
 pub mod changes;
 pub mod clusters;
@@ -31,6 +32,7 @@ pub mod surface;
 pub mod tables;
 
 use crate::camera::Camera;
+use crate::engine::call_ms::{CallMs, ms_since};
 use crate::engine::left_out::LeftOut;
 use crate::engine::plan::{Plan, Wanted};
 use crate::engine::rival::{Choice, Setup};
@@ -55,6 +57,7 @@ use pages::PageStore;
 use planned::{Planned, Planner};
 use resident::Resident;
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 /// Capacities of the queues between stages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,6 +129,8 @@ pub struct Rendered {
     pub srgb8: Option<Vec<u8>>,
     /// Wall time of each timed frame, ms; of the first one where none was asked for.
     pub frame_ms: Vec<f64>,
+    /// Wall times of the parts of the call that rendered it.
+    pub call: CallMs,
     /// Median GPU time of each stage, ms; empty without timestamps.
     pub stages: Vec<(&'static str, f64)>,
     pub counts: Counts,
@@ -148,6 +153,7 @@ impl Rendered {
     /// Adds what a later frame took.
     pub fn add_costs(&mut self, next: &Rendered) {
         self.frame_ms.iter_mut().zip(&next.frame_ms).for_each(|(sum, ms)| *sum += ms);
+        self.call += next.call;
         add_stages(&mut self.stages, &next.stages);
         self.bytes = self.bytes.max(next.bytes);
         self.grown += next.grown;
@@ -209,7 +215,7 @@ impl Engine {
 
     /// Works out what frames of a scene take on this adapter; see [`Planner::plan`].
     pub fn planner(&self) -> Planner {
-        let (limit, table_limit) = (self.gpu.binding_limit(), self.gpu.table_limit());
+        let (limit, table_limit) = (self.gpu.binding_limit(), self.gpu.table_limit);
         Planner { name: self.gpu.info.name.clone(), has: self.gpu.has, limit, table_limit }
     }
 
@@ -226,7 +232,10 @@ impl Engine {
             return Err(Error::input("frames of this composite are composed of several; call Engine::render"));
         }
         let planned = self.planner().plan(scene, camera, wanted, run, None)?;
+        let mut call = planned.call;
+        let started = Instant::now();
         let mut frames = self.upload(planned.clone(), run)?;
+        call.upload = ms_since(started);
         if let Err(error) = frames.warm_up() {
             let by_raster = if frames.is_lost() { self.planner().rasterized(&planned, run) } else { None };
             let Some(by_raster) = by_raster else { return Err(error) };
@@ -234,6 +243,7 @@ impl Engine {
             frames = self.upload(by_raster, &RunOptions { method: Method::Raster, ..run.clone() })?;
             frames.warm_up()?;
         }
+        frames.timed.call += call;
         Ok(frames)
     }
 

@@ -1,5 +1,6 @@
 //! Scenes: loading a scene file into triangles, lights and a camera.
 
+pub mod cameras;
 pub mod caustics;
 pub mod composition;
 pub mod file;
@@ -14,6 +15,7 @@ pub mod matrices;
 pub mod motion;
 mod poses;
 pub mod projector_light;
+mod shelf;
 pub mod sky;
 pub mod style;
 pub mod volume;

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,18 +18,36 @@ if TYPE_CHECKING:
 Vectors = npt.NDArray[np.float64]
 
 
+class CompiledRays(NamedTuple):
+    """Rays of arrays as they were when their camera was made, compiled once."""
+
+    native: _native.Camera
+    t_range: tuple[float, float]
+
+    @staticmethod
+    def of(origins: Vectors, directions: Vectors, t_range: tuple[float, float]) -> CompiledRays:
+        return CompiledRays(_native.Camera.of_rays(origins, directions, t_range), t_range)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return CompiledRays.of, (*self.native.rays(), self.t_range)
+
+    def equals(self, other: CompiledRays) -> bool:
+        pairs = zip(self.native.rays(), other.native.rays())
+        return self.t_range == other.t_range and all(np.array_equal(a, b, equal_nan=True) for a, b in pairs)
+
+
 class Camera:
     """A camera for images of any size: one function of :mod:`anamorph.camera` for each kind makes it."""
 
     kind: str
     keys: dict[str, Value]
-    _arrays: tuple[Vectors, Vectors, tuple[float, float]] | None
+    _rays: CompiledRays | None
     _scene: Scene | None
 
     def __init__(self, kind: str, keys: Mapping[str, Value]) -> None:
         self.kind = kind
         self.keys = {key: value for key, value in keys.items() if value is not None}
-        self._arrays = None
+        self._rays = None
         self._scene = None
 
     @classmethod
@@ -45,7 +63,7 @@ class Camera:
         >>> am.camera.pinhole(eye=[0, 0, 4], target=[0, 0, 0], vfov=40).with_(vfov=20).keys["vfov"]
         20
         """
-        if self._arrays is not None or not self.kind:
+        if self._rays is not None or not self.kind:
             raise ValueError("this camera has no keys; make it anew")
         return Camera(self.kind, {**self.keys, **changes})
 
@@ -68,12 +86,12 @@ class Camera:
     def _bind(self, scene: Scene | None, size: tuple[int, int] | None) -> _native.Camera:
         size = image_size(size)
         own = _native.Scene() if scene is None else scene._native
-        if self._arrays is not None:
-            origins, directions, t_range = self._arrays
-            height, width = origins.shape[:2]
+        if self._rays is not None:
+            own_rays = self._rays.native
+            width, height = own_rays.width, own_rays.height
             if size is not None and size != (width, height):
                 raise ValueError(f"the camera's rays are {width}x{height}, not {size[0]}x{size[1]}; leave the size out")
-            return _native.Camera.of_rays(origins, directions, t_range)
+            return own_rays
         if self._scene is not None:
             return _native.Camera.of_scene(self._scene._native, size)
         return _native.Camera.of_table(table({"kind": self.kind, **self.keys}), os.getcwd(), own, size)
@@ -81,11 +99,10 @@ class Camera:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Camera):
             return NotImplemented
-        if self._arrays is None or other._arrays is None:
+        if self._rays is None or other._rays is None:
             own, their = [(c.kind, {k: plain(v, k) for k, v in c.keys.items()}) for c in (self, other)]
-            return self._arrays is other._arrays and self._scene is other._scene and own == their
-        pairs = zip(self._arrays[:2], other._arrays[:2])
-        return self._arrays[2] == other._arrays[2] and all(np.array_equal(a, b, equal_nan=True) for a, b in pairs)
+            return self._rays is other._rays and self._scene is other._scene and own == their
+        return self._rays.equals(other._rays)
 
     __hash__ = None  # type: ignore[assignment]
 

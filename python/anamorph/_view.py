@@ -88,7 +88,7 @@ def view(
             raise ValueError("overrides and frame go with a scene file; give them to Scene.load")
         keys = None
         if camera is not None and camera._scene is not scene:
-            if not camera.kind or camera._arrays is not None:
+            if not camera.kind or camera._rays is not None:
                 raise ValueError("this camera was made from arrays or belongs to another scene, so it has no keys to change; make one with anamorph.camera")
             keys = table({"kind": camera.kind, **camera.keys})
         return Viewer(_native.Viewer.of_scene(scene._native, keys, os.getcwd(), size, port), height)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ._camera import Camera
+from ._camera import Camera, CompiledRays
 from ._values import Numbers, Value, as_numbers
 
 __all__ = [
@@ -1618,5 +1618,5 @@ def rays(origins: Numbers, directions: Numbers, t_range: tuple[float, float] = (
         if vectors.ndim != 3 or vectors.shape[2] != 3 or vectors.shape != given[0].shape:
             raise ValueError(f"{name}: an array of shape (H, W, 3) is needed, as of the other, not {vectors.shape}")
     camera = Camera("rays", {})
-    camera._arrays = (given[0], given[1], (float(t_range[0]), float(t_range[1])))
+    camera._rays = CompiledRays.of(given[0], given[1], (float(t_range[0]), float(t_range[1])))
     return camera

@@ -187,7 +187,7 @@ def test_arrays_of_other_libraries_by_dlpack() -> None:
     scene.move("mesh", OnlyDlpack(np.eye(4)))
     scene.animate("mesh", OnlyDlpack(np.array([0.0, 1.0])), OnlyDlpack(np.stack([vertices, vertices + 1])))
     rays = [OnlyDlpack(np.ones((2, 3, 3))) for _ in range(2)]
-    assert am.camera.rays(*rays)._arrays is not None
+    assert am.camera.rays(*rays)._rays is not None
 
 
 def test_fields_of_records_are_read_where_they_lie(pinhole) -> None:

@@ -8,6 +8,7 @@ use crate::camera::kinds::raymap::RayArrays;
 use crate::camera::kinds::{KINDS, calibrated};
 use crate::camera::project::{Images, Projector};
 use crate::camera::spec::CameraSpec;
+use crate::engine::call_ms::ms_since;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;
 use crate::input::tree::Node;
@@ -17,6 +18,8 @@ use crate::scene::file::{self, CameraKeys};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 /// A camera for an image of one size: each pixel has a ray, a curve, or none. `docs/reference/cameras.md` lists the kinds.
 #[derive(Debug, Clone)]
@@ -24,6 +27,23 @@ pub struct Camera {
     pub(super) camera: Arc<crate::camera::Camera>,
     /// Its table, if it has one.
     pub(super) keys: Arc<CameraKeys>,
+    /// Time that it took to compile, until a call has counted it.
+    pub(super) compile_ms: Uncounted,
+}
+
+/// Milliseconds that one call counts.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Uncounted(Arc<AtomicU64>);
+
+impl Uncounted {
+    pub fn since(moment: Instant) -> Uncounted {
+        Uncounted(Arc::new(AtomicU64::new(ms_since(moment).to_bits())))
+    }
+
+    /// The time for the first that asks; 0 for all others.
+    pub fn take(&self) -> f64 {
+        f64::from_bits(self.0.swap(0, Ordering::Relaxed))
+    }
 }
 
 impl Camera {
@@ -44,10 +64,14 @@ impl Camera {
 
     /// The camera of a parsed table, as [`Camera::parse`] and [`CameraBuilder::build`] make it.
     pub(super) fn of_table(table: Node, folder: &Path, scene: &Scene, size: Option<(u32, u32)>) -> Result<Camera> {
+        let started = Instant::now();
         let loading = Loading::new(scene.scene.limits);
         let spec = file::camera_of(&table, folder, &loading)?;
-        let camera = Camera::of_spec(&spec, size.or(scene.scene.size), scene, &loading)?;
-        Ok(Camera { keys: Arc::new(CameraKeys::of_table(table, folder)), ..camera })
+        scene.cameras.next_scene();
+        let (key, mesh) = ((spec, size.or(scene.scene.size)), &scene.scene.mesh);
+        let camera = scene.cameras.get(key, mesh, scene.scene.surroundings(), true, &loading)?;
+        let keys = Arc::new(CameraKeys::of_table(table, folder));
+        Ok(Camera::compiled(camera, keys, started))
     }
 
     /// A camera of given rays `P + t D`, one for each of `width x height` pixels, row by row from the top; `t_range` has the ends of t. A pixel
@@ -61,6 +85,7 @@ impl Camera {
         directions: &[[f64; 3]],
         t_range: [f64; 2],
     ) -> Result<Camera> {
+        let started = Instant::now();
         let (pixels, own, other) = (width.saturating_mul(height), origins.len(), directions.len());
         if (own, other) != (pixels, pixels) {
             let rays = format!("{own} origins and {other} directions");
@@ -76,12 +101,13 @@ impl Camera {
         let vectors = |list: &[[f64; 3]]| list.iter().map(|v| DVec3::from_array(*v)).collect::<Vec<_>>();
         let field = Field::new(width, height, &vectors(origins), &vectors(directions))?;
         let kind = RayArrays { field: Arc::new(field) }.into();
-        Camera::of_spec(&CameraSpec { kind, t_range }, None, &Scene::new(), &Loading::default())
+        let camera = crate::camera::Camera::new(&CameraSpec { kind, t_range }, None)?;
+        Ok(Camera::compiled(Arc::new(camera), Arc::default(), started))
     }
 
-    fn of_spec(spec: &CameraSpec, size: Option<(u32, u32)>, scene: &Scene, loading: &Loading) -> Result<Camera> {
-        let camera = crate::camera::Camera::in_scene(spec, size, scene.scene.surroundings(), loading)?;
-        Ok(Camera { camera: Arc::new(camera), keys: Arc::default() })
+    /// A camera whose compilation began at `started`.
+    pub(super) fn compiled(camera: Arc<crate::camera::Camera>, keys: Arc<CameraKeys>, started: Instant) -> Camera {
+        Camera { camera, keys, compile_ms: Uncounted::since(started) }
     }
 
     /// The `kind` key of a scene file.
@@ -150,4 +176,57 @@ pub fn project(camera: &Camera, points: &[[f64; 3]]) -> Result<Vec<Images>> {
     refuse_optics(camera)?;
     let points: Vec<DVec3> = points.iter().map(|point| DVec3::from_array(*point)).collect();
     Ok(Projector::project_all(&camera.camera, &points))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(keys: &str, folder: &Path, scene: &Scene) -> Arc<crate::camera::Camera> {
+        Camera::parse(keys, folder, scene, Some((32, 24))).unwrap().camera
+    }
+
+    #[test]
+    fn equal_cameras_are_compiled_once() {
+        let scene =
+            Scene::parse("mesh = [{ builtin = 'box' }]\ncamera = { kind = 'panorama', radius = 4, height = 3 }", ".")
+                .unwrap();
+        let keys = "kind = 'fisheye'\nfov = 120\neye = [0, 0, 4]\ntarget = [0, 0, 0]";
+        let first = parse(keys, ".".as_ref(), &scene);
+        // a clone of the scene shares them, and so does a scene whose mesh has moved
+        let mut moved = scene.clone();
+        moved.move_object("box", [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap();
+        for scene in [&scene, &moved] {
+            assert!(Arc::ptr_eq(&first, &parse(keys, ".".as_ref(), scene)));
+        }
+        assert!(!Arc::ptr_eq(&first, &parse(&keys.replace("120", "121"), ".".as_ref(), &scene)));
+        assert!(!Arc::ptr_eq(&first, &Camera::parse(keys, ".", &scene, Some((32, 25))).unwrap().camera));
+    }
+
+    #[test]
+    fn a_camera_is_compiled_again_for_another_scene_or_file() {
+        let scene =
+            Scene::parse("mesh = [{ builtin = 'box' }]\ncamera = { kind = 'panorama', radius = 4, height = 3 }", ".")
+                .unwrap();
+        let track = "kind = 'track'\neye = [0, 0, 9]\ntarget = [0, 0, 0]\nvfov = 40\ntargets = [{ at = [0, 0, -3], radius = 0.5 }]";
+        let first = parse(track, ".".as_ref(), &scene);
+        assert!(Arc::ptr_eq(&first, &parse(track, ".".as_ref(), &scene)));
+        let mut moved = scene.clone();
+        moved.move_object("box", [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap();
+        assert!(!Arc::ptr_eq(&first, &parse(track, ".".as_ref(), &moved)));
+
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, x: f32| {
+            let file = folder.path().join(name);
+            crate::image::write_npy(&file, &[2, 2, 3], &[x; 12]).unwrap();
+        };
+        write("origins.npy", 0.0);
+        write("directions.npy", 1.0);
+        let keys = "kind = 'raymap'\norigins = 'origins.npy'\ndirections = 'directions.npy'";
+        let raymap = || Camera::parse(keys, folder.path(), &scene, None).unwrap().camera;
+        let first = raymap();
+        assert!(Arc::ptr_eq(&first, &raymap()));
+        write("directions.npy", 2.0);
+        assert!(!Arc::ptr_eq(&first, &raymap()));
+    }
 }

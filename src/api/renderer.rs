@@ -2,6 +2,7 @@
 
 use super::{Camera, Scene};
 use crate::camera::Camera as Rays;
+use crate::engine::call_ms::ms_since;
 use crate::engine::plan::Wanted;
 use crate::engine::planned::Planned;
 use crate::engine::report::{Device, Report};
@@ -15,6 +16,7 @@ use crate::input::{Error, Limits, Result};
 use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options, samples};
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Options of a render.
 #[derive(Debug, Clone)]
@@ -81,7 +83,19 @@ impl Rendered {
         write_exr(path.as_ref(), &self.frame, &[])
     }
 
-    /// Wall time of the frame, ms.
+    /// Wall time of the call, ms: from the start of [`Renderer::render`] until the arrays are in memory. The first call that uses a camera
+    /// includes the time that the camera took to compile.
+    pub fn call_ms(&self) -> f64 {
+        self.report.call_ms.total
+    }
+
+    /// Wall times of the parts of the call, ms: `camera`, `place`, `plan`, `upload`, `compile`, `wait`, `read_back`
+    /// (`docs/reference/commands.md`, Reports).
+    pub fn call_parts_ms(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        self.report.call_ms.parts().into_iter().filter(|(name, _)| !matches!(*name, "read" | "encode"))
+    }
+
+    /// Wall time of the frame, ms: from its submission until its results are complete on the device.
     pub fn frame_ms(&self) -> f64 {
         self.report.frame_ms.median
     }
@@ -173,14 +187,18 @@ impl Renderer {
     /// [`Error::Input`] if the scene, the camera and the options cannot be combined (`docs/reference/limits.md`), [`Error::Work`] if memory
     /// does not suffice or the device is lost.
     pub fn render(&mut self, scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result<Rendered> {
+        let started = Instant::now();
         let wanted = options.wanted()?;
+        let compile_ms = camera.compile_ms.take();
         let (scene, camera) = (&scene.scene, &camera.camera);
         check_memory((camera.width, camera.height), wanted.channels.len() + 3, 0, options.limits)?;
         self.recover()?;
-        let rendered = self.render_frame(scene, camera, &wanted, options.samples)?;
+        let mut rendered = self.render_frame(scene, camera, &wanted, options.samples)?;
+        rendered.call.camera = compile_ms;
+        rendered.call.total = compile_ms + ms_since(started);
         let device = self.device_of(&RenderJob::of(""));
         let mut report = Report::new(device, scene, camera, &rendered, None);
-        (report.samples, report.total_ms) = (options.samples, report.frame_ms.all.iter().sum());
+        report.samples = options.samples;
         Ok(Rendered { frame: rendered.frame, rgba: rendered.srgb8, report })
     }
 
@@ -271,5 +289,28 @@ mod tests {
         assert!(renderer.engine.as_ref().is_some_and(|engine| engine.gpu.failure().is_ok()));
         renderer.reopen().unwrap();
         assert_eq!(renderer.render_many(&scene, &[camera], &options).unwrap().planes, first.planes);
+    }
+    #[test]
+    fn a_call_counts_its_parts_and_each_camera_once() {
+        let scene = Scene::parse(
+            "mesh = [{ builtin = \"box\" }]\ncamera = { kind = \"panorama\", radius = 4, height = 3 }",
+            ".",
+        )
+        .unwrap();
+        let fisheye = "kind = 'fisheye'\nfov = 120\neye = [0, 0, 4]\ntarget = [0, 0, 0]";
+        let camera = Camera::parse(fisheye, ".", &scene, Some((64, 48))).unwrap();
+        let mut renderer = Renderer::new().unwrap();
+        let options = RenderOptions { channels: vec![Channel::T], ..RenderOptions::default() };
+        let mut call = || {
+            let rendered = renderer.render(&scene, &camera, &options).unwrap();
+            let parts: Vec<(&str, f64)> = rendered.call_parts_ms().collect();
+            let sum: f64 = parts.iter().map(|(_, ms)| ms).sum();
+            assert!(0.0 < sum && sum <= rendered.call_ms(), "{parts:?}");
+            assert!(rendered.frame_ms() <= rendered.call_ms());
+            move |name: &str| parts.iter().find(|part| part.0 == name).unwrap().1
+        };
+        let [first, again] = [call(), call()];
+        assert!(first("camera") > 0.0 && first("wait") > 0.0 && again("wait") > 0.0);
+        assert_eq!(again("camera"), 0.0);
     }
 }

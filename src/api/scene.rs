@@ -7,9 +7,11 @@ use crate::geometry::place;
 use crate::geometry::spec::MeshSpec;
 use crate::geometry::texture::{Images, ImagesRead};
 use crate::input::{Error, Limits, Loading, Result};
+use crate::scene::cameras::Cameras;
 use crate::scene::file;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Triangles with materials, lights, and the camera that looks at them: `docs/reference/scene-file.md`.
 ///
@@ -21,6 +23,8 @@ pub struct Scene {
     has_camera: bool,
     /// Objects that were moved.
     pub(super) rests: Vec<Rest>,
+    /// The last cameras that were compiled for it and its clones.
+    pub(super) cameras: Arc<Cameras>,
 }
 
 /// Triangles in the world, to be added to a scene: [`Scene::add_placed`].
@@ -85,7 +89,7 @@ impl Scene {
     }
 
     fn of(scene: crate::scene::Scene, has_camera: bool) -> Scene {
-        Scene { scene, has_camera, rests: Vec::new() }
+        Scene { scene, has_camera, rests: Vec::new(), cameras: Arc::default() }
     }
 
     /// Loads a scene file, .toml or .json, and all files that it names. `overrides` change values, as in `camera.vfov=40`; keyframed
@@ -129,6 +133,8 @@ impl Scene {
     /// The limits on images are in [`RenderOptions`](super::RenderOptions).
     pub fn set_limits(&mut self, limits: Limits) {
         self.scene.limits = limits;
+        // another limit may refuse a kept camera
+        self.cameras = Arc::default();
     }
 
     /// Adds a mesh after the existing ones. Cameras that depend on the scene, such as `track`, must be created again.
@@ -185,8 +191,7 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`] if the scene has no camera or no size, or the camera's values contradict each other.
     pub fn camera(&self) -> Result<Camera> {
-        self.check_camera()?;
-        Ok(Camera { camera: Arc::new(self.scene.camera()?), keys: self.scene.camera_keys.clone() })
+        self.camera_of(None)
     }
 
     /// The same for an image of `width x height` pixels.
@@ -194,10 +199,15 @@ impl Scene {
     /// # Errors
     /// As [`Scene::camera`].
     pub fn camera_of_size(&self, width: u32, height: u32) -> Result<Camera> {
+        self.camera_of(Some((width, height)))
+    }
+
+    fn camera_of(&self, size: Option<(u32, u32)>) -> Result<Camera> {
         self.check_camera()?;
-        let size = Some((width, height));
-        let camera = self.scene.camera_of_size(size, &Loading::new(self.scene.limits))?;
-        Ok(Camera { camera: Arc::new(camera), keys: self.scene.camera_keys.clone() })
+        let started = Instant::now();
+        self.cameras.next_scene();
+        let camera = self.cameras.of_scene(&self.scene, size, true, &Loading::new(self.scene.limits))?;
+        Ok(Camera::compiled(camera, self.scene.camera_keys.clone(), started))
     }
 
     fn check_camera(&self) -> Result<()> {

@@ -4,6 +4,7 @@ use super::renderer::{RenderOptions, Renderer};
 use super::{Camera, Scene};
 use crate::camera::stacked::{can_stack, stack};
 use crate::camera::{Camera as Rays, Rays as LayerRays};
+use crate::engine::call_ms::{CallMs, ms_since};
 use crate::engine::left_out::LeftOut;
 use crate::engine::plan::Wanted;
 use crate::engine::report::{FrameMs, Report};
@@ -86,6 +87,7 @@ impl Renderer {
     /// # Errors
     /// Those of [`Renderer::render`]; [`Error::Input`] without a camera, or if their images differ in size.
     pub fn render_many(&mut self, scene: &Scene, cameras: &[Camera], options: &RenderOptions) -> Result<Views> {
+        let started = Instant::now();
         let wanted = options.wanted()?;
         let Some(first) = cameras.first() else { return Err(Error::input("there is no camera; give one or more")) };
         let (width, height) = (first.width(), first.height());
@@ -104,6 +106,7 @@ impl Renderer {
         let bytes = need((width, height), wanted.channels.len() + 3, 0) * cameras.len() as u64;
         options.limits.check_memory(bytes, what, "render fewer at once")?;
         self.recover()?;
+        let camera_ms = cameras.iter().map(|camera| camera.compile_ms.take()).sum();
         let cameras: Vec<Arc<Rays>> = cameras.iter().map(|camera| camera.camera.clone()).collect();
         let (jobs, why) = match self.stacked(scene, &cameras, &wanted, options.samples) {
             Ok(jobs) => (jobs, None),
@@ -118,6 +121,7 @@ impl Renderer {
             planes: Vec::new(),
             rgba: None,
             frame_ms: Vec::new(),
+            call: CallMs::default(),
             last: None,
         };
         let wanted_of = |camera: &Rays| samples::in_sequence(&scene.scene, camera, &wanted, options.samples, false);
@@ -129,11 +133,12 @@ impl Renderer {
                 views.add(job, self.render_frame(&scene.scene, &job.camera(), &wanted, options.samples)?);
             }
         }
-        let Gathered { planes, rgba, frame_ms, last, .. } = views;
+        let Gathered { planes, rgba, frame_ms, call, last, .. } = views;
         let last = last.ok_or_else(|| Error::work("no frame was rendered"))?;
         let mut report = Report::new(self.device_of(&RenderJob::of("")), &scene.scene, &cameras[0], &last, None);
         report.views = Some(cameras.len());
-        (report.samples, report.total_ms) = (options.samples, frame_ms.iter().sum());
+        report.samples = options.samples;
+        report.call_ms = CallMs { camera: camera_ms, total: camera_ms + ms_since(started), ..call };
         report.frame_ms = FrameMs::of(&frame_ms);
         report.left_out.extend(why.filter(|_| cameras.len() > 1).map(LeftOut::OneFrame));
         report.unmet = cameras.iter().flat_map(|camera| camera.unfulfilled.iter().cloned()).collect();
@@ -190,7 +195,7 @@ impl Renderer {
         let mut until = Instant::now();
         let mut finish = |sequence: &mut Sequence, engine: &mut Engine, job: &Job, in_flight| {
             let rendered = sequence.wait_for(engine, in_flight)?.rendered();
-            let ms = until.elapsed().as_secs_f64() * 1e3;
+            let ms = ms_since(until);
             until = Instant::now();
             views.add(job, Rendered { frame_ms: vec![ms], ..rendered });
             Ok::<(), Error>(())
@@ -229,6 +234,8 @@ struct Gathered {
     planes: Vec<(Channel, Plane)>,
     rgba: Option<Vec<u8>>,
     frame_ms: Vec<f64>,
+    /// Sums of the parts of all frames.
+    call: CallMs,
     /// Of the last frame all but its picture.
     last: Option<Rendered>,
 }
@@ -255,6 +262,7 @@ impl Gathered {
             append(self.rgba.get_or_insert_default(), rgba, job, [4 * self.pixels, 4 * self.width]);
         }
         self.frame_ms.append(&mut rendered.frame_ms);
+        self.call += rendered.call;
         self.last = Some(rendered);
     }
 }

@@ -73,9 +73,11 @@ impl AtlasRenderer {
         add_stages(&mut stages, &frame.stages);
         let (mut counts, mut passes) = (own.counts, own.passes);
         counts += frame.counts;
+        let mut call = own.call;
+        call += frame.call;
         passes.add(&frame.passes);
         let draws = own.draws.or(frame.draws);
         let (bytes, grown) = (own.bytes + frame.bytes, own.grown + frame.grown);
-        Ok(Rendered { stages, counts, draws, bytes, grown, passes, ..frame })
+        Ok(Rendered { call, stages, counts, draws, bytes, grown, passes, ..frame })
     }
 }

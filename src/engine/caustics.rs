@@ -1,5 +1,6 @@
 //! The caustics of a scene: photons by a frame of the light's camera, their triangles on the maps of the receivers.
 
+use super::call_ms::ms_since;
 use super::{Engine, RunOptions};
 use crate::arrays::MapEach;
 use crate::engine::plan::Wanted;
@@ -65,7 +66,7 @@ impl Engine {
         let sums = Deposit::new(&self.gpu)?.run(&caustic_triangles, &mut buffers)?;
         upload(&self.gpu, &receiver_triangles, &mut buffers)?;
         let maps = caustic_triangles.maps(&caustics, budget, &sums);
-        let report = CausticsReport { budget: maps.budget, ms: started.elapsed().as_secs_f64() * 1e3 };
+        let report = CausticsReport { budget: maps.budget, ms: ms_since(started) };
         Ok(DeviceCaustics {
             caustics,
             mesh: scene.mesh.clone(),

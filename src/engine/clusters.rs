@@ -65,12 +65,12 @@ const TRIANGLE_BYTES: u64 = 48;
 const COLORED_TRIANGLE_BYTES: u64 = 80;
 const VERTEX_BYTES: u64 = size_of::<Vertex>() as u64;
 
-/// Splits a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with what is wanted of surfaces.
+/// Splits a mesh into chunks none of whose tables exceeds `table_limit` bytes; `surfaces` says which tables there are.
 pub fn cluster<'a>(
     all: impl Into<MovingMesh<'a>>,
     anchor: DVec3,
     surfaces: SurfaceKind,
-    binding_limit: u64,
+    table_limit: u64,
 ) -> Clustered {
     let all = all.into();
     let mesh = all.mesh;
@@ -79,10 +79,10 @@ pub fn cluster<'a>(
     // trace tests a triangle at the two ends of each of its ways
     let traced_bytes = if steps > 1 { 2 * (steps - 1) * TRIANGLE_BYTES } else { TRIANGLE_BYTES };
     let (triangle_bytes, vertex_bytes) = (surface_bytes.max(traced_bytes), steps * VERTEX_BYTES);
-    let whole = mesh.triangles.len() as u64 * triangle_bytes <= binding_limit
-        && mesh.positions.len() as u64 * vertex_bytes <= binding_limit;
+    let whole = mesh.triangles.len() as u64 * triangle_bytes <= table_limit
+        && mesh.positions.len() as u64 * vertex_bytes <= table_limit;
     let per_chunk =
-        if whole { mesh.triangles.len() as u64 } else { binding_limit / triangle_bytes.max(3 * vertex_bytes) };
+        if whole { mesh.triangles.len() as u64 } else { table_limit / triangle_bytes.max(3 * vertex_bytes) };
     let count = mesh.triangles.len() as u64;
     let mut chunks: Vec<Chunk> = (0..count)
         .step_by(per_chunk.max(1) as usize)

@@ -60,7 +60,7 @@ features! {
     LayeredOptics, "a mirror or lens seen along curves, or along layers of rays";
     Incoherent, "unrelated rays in neighbouring pixels";
     Bands, "an image larger than the adapter's bindings";
-    Chunks, "a scene larger than the adapter's bindings";
+    Chunks, "a scene larger than the adapter's tables";
     Timed, "things that move while the frame is taken";
     Spheres, "spheres";
     Volume, "a volume";
@@ -243,7 +243,7 @@ pub const REFUSALS: &[Refusal] = {
         ),
         refusal(
             &[Analytic, Chunks],
-            "analytic coverage needs all triangles in one binding; this scene needs {chunks}",
+            "analytic coverage needs all triangles in one table; this scene needs {chunks}",
             "leave --analytic out",
         ),
         refusal(&[Moving, Caustics], "caustics are computed once for all frames", "leave out --moving"),

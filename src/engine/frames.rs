@@ -4,6 +4,7 @@
 mod changed;
 
 use super::atlas::AtlasRenderer;
+use super::call_ms::{CallMs, ms_since};
 use super::caustics::DeviceCaustics;
 use super::changes::{Changes, Dirty, Shown};
 use super::pages::PageStore;
@@ -84,6 +85,8 @@ pub struct Timed {
     frame_ms: Vec<f64>,
     stages: Vec<Vec<(&'static str, f64)>>,
     pub(super) grown: u32,
+    /// Times of the parts of the call that prepared these frames.
+    pub(super) call: CallMs,
     /// Moved frames.
     moved: u32,
     /// What raster cost in the last frame whose counters were read.
@@ -101,6 +104,8 @@ impl Frames {
             wait(&self.gpu)?;
             let atlas_ms = self.atlas.as_ref().map_or(0.0, |p| p.frames.timed.first_ms);
             self.timed.first_ms = atlas_ms + running.ms();
+            self.timed.call.compile += running.compile_ms;
+            self.timed.call.wait += running.ms();
             let fits = self.fits(&running)?;
             self.timed.first = Some(running);
             if fits {
@@ -122,7 +127,7 @@ impl Frames {
             let atlas_frame = self.atlas.as_mut().map(|p| p.frames.draw(atlas_frame)).transpose()?;
             let drawn = self.draw(own)?;
             wait(&self.gpu)?;
-            let ms = started.elapsed().as_secs_f64() * 1e3;
+            let ms = ms_since(started);
             // what moves may come to need more, and so may the first frame that is traced from its start
             let mut fits = !(self.moving.is_some() || self.is_aimed || is_new) || self.fits(&drawn)?;
             if let (Some(atlas), Some(atlas_frame)) = (&mut self.atlas, &atlas_frame) {
@@ -162,7 +167,7 @@ impl Frames {
     /// Builds the hierarchies that trace follows.
     pub(super) fn build_bvh(&mut self) -> Result<()> {
         let Plan { anchor, origin, variant, .. } = *self.plan;
-        let anew = || Arc::new(cluster(self.scene.moving_mesh(), anchor, variant.surfaces(), self.gpu.table_limit()));
+        let anew = || Arc::new(cluster(self.scene.moving_mesh(), anchor, variant.surfaces(), self.gpu.table_limit));
         let clustered = self.shown.upgrade().unwrap_or_else(anew);
         self.resident.build_bvh(&self.gpu, &clustered, origin)
     }
@@ -238,7 +243,7 @@ impl Frames {
         if clustered.refit(&moved.mesh) {
             return self.resident.place_scene(&self.gpu, clustered, self.plan.origin);
         }
-        *clustered = cluster(&*moved.mesh, self.plan.anchor, self.plan.variant.surfaces(), self.gpu.table_limit());
+        *clustered = cluster(&*moved.mesh, self.plan.anchor, self.plan.variant.surfaces(), self.gpu.table_limit);
         self.resident.upload_scene(&self.gpu, clustered, self.plan.origin)?;
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }
@@ -247,11 +252,13 @@ impl Frames {
     pub fn finish(mut self) -> Result<Rendered> {
         self.refresh()?;
         let atlas = self.atlas.take();
-        let Timed { first, first_ms, mut frame_ms, mut stages, grown, .. } = std::mem::take(&mut self.timed);
+        let Timed { first, first_ms, mut frame_ms, mut stages, grown, mut call, .. } = std::mem::take(&mut self.timed);
         let Some(first) = first else { return Err(Error::work("no frame was taken")) };
+        let reading = Instant::now();
         let reads = PendingReads::start(&first);
         wait(&self.gpu)?;
         let mut raw = reads.finish(&self.gpu, &first)?;
+        call.read_back += ms_since(reading);
         if frame_ms.is_empty() {
             frame_ms.push(first_ms);
             stages = vec![std::mem::take(&mut raw.stages)];
@@ -260,8 +267,8 @@ impl Frames {
             rival.check(&self.gpu)?;
         }
         let frame_layout = self.frame_layout();
-        let rest =
-            Rendered { frame_ms, stages: medians(stages), grown, ..self.statistics(&frame_layout.plan, &first, &raw) };
+        let statistics = self.statistics(&frame_layout.plan, &first, &raw);
+        let rest = Rendered { frame_ms, call, stages: medians(stages), grown, ..statistics };
         let own = Readback { frame_layout, raw, rest }.rendered();
         match atlas {
             Some(atlas) => atlas.merged_into(own),
@@ -357,6 +364,7 @@ impl Frames {
             sample_ids: Vec::new(),
             srgb8: None,
             frame_ms: Vec::new(),
+            call: CallMs::default(),
             stages: Vec::new(),
             counts,
             draws: raw.draws,

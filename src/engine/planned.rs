@@ -6,6 +6,7 @@ use super::combinations::Asked;
 use super::medium::node_bytes;
 use crate::camera::ray_order::reordered;
 use crate::camera::{Camera, Rays};
+use crate::engine::call_ms::{CallMs, ms_since};
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::variant::{method, variant};
 use crate::engine::plan::{Plan, PlanTarget, SceneContents, SceneExtent, SceneShape, Wanted};
@@ -18,6 +19,7 @@ use crate::scene::Scene;
 use crate::scene::style::Style;
 use std::borrow::Cow;
 use std::sync::{Arc, Weak};
+use std::time::Instant;
 
 /// Plans for an adapter.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,7 +29,7 @@ pub struct Planner {
     pub has: AdapterFeatures,
     /// Bytes that a kernel can see at once.
     pub limit: u64,
-    /// Bytes of the largest table of triangles or vertices.
+    /// As [`Gpu::table_limit`](crate::gpu::Gpu::table_limit).
     pub table_limit: u64,
 }
 
@@ -47,6 +49,8 @@ pub struct Planned {
     pub(super) plan: Arc<Plan>,
     pub(super) clustered: Arc<Clustered>,
     pub(super) wanted: Wanted,
+    /// Times of its parts `place` and `plan`.
+    pub(super) call: CallMs,
 }
 
 impl Planned {
@@ -104,6 +108,7 @@ impl Planner {
         run: &RunOptions,
         last: Option<&Planned>,
     ) -> Result<Planned> {
+        let started = Instant::now();
         let asked: Arc<Camera> = camera.into();
         let shape = shape(scene, last);
         let centre = SceneExtent::of(&asked, shape).centre;
@@ -113,7 +118,8 @@ impl Planner {
             None => reordered(&asked, centre).map_or_else(|| asked.clone(), Arc::new),
         };
         let planned = self.plan_in_order((scene, shape), camera, wanted, run, last)?;
-        Ok(Planned { asked: Arc::downgrade(&asked), ..planned })
+        let plan = ms_since(started) - planned.call.place;
+        Ok(Planned { asked: Arc::downgrade(&asked), call: CallMs { plan, ..planned.call }, ..planned })
     }
 
     /// The same by raster, for frames that could not be traced: where tracing was this engine's own choice, and raster can show them.
@@ -155,14 +161,16 @@ impl Planner {
         self.check_normals(&scene)?;
         self.check_volume(&scene)?;
         let plan = self.plan_of(&scene, &camera, extent, wanted, run, last);
+        let started = Instant::now();
         let clustered = match last.filter(|l| same_places(l, &scene, &plan)) {
             Some(last) if last.plan.anchor == plan.anchor => last.clustered.clone(),
             Some(last) => Arc::new(last.clustered.anchored(scene.moving_mesh(), plan.anchor)),
             None => Arc::new(cluster(scene.moving_mesh(), plan.anchor, plan.variant.surfaces(), self.table_limit)),
         };
+        let call = CallMs { place: ms_since(started), ..CallMs::default() };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
         let (asked, wanted) = (Arc::downgrade(&camera), wanted.clone());
-        Ok(Planned { scene, own_mesh, shape, camera, asked, plan, clustered, wanted })
+        Ok(Planned { scene, own_mesh, shape, camera, asked, plan, clustered, wanted, call })
     }
 
     /// Refuses more normals than one binding holds, before any work on the triangles.

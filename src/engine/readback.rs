@@ -1,6 +1,7 @@
 //! In-flight frames, and assembling images from what was read back.
 
 use super::Rendered;
+use super::call_ms::ms_since;
 use super::planned::Planned;
 use super::running::Running;
 use crate::camera::Camera;
@@ -134,9 +135,12 @@ impl Readback {
 
     /// The frame with its picture.
     pub fn rendered(self) -> Rendered {
-        let Readback { frame_layout, raw, rest } = self;
+        let started = Instant::now();
+        let Readback { frame_layout, raw, mut rest } = self;
         let srgb8 = frame_layout.wanted.srgb8.then(|| frame_layout.srgb8(&raw));
-        Rendered { frame: frame_layout.frame(&raw), sample_ids: frame_layout.sample_ids(&raw), srgb8, ..rest }
+        let (frame, sample_ids) = (frame_layout.frame(&raw), frame_layout.sample_ids(&raw));
+        rest.call.read_back += ms_since(started);
+        Rendered { frame, sample_ids, srgb8, ..rest }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The report of a render, as JSON: `docs/reference/commands.md`, Reports.
 
 use crate::camera::Camera;
+use crate::engine::call_ms::CallMs;
 use crate::engine::left_out::LeftOut;
 use crate::engine::rival::EngineName;
 use crate::engine::{Counts, MethodUsed, Rendered};
@@ -80,9 +81,9 @@ pub struct Report {
     pub triangles: usize,
     /// 0 for a camera that has a ray of its own for each pixel.
     pub pieces: usize,
+    /// Of the library from the call until the arrays are in memory, of the program from its start until the files are written.
+    pub call_ms: CallMs,
     pub frame_ms: FrameMs,
-    /// From the start of the process until the files are written, ms.
-    pub total_ms: f64,
     /// Empty without timestamps.
     pub stages: Vec<StageMs>,
     /// Compute and render passes of a frame.
@@ -157,8 +158,8 @@ impl Report {
             samples: 1,
             triangles: scene.mesh.triangles.len(),
             pieces: camera.piece_count(),
+            call_ms: rendered.call,
             frame_ms: FrameMs::of(&rendered.frame_ms),
-            total_ms: 0.0,
             stages: rendered.stages.iter().map(|&(name, ms)| StageMs { name, ms }).collect(),
             passes: Some(rendered.passes.total()).filter(|passes| *passes > 0),
             stage_passes: rendered

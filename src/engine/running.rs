@@ -1,5 +1,6 @@
 //! The one way to run a frame: submit its steps, read its counters, and repeat it with larger lists if these were too small.
 
+use super::call_ms::ms_since;
 use super::changes::Dirty;
 use super::frames::Frames;
 use super::planned::Planned;
@@ -22,6 +23,8 @@ pub(super) struct Running {
     raster_rounds: u32,
     /// The hierarchies when it was submitted: a later frame may have built them.
     bvh: BvhState,
+    /// Time that its kernels took to compile, ms.
+    pub(super) compile_ms: f64,
     started: Instant,
 }
 
@@ -35,11 +38,13 @@ impl Frames {
             return Err(self.not_traced());
         }
         let steps = self.steps(reads, dirty);
+        let compiling = Instant::now();
         self.compile(&steps)?;
+        let compile_ms = ms_since(compiling);
         let started = Instant::now();
         let (copies, recorded) = self.submit(&steps)?;
         let (capacities, raster_rounds) = (self.resident.capacities, self.resident.raster_rounds);
-        Ok(Running { copies, recorded, capacities, raster_rounds, bvh: self.resident.bvh, started })
+        Ok(Running { copies, recorded, capacities, raster_rounds, bvh: self.resident.bvh, compile_ms, started })
     }
 
     /// Submits a whole frame of `planned`, which is shown, and returns without waiting for it.
@@ -52,22 +57,29 @@ impl Frames {
     /// Waits for a frame, even if another scene is shown by now. If the lists between the stages were too small, the frame
     /// runs again with larger ones.
     pub(super) fn wait_for(&mut self, mut in_flight: InFlight) -> Result<Readback> {
-        let mut grown = 0;
+        let (mut grown, mut call) = (0, in_flight.planned.call);
         loop {
             let InFlight { planned, running, reads, frame_layout, .. } = in_flight;
             wait_for(&self.gpu, &running.recorded.submission)?;
+            call.compile += running.compile_ms;
+            call.wait += running.ms();
+            let reading = Instant::now();
             let raw = reads.finish(&self.gpu, &running)?;
+            call.read_back += ms_since(reading);
             let Some(short) = self.shortage(&raw.status, &running, frame_layout.plan.variant.by_tile) else {
                 let (frame_ms, stages) = (vec![running.ms()], raw.stages.clone());
-                let rest = Rendered { frame_ms, stages, grown, ..self.statistics(&frame_layout.plan, &running, &raw) };
+                let rest =
+                    Rendered { frame_ms, call, stages, grown, ..self.statistics(&frame_layout.plan, &running, &raw) };
                 self.weigh_tracing(&frame_layout.plan, &rest.counts)?;
                 return Ok(Readback { frame_layout, raw, rest });
             };
+            let growing = Instant::now();
             // the lists are to hold this frame
             if !self.show(&planned)? {
                 return Err(Error::work("a frame cannot be shown again"));
             }
             self.grow_lists(short)?;
+            call.upload += ms_since(growing);
             grown += 1;
             in_flight = self.start(planned)?;
         }
@@ -168,7 +180,7 @@ impl Frames {
 impl Running {
     /// Time since the submission, ms.
     pub(super) fn ms(&self) -> f64 {
-        self.started.elapsed().as_secs_f64() * 1e3
+        ms_since(self.started)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Frames of different scenes, one after another on one engine: what the device already holds is not sent again, and the next frame
 //! may be started before the last one is done.
 
+use super::call_ms::ms_since;
 use super::combinations::{Asked, Feature};
 use super::planned::Planned;
 use super::readback::{InFlight, Readback};
@@ -10,6 +11,7 @@ use crate::engine::plan::Wanted;
 use crate::gpu::kernels::Method;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
+use std::time::Instant;
 
 /// What the device holds of the last frame of a sequence.
 #[derive(Default)]
@@ -17,6 +19,8 @@ pub struct Sequence {
     frames: Option<Frames>,
     /// The options that they were uploaded with.
     run: RunOptions,
+    /// Time of the uploads since the last frame, ms.
+    upload_ms: f64,
 }
 
 impl Sequence {
@@ -32,7 +36,10 @@ impl Sequence {
     /// # Errors
     /// [`Error::Work`] if the device fails.
     pub fn show(&mut self, planned: &Planned) -> Result<bool> {
-        self.frames.as_mut().map_or(Ok(false), |frames| frames.show(planned))
+        let started = Instant::now();
+        let shown = self.frames.as_mut().map_or(Ok(false), |frames| frames.show(planned));
+        self.upload_ms += ms_since(started);
+        shown
     }
 
     /// Uploads `planned` in place of what was uploaded before.
@@ -40,9 +47,11 @@ impl Sequence {
     /// # Errors
     /// Those of [`Engine::upload`].
     pub fn upload(&mut self, engine: &mut Engine, planned: &Planned, run: &RunOptions) -> Result<()> {
+        let started = Instant::now();
         // its memory is free before more is taken
         self.clear();
         self.frames = Some(engine.upload(planned.clone(), run)?);
+        self.upload_ms += ms_since(started);
         self.run = run.clone();
         Ok(())
     }
@@ -56,7 +65,8 @@ impl Sequence {
     ///
     /// # Errors
     /// [`Error::Work`] if the device fails.
-    pub fn start(&mut self, engine: &mut Engine, planned: Planned) -> Result<InFlight> {
+    pub fn start(&mut self, engine: &mut Engine, mut planned: Planned) -> Result<InFlight> {
+        planned.call.upload = std::mem::take(&mut self.upload_ms);
         let frames = self.frames.as_ref().ok_or_else(nothing)?;
         match frames.start(planned.clone()) {
             Err(error) if frames.is_lost() => self.start_by_raster(engine, &planned, error),

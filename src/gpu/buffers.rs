@@ -25,6 +25,13 @@ struct Texture {
 /// Bytes of a texel of a table.
 const TEXEL_BYTES: u32 = 16;
 
+/// Rows of a table that are sent at once: 32 MiB.
+const ROWS_A_WRITE: u32 = 512;
+
+/// A table of triangles may be as many times as large as a binding: the buffers that go with it, slots of ids and boxes of triangle groups, have a
+/// twelfth of its bytes.
+const BINDINGS_A_TABLE: u64 = 8;
+
 /// What every buffer may be used for: kernels see it, the host writes, clears and copies it.
 const USAGE: wgpu::BufferUsages =
     wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_SRC).union(wgpu::BufferUsages::COPY_DST);
@@ -117,12 +124,21 @@ impl Buffers {
         let mut last = rest.to_vec();
         last.resize(if rest.is_empty() { 0 } else { row_bytes as usize }, 0);
         let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None };
-        for (bytes, y) in [(full, 0), (&last, rows - 1)] {
-            if !bytes.is_empty() {
-                let to = wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y, z: 0 }, ..target };
-                let size = wgpu::Extent3d { height: bytes.len() as u32 / row_bytes, ..size };
-                gpu.queue.write_texture(to, bytes, layout, size);
+        let write = |bytes: &[u8], y: u32| {
+            let to = wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y, z: 0 }, ..target };
+            let size = wgpu::Extent3d { height: bytes.len() as u32 / row_bytes, ..size };
+            gpu.queue.write_texture(to, bytes, layout, size);
+        };
+        let parts = full.chunks((ROWS_A_WRITE * row_bytes) as usize);
+        for (bytes, y) in parts.zip((0..).step_by(ROWS_A_WRITE as usize)) {
+            write(bytes, y);
+            if full.len() > bytes.len() {
+                // the copies that wgpu keeps of these bytes are free once the device has them
+                gpu.queue.submit([]);
             }
+        }
+        if !last.is_empty() {
+            write(&last, rows - 1);
         }
         Ok(())
     }
@@ -150,12 +166,10 @@ impl Buffers {
     }
 }
 
-impl Gpu {
-    /// The largest table that both a buffer and a texture of tables hold, bytes.
-    pub fn table_limit(&self) -> u64 {
-        let texels = u64::from(self.limits.max_texture_dimension_2d) * u64::from(TEXELS_A_ROW);
-        self.binding_limit().min(texels * u64::from(TEXEL_BYTES))
-    }
+/// The largest texture that holds a table of triangles or vertices on an adapter with these limits, bytes.
+pub fn table_limit(limits: &wgpu::Limits) -> u64 {
+    let texels = u64::from(limits.max_texture_dimension_2d) * u64::from(TEXELS_A_ROW);
+    (BINDINGS_A_TABLE * limits.max_storage_buffer_binding_size).min(texels * u64::from(TEXEL_BYTES))
 }
 
 /// Joins the bindings of a kernel with buffers of their names.

@@ -1,6 +1,6 @@
 //! Adapter selection, its abilities, and the code paths that they select.
 
-use super::buffers::Pipelines;
+use super::buffers::{Pipelines, table_limit};
 use super::compile::Dump;
 use super::exact;
 use super::kernels::Snippet;
@@ -33,6 +33,8 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     pub info: wgpu::AdapterInfo,
     pub limits: wgpu::Limits,
+    /// The largest texture that holds a table of triangles or vertices, bytes.
+    pub table_limit: u64,
     pub has: AdapterFeatures,
     /// Snippets that kernels are compiled with instead of those of the same names: tests plant errors by them.
     pub replaced: Vec<&'static Snippet>,
@@ -244,6 +246,7 @@ impl Gpu {
             device,
             queue,
             info,
+            table_limit: table_limit(&limits),
             limits,
             has,
             replaced: Vec::new(),
@@ -267,6 +270,7 @@ impl Gpu {
             device: self.device.clone(),
             queue: self.queue.clone(),
             info: self.info.clone(),
+            table_limit: self.table_limit,
             limits: self.limits.clone(),
             has: self.has,
             replaced: self.replaced.clone(),

@@ -2,6 +2,7 @@
 
 use super::job::RenderJob;
 use crate::camera::Camera;
+use crate::engine::call_ms::{CallMs, ms_since};
 use crate::engine::combinations::Asked;
 use crate::engine::left_out::LeftOut;
 use crate::engine::plan::Wanted;
@@ -107,12 +108,12 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
     let channels = Channel::in_order(wanted.channels.iter().copied().chain(colours));
     let started = Instant::now();
     let maps = if wanted.has_colour() { reference::caustics::caustics(scene) } else { None };
-    let ms = started.elapsed().as_secs_f64() * 1e3;
+    let ms = ms_since(started);
     let share = run.share.part_of(1 + run.repeat as usize);
     let timed = || {
         let started = Instant::now();
         let frame = reference::image::image_with_caustics(scene, camera, &channels, maps.as_ref(), &share);
-        (frame, started.elapsed().as_secs_f64() * 1e3)
+        (frame, ms_since(started))
     };
     let (mut frame, first_ms) = timed();
     let frame_ms = match run.repeat {
@@ -126,6 +127,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
         sample_ids: Vec::new(),
         srgb8,
         frame_ms,
+        call: CallMs { wait: first_ms, ..CallMs::default() },
         stages: Vec::new(),
         counts: Counts::default(),
         draws: None,

@@ -4,6 +4,7 @@
 use super::files::attributes;
 use super::memory;
 use crate::camera::Camera;
+use crate::engine::call_ms::ms_since;
 use crate::engine::plan::{Rows, Wanted};
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::readback::{InFlight, Readback};
@@ -67,7 +68,7 @@ impl Strips<'_> {
             }
         });
         let frame = Frame { width: self.camera.width, height: self.camera.height, planes: Vec::new() };
-        let frame_ms = vec![started.elapsed().as_secs_f64() * 1e3];
+        let frame_ms = vec![ms_since(started)];
         Ok(Rendered { frame, frame_ms, ..took? })
     }
 
@@ -166,6 +167,7 @@ fn add(all: &mut Option<Rendered>, own: &Rendered) {
         *all = Some(own.clone());
         return;
     };
+    all.call += own.call;
     add_stages(&mut all.stages, &own.stages);
     all.counts += own.counts;
     all.bytes = all.bytes.max(own.bytes);

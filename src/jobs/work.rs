@@ -11,6 +11,7 @@ use super::strips::{self, Strips};
 use super::{judged, memory, points, samples};
 use crate::arrays::MapEach;
 use crate::camera::{Camera, Rays};
+use crate::engine::call_ms::{CallMs, ms_since};
 use crate::engine::combinations::{Asked, at_once};
 use crate::engine::left_out::LeftOut;
 use crate::engine::plan::{Rows, Wanted};
@@ -54,6 +55,8 @@ pub struct Work {
     sample_bytes: u64,
     /// How much of the rendering is done.
     share: Share,
+    /// Time that reading and checking took, ms.
+    read_ms: f64,
 }
 
 /// The rendered result.
@@ -70,6 +73,8 @@ pub struct Seen {
 /// The result once all files are written.
 #[derive(Debug, Clone)]
 pub struct Written {
+    /// Time from the start of reading, or of the program, until the files were written, ms.
+    pub call_ms: f64,
     pub frame_ms: FrameMs,
     /// Device times of the stages, ms; empty without timestamps.
     pub stages: Vec<(&'static str, f64)>,
@@ -91,26 +96,34 @@ impl Work {
     /// # Errors
     /// [`Error::Input`] if the scene or the flags are wrong; [`Error::Write`] if a file cannot be written.
     pub fn read(job: RenderJob, library: &Library) -> Result<Work> {
+        let started = Instant::now();
         job.check_options()?;
         let loading = Loading::new(job.limits);
         let images = |own: &OutputSpec| images_read(&job, own);
         let (scene, camera) = load_from(library, &job.scene, &job.change, images, &loading)?;
-        Work::of(job, scene, camera, library, &loading)
+        Work::of(started, job, (scene, camera), library, &loading)
     }
 
     /// The same, ignoring the output files that the scene names. Also returns the files that it was read from.
     pub fn read_of_many(job: RenderJob, library: &Library) -> Result<(Work, Inputs)> {
+        let started = Instant::now();
         job.check_options()?;
         let loading = Loading::new(job.limits);
         let images = |_: &OutputSpec| images_read(&job, &OutputSpec::default());
         let (scene, camera) = load_from(library, &job.scene, &job.change, images, &loading)?;
         let scene = Scene { output: Default::default(), ..scene };
-        let work = Work::of(job, scene, camera, library, &loading)?;
+        let work = Work::of(started, job, (scene, camera), library, &loading)?;
         Ok((work, loading.into_inputs()))
     }
 
-    /// `loading` is the load that read the scene.
-    fn of(job: RenderJob, scene: Scene, camera: Arc<Camera>, library: &Library, loading: &Loading) -> Result<Work> {
+    /// The work for a scene that `loading` has read, since `started`.
+    fn of(
+        started: Instant,
+        job: RenderJob,
+        (scene, camera): (Scene, Arc<Camera>),
+        library: &Library,
+        loading: &Loading,
+    ) -> Result<Work> {
         if job.strict {
             refuse_missing(&scene)?;
         }
@@ -182,6 +195,7 @@ impl Work {
             strips,
             sample_bytes: more,
             share: Share::default(),
+            read_ms: ms_since(started),
         })
     }
 
@@ -314,12 +328,16 @@ impl Work {
             more.extend(motion::NAMES.map_each(String::from).into_iter().zip(planes));
         }
         say("writing");
+        let writing = Instant::now();
         if !is_written {
             files.write(scene, camera, &rendered, &self.asked, (mattes, more))?;
         }
         if let (Some(named), Some(gradients)) = (&job.gradients, &gradients) {
             named.write(gradients)?;
         }
+        let CallMs { encode, .. } = rendered.call;
+        let encode = encode + ms_since(writing);
+        rendered.call = CallMs { read: self.read_ms, encode, total: ms_since(started), ..rendered.call };
         if let Some(path) = &files.report {
             if extra.is_some() {
                 rendered.left_out.retain(|left| *left != LeftOut::FragmentCounters);
@@ -328,10 +346,10 @@ impl Work {
             let mut report = Report::new(device.clone(), scene, camera, &rendered, counts);
             report.samples = job.samples;
             report.error = error.clone();
-            report.total_ms = started.elapsed().as_secs_f64() * 1e3;
             files::write_report(path, &report)?;
         }
         Ok(Written {
+            call_ms: rendered.call.total,
             frame_ms: FrameMs::of(&rendered.frame_ms),
             stages: rendered.stages,
             error,
@@ -344,13 +362,14 @@ impl Work {
 
     /// The summary line.
     pub fn summary(&self, written: &Written) -> String {
-        let Written { frame_ms, error, adapter, .. } = written;
+        let Written { call_ms, frame_ms, error, adapter, .. } = written;
         let of_error = |e: &Judged| format!(" | check: {}, {} not near", e.comparison, e.not_near);
         let check = error.as_ref().map(of_error).unwrap_or_default();
         let (names, counted) = (self.files.names(), counted(&self.scene, &self.camera));
-        let (width, height, ms) = (self.camera.width, self.camera.height, milliseconds(frame_ms.median));
+        let (width, height) = (self.camera.width, self.camera.height);
+        let (call, frame) = (milliseconds(*call_ms), milliseconds(frame_ms.median));
         let unfulfilled: String = self.camera.unfulfilled.iter().map(|what| format!(" | {what}")).collect();
-        format!("{names}{width}x{height} | {counted} | frame {ms} | {adapter}{check}{unfulfilled}")
+        format!("{names}{width}x{height} | {counted} | {call}, frame {frame} | {adapter}{check}{unfulfilled}")
     }
 
     fn mattes(&self) -> Vec<Matte> {

@@ -1,20 +1,19 @@
 //! A cache of scene parts, reused by later scenes while their input files are unchanged.
 
 use super::Scene;
+use super::cameras::Cameras;
 use super::file::{FileStep, SceneFile, SkySpec};
 use super::projector_light::{ProjectorLight, ProjectorSpec, check_reach};
+use super::shelf::Shelf;
 use super::sky::Sky;
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
-use crate::camera::recipe::{SceneUse, Surroundings};
-use crate::camera::spec::CameraSpec;
 use crate::geometry::load::{Object, load_unplaced, placed, with_unique_names};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::place;
 use crate::geometry::spec::MeshSpec;
 use crate::geometry::texture::{Images, ImagesRead, Texture};
 use crate::geometry::time_steps::{TimeStep, TimeSteps};
-use crate::input::files::Inputs;
 use crate::input::{Error, Loading, Result};
 use crate::parallel;
 use crate::scene::caustics::Caustics;
@@ -24,7 +23,7 @@ use crate::scene::volume::spec::{GridSpec, VolumeSpec};
 use crate::scene::volume::{Grid, Volume};
 use glam::DVec3;
 use std::collections::HashSet;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// Loads scenes, and caches their parts across frames.
 #[derive(Default)]
@@ -38,92 +37,15 @@ pub struct Library {
     skies: Shelf<SkySpec, Sky>,
     volumes: Shelf<GridSpec, Grid>,
     caustics: Shelf<CausticsSpec, (Arc<Caustics>, Arc<Mesh>)>,
-    cameras: Shelf<CameraKey, (Arc<Camera>, Around)>,
+    cameras: Cameras,
 }
 
 /// One mesh, and the objects in it.
 type Merged = (Arc<Mesh>, Vec<Object>);
 
-/// A camera, and the size of its image.
-type CameraKey = (CameraSpec, Option<(u32, u32)>);
-
-/// The scene that a camera was built for.
-struct Around {
-    scene_use: SceneUse,
-    mesh: Arc<Mesh>,
-    /// As in [`Surroundings`].
-    beside: Option<(DVec3, DVec3)>,
-    is_endless: bool,
-}
-
 /// Why a mesh cannot move during a frame.
 const CHANGED: &str =
     "mesh: its triangles change while the frame is taken, they do not only move; make shutter and line_time 0";
-
-/// Cached parts by their keys.
-struct Shelf<K, V> {
-    kept: Mutex<Vec<Kept<K, V>>>,
-}
-
-struct Kept<K, V> {
-    key: K,
-    value: Arc<V>,
-    inputs: Inputs,
-    /// Number of scenes loaded since it was last used.
-    age: usize,
-}
-
-/// A part is dropped after this many scenes that do not use it: frames of two jobs may alternate.
-const SCENES: usize = 2;
-
-impl<K, V> Default for Shelf<K, V> {
-    fn default() -> Self {
-        Shelf { kept: Mutex::new(Vec::new()) }
-    }
-}
-
-impl<K: PartialEq + Clone, V> Shelf<K, V> {
-    /// Ages all parts, and drops old ones.
-    fn next_scene(&self) {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.iter_mut().for_each(|k| k.age += 1);
-        kept.retain(|k| k.age <= SCENES);
-    }
-
-    /// The cached part if its inputs are unchanged and it `suits`; else the result of `make`, cached if `keeps`. Either way its inputs are
-    /// recorded in `loading`.
-    fn get(
-        &self,
-        key: &K,
-        keeps: bool,
-        suits: impl Fn(&V) -> bool,
-        loading: &Loading,
-        make: impl FnOnce(&Loading) -> Result<V>,
-    ) -> Result<Arc<V>> {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = kept.iter_mut().find(|k| k.key == *key && suits(&k.value))
-            && known.inputs.are_current()
-        {
-            known.age = 0;
-            loading.note_all(&known.inputs);
-            return Ok(known.value.clone());
-        }
-        // others may look for theirs meanwhile
-        drop(kept);
-        let own = loading.beside();
-        let value = make(&own);
-        let inputs = own.into_inputs();
-        loading.note_all(&inputs);
-        let value = Arc::new(value?);
-        if !keeps {
-            return Ok(value);
-        }
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.retain(|k| k.key != *key);
-        kept.push(Kept { key: key.clone(), value: value.clone(), inputs, age: 0 });
-        Ok(value)
-    }
-}
 
 impl Library {
     /// Without a cache, for one scene.
@@ -216,10 +138,7 @@ impl Library {
     /// # Errors
     /// Those of [`Camera::in_scene`].
     pub fn camera(&self, scene: &Scene, size: Option<(u32, u32)>, loading: &Loading) -> Result<Arc<Camera>> {
-        if !scene.camera_steps.is_empty() {
-            return scene.camera_of_size(size.or(scene.size), loading).map(Arc::new);
-        }
-        self.compiled((scene.camera.clone(), size.or(scene.size)), &scene.mesh, scene.surroundings(), loading)
+        self.cameras.of_scene(scene, size, !self.is_for_once, loading)
     }
 
     /// A picture and the camera that it is thrown by, in the scene of `mesh`.
@@ -235,28 +154,9 @@ impl Library {
     ) -> Result<ProjectorLight> {
         let texels = images.load(&spec.image, loading)?;
         let key = (spec.camera.clone(), Some((texels.width, texels.height)));
-        let camera = self.compiled(key, mesh, mesh.into(), loading)?;
+        let camera = self.cameras.get(key, mesh, mesh.into(), !self.is_for_once, loading)?;
         check_reach(&camera, mesh)?;
         ProjectorLight::new(camera, Texture::new(texels), spec.throw)
-    }
-
-    /// A camera in the scene of `mesh`, which is that of `seen`.
-    fn compiled(&self, key: CameraKey, mesh: &Arc<Mesh>, seen: Surroundings, loading: &Loading) -> Result<Arc<Camera>> {
-        let Surroundings { beside, is_endless, .. } = seen;
-        let suits = |(_, around): &(Arc<Camera>, Around)| {
-            let is_same = (around.beside, around.is_endless) == (beside, is_endless);
-            match around.scene_use {
-                SceneUse::Nothing => true,
-                SceneUse::Bounds => is_same && around.mesh.bounds() == mesh.bounds(),
-                SceneUse::Mesh => is_same && Arc::ptr_eq(&around.mesh, mesh),
-            }
-        };
-        let make = |loading: &Loading| {
-            let camera = Camera::in_scene(&key.0, key.1, seen, loading)?;
-            let scene_use = camera.scene_use;
-            Ok((Arc::new(camera), Around { scene_use, mesh: mesh.clone(), beside, is_endless }))
-        };
-        Ok(self.cameras.get(&key, !self.is_for_once, suits, loading, make)?.0.clone())
     }
 
     /// All meshes in the world as one, and their objects.
@@ -313,6 +213,7 @@ impl Library {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::files::Inputs;
     use crate::scene::file;
     use std::path::Path;
 

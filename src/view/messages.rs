@@ -128,6 +128,8 @@ pub struct Times {
     pub read: f64,
     /// From there to pixels.
     pub render: f64,
+    /// The parts of `render`, without the choice of colors.
+    pub parts: Vec<(&'static str, f64)>,
     /// To PNG or JPEG.
     pub encode: f64,
     /// Of the stages on the device; empty without timestamps.

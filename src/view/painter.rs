@@ -6,6 +6,7 @@ use super::messages::{Header, Quality, Times};
 use super::session::{At, Inspection, Job, Session, Work};
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
+use crate::engine::call_ms::ms_since;
 use crate::engine::left_out::LeftOut;
 use crate::engine::plan::Wanted;
 use crate::engine::planned::Planned;
@@ -300,7 +301,7 @@ impl Painter {
         let most = (1..=STEPS).rev().find(|k| scene.size.is_none_or(|size| fits(size, *k))).unwrap_or(1);
         let eighths = if quality == Quality::Moving { self.pace.eighths.min(most) } else { most };
         let camera = self.loader.scaled(&scene, eighths)?;
-        let read = since(started);
+        let read = ms_since(started);
         let mut pixels = self.pixels(job, &scene, &camera)?;
         pixels.whole = scene.size.unwrap_or(pixels.size);
         pixels.times.read = read;
@@ -309,7 +310,7 @@ impl Painter {
         }
         let encoded = encoded(job, pixels)?;
         if quality == Quality::Moving {
-            self.pace.took(since(started), most);
+            self.pace.took(ms_since(started), most);
         }
         Ok(encoded)
     }
@@ -326,7 +327,7 @@ impl Painter {
         };
         let rendered = self.render(lane, scene, camera, &wanted, count)?;
         let mut pixels = coloured(shown, scene, camera, &rendered)?;
-        pixels.times.render = since(started);
+        pixels.times.render = ms_since(started);
         Ok(pixels)
     }
 
@@ -369,7 +370,7 @@ impl Painter {
             &mut [],
         )?;
         let mut pixels = coloured(job.asked.look.shown, &scene, &camera, &rendered)?;
-        pixels.times.render = since(started);
+        pixels.times.render = ms_since(started);
         encoded(job, pixels)
     }
 
@@ -407,7 +408,7 @@ fn by_reference(loader: &Loader, job: &Job) -> Result<(Header, Arc<Vec<u8>>)> {
     let rendered =
         samples::render(&mut Backend::Reference, &scene, &camera, &shown.wanted(), 1, &RunOptions::default(), &mut [])?;
     let mut pixels = coloured(shown, &scene, &camera, &rendered)?;
-    pixels.times.render = since(started);
+    pixels.times.render = ms_since(started);
     encoded(job, pixels)
 }
 
@@ -418,7 +419,8 @@ fn coloured(shown: Shown, scene: &Scene, camera: &Camera, rendered: &Rendered) -
     // what the engine leaves out is nothing that this picture lacks, but for a style
     let left_out = rendered.left_out.iter().filter(|left| **left == LeftOut::Style).map(LeftOut::to_string);
     let notes = left_out.chain(camera.notes.iter().chain(&camera.unfulfilled).cloned()).collect();
-    let times = Times { stages, ..Times::default() };
+    let parts = rendered.call.parts().into_iter().filter(|(_, ms)| *ms > 0.0).collect();
+    let times = Times { parts, stages, ..Times::default() };
     Ok(Pixels { rgb: colours.rgb, size, whole: size, legend: colours.legend, times, notes })
 }
 
@@ -436,7 +438,7 @@ fn encoded(job: &Job, pixels: Pixels) -> Result<(Header, Arc<Vec<u8>>)> {
         written.map_err(|e| Error::work(format!("the picture cannot be encoded: {e}")))?;
         (bytes, "image/jpeg")
     };
-    times.encode = since(started);
+    times.encode = ms_since(started);
     let header = Header {
         id: 0,
         beside: false,
@@ -452,10 +454,6 @@ fn encoded(job: &Job, pixels: Pixels) -> Result<(Header, Arc<Vec<u8>>)> {
         notes,
     };
     Ok((header, Arc::new(bytes)))
-}
-
-fn since(started: Instant) -> f64 {
-    started.elapsed().as_secs_f64() * 1e3
 }
 
 /// What `render --pixel` prints, with names, and where the ray and the hit are.

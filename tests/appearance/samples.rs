@@ -14,7 +14,7 @@ use anamorph::internals::image::frame::{Channel, NO_ID};
 use anamorph::internals::scene::Scene;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
-use common::gpu::{engine_on, ids};
+use common::gpu::{engine_on, ids, limit_bindings};
 use common::layered::chain;
 use common::polygon::{self, area, pixel_about};
 use common::rng::Rng;
@@ -262,10 +262,10 @@ fn areas_are_of_several_samples_and_of_all_triangles_at_once() {
     let areas = |samples| Wanted { samples, analytic: true, ..Wanted::of(vec![Channel::A]) };
     let refused = engine.render(&crowd(), &camera, &areas(1), &RunOptions::default()).unwrap_err().to_string();
     assert!(refused.contains("use at least 2"), "{refused}");
-    let Some(mut small) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 15) else { return };
+    let Some(mut small) = engine_on(|gpu| limit_bindings(gpu, 1 << 15)) else { return };
     let many = scene(soup(&mut Rng(5), 3000, 0.2));
     let refused = small.render(&many, &camera, &areas(4), &RunOptions::default()).unwrap_err().to_string();
-    assert!(refused.contains("all triangles in one binding"), "{refused}");
+    assert!(refused.contains("all triangles in one table"), "{refused}");
 }
 
 /// Curves, and a mirror.
@@ -338,7 +338,7 @@ fn lists_grow_and_bands_and_chunks_join_to_the_same_samples() {
         let ample = sampled(&mut whole, &scene, &camera, 4, &RunOptions::default());
         let few = Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, recheck_items: 1, edges: 1 };
         let run = RunOptions { capacities: Some(few), ..Default::default() };
-        let small = |limit: u64| engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = limit);
+        let small = |limit: u64| engine_on(|gpu| limit_bindings(gpu, limit));
         let without = |int64: bool| engine_on(|gpu| gpu.has.atomics64 &= int64);
         for (name, engine) in [
             ("lists of one item", engine_on(|_| {})),

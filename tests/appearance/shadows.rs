@@ -14,7 +14,7 @@ use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::{AmbientOcclusion, Light, Source};
 use common::cameras::{MeshShape, mesh_camera};
 use common::file::{camera_of, load};
-use common::gpu::engine_on;
+use common::gpu::{engine_on, limit_bindings};
 use common::layered::chain;
 use common::{FORWARD, camera};
 use glam::{DMat3, DVec3};
@@ -253,7 +253,7 @@ fn no_line_shows_where_triangles_meet() {
 #[test]
 fn all_chunks_hide_light_and_what_moves_too() {
     let Some(mut whole) = engine_on(|_| {}) else { return };
-    let mut parts = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 18).unwrap();
+    let mut parts = engine_on(|gpu| limit_bindings(gpu, 1 << 18)).unwrap();
     let scene = scene(vec![sun(), lamp()], Some(AmbientOcclusion { rays: 4, reach: 0.5 }));
     let (_, camera) = families().swap_remove(0);
     let [a, b] = [&mut whole, &mut parts].map(|engine| rendered(engine, &scene, &camera));

@@ -19,7 +19,7 @@ use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
 use common::cameras::{MeshShape, mesh_camera};
 use common::file::camera_of;
-use common::gpu::{Without, check, engine_on, hits, ids, render, render_with};
+use common::gpu::{Without, check, engine_on, hits, ids, limit_bindings, render, render_with};
 use common::layered::chain;
 use common::rng::Rng;
 use common::{FORWARD, camera, mesh, scene, soup};
@@ -553,7 +553,7 @@ fn furnished() -> Scene {
 fn images_are_the_same_in_chunks_and_bands() {
     let scene = furnished();
     let Some(mut whole) = engine_on(|_| {}) else { return };
-    let mut parts = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 16).unwrap();
+    let mut parts = engine_on(|gpu| limit_bindings(gpu, 1 << 16)).unwrap();
     for (name, camera) in families(SIZE) {
         let wanted = Wanted { srgb8: true, ..Wanted::of(COLOUR.to_vec()) };
         let [a, b] = [&mut whole, &mut parts]

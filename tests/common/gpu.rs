@@ -56,6 +56,11 @@ pub fn engine_on(less: impl FnOnce(&mut Gpu)) -> Option<Engine> {
     Some(Engine::new(gpu))
 }
 
+/// Makes the adapter's bindings and tables so small, bytes, that images and meshes are split.
+pub fn limit_bindings(gpu: &mut Gpu, bytes: u64) {
+    (gpu.limits.max_storage_buffer_binding_size, gpu.table_limit) = (bytes, bytes);
+}
+
 /// Asserts that f64 in 32-bit words gives a frame that is right, and the triangles that the adapter's own f64 gives.
 pub fn assert_same_without_f64(name: &str, scene: &Scene, camera: &Camera, with_f64: &Frame) -> Option<Rendered> {
     let words_only = render_with(scene, camera, Without::F64, &RunOptions::default())?;

@@ -11,7 +11,7 @@ use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, pinhole, raymap};
 use common::file::camera_of;
-use common::gpu::{Without, engine, engine_on, ids, words};
+use common::gpu::{Without, engine, engine_on, ids, limit_bindings, words};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, mesh, scene, soup};
 use glam::{DMat3, DVec3};
@@ -168,7 +168,7 @@ fn a_planted_error_is_wrong() {
 #[ignore = "slow: make test-all"]
 fn the_map_is_the_same_however_the_frame_is_split() {
     let scene = scene(soup(&mut Rng(9), 3000, 0.1));
-    let Some(mut in_bands) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 16) else { return };
+    let Some(mut in_bands) = engine_on(|gpu| limit_bindings(gpu, 1 << 16)) else { return };
     for (name, camera) in cameras() {
         let Some(whole) = certified(&scene, &camera, Without::Nothing) else { return };
         let small = RunOptions {

@@ -13,7 +13,7 @@ use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
-use common::gpu::{Without, engine, engine_on, ids, render, render_with, wanted, words};
+use common::gpu::{Without, engine, engine_on, ids, limit_bindings, render, render_with, wanted, words};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, picked, scene, soup};
 
@@ -160,7 +160,7 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
     let scene = scene(soup(&mut Rng(4), 4000, 8.0));
     let mut cameras = cameras();
     cameras.push(("pieces", camera(mesh_camera(2, 5, 4, MeshShape::default()), SIZE, FORWARD)));
-    let Some(mut small) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING) else { return };
+    let Some(mut small) = engine_on(|gpu| limit_bindings(gpu, SMALL_BINDING)) else { return };
     for (name, camera) in cameras {
         let Some(whole) = render_with(&scene, &camera, Without::Nothing, &RunOptions::default()) else { return };
         let extent = SceneExtent::of(&camera, SceneShape::of(&scene));

@@ -11,7 +11,7 @@ use anamorph::internals::input::Error;
 use anamorph::internals::scene::Scene;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
-use common::gpu::{Without, engine_on, render_with, wanted, words};
+use common::gpu::{Without, engine_on, limit_bindings, render_with, wanted, words};
 use common::rng::Rng;
 use common::{FORWARD, camera, mesh, scene, soup};
 use glam::DVec3;
@@ -137,7 +137,7 @@ fn a_triangle_over_more_tiles_than_a_loop_has_rounds_fills_them_all() {
 const SMALL_BINDING: u64 = 1 << 16;
 
 fn small() -> Option<Engine> {
-    engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING)
+    engine_on(|gpu| limit_bindings(gpu, SMALL_BINDING))
 }
 
 fn error_of(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Option<Error> {

@@ -86,6 +86,8 @@ pub struct Done {
     pub triangles: usize,
     pub pieces: usize,
     /// Median time of the timed frames, ms, and their number.
+    #[serde(default)]
+    pub call_ms: f64,
     pub frame_ms: f64,
     pub runs: usize,
     /// Device times of the stages, ms.
@@ -226,6 +228,7 @@ impl Manifest {
             adapter: written.adapter.clone(),
             triangles: written.triangles,
             pieces: written.pieces,
+            call_ms: written.call_ms,
             frame_ms: written.frame_ms.median,
             runs: written.frame_ms.runs,
             stages: written.stages.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect(),

@@ -51,7 +51,8 @@ function offerText(text) {
 // Bars of the stages' times, and of the rest.
 function showTimes({ times, quality, width, height, seq }) {
   const latency = sentAt.get(seq);
-  const rows = [["read", times.read], ["render", times.render], ["encode", times.encode]];
+  const rows = [["read", times.read], ["render", times.render],
+    ...times.parts.map(([name, ms]) => [`- ${name.replace("_", " ")}`, ms]), ["encode", times.encode]];
   if (latency !== undefined) rows.push(["input to picture", performance.now() - latency]);
   const most = Math.max(...rows.map(([, ms]) => ms), ...times.stages.map(([, ms]) => ms), 1e-6);
   const bar = ([name, ms]) => {

@@ -94,6 +94,7 @@ fn row(task: &Task, done: Option<&Done>) -> Vec<(String, String)> {
         ("triangles", done.triangles.to_string()),
         ("pieces", done.pieces.to_string()),
         ("adapter", done.adapter.clone()),
+        ("call_ms", done.call_ms.to_string()),
         ("frame_ms", done.frame_ms.to_string()),
         ("runs", done.runs.to_string()),
         ("device_ms", done.ms.to_string()),
