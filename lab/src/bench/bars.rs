@@ -42,7 +42,8 @@ pub fn bars(rows: &[Row], width: f64, parts: fn(&Row) -> &[(String, f64)]) -> St
     }
     for (k, row) in rows.iter().enumerate() {
         let y = key + k as f64 * (BAR + GAP);
-        let name = row.label.as_ref().map_or_else(|| row.case.clone(), |label| format!("{}, {label}", row.case));
+        let own = if row.is_ours() { row.label.as_ref() } else { Some(&row.technique) };
+        let name = own.map_or_else(|| row.case.clone(), |own| format!("{}, {own}", row.case));
         let _ = write!(svg, "<text class=\"e\" x=\"{}\" y=\"{:.0}\">{}</text>", NAMES - 6.0, y + 11.0, escaped(&name));
         let scale = (width - NAMES - TIME) / longest(&row.case);
         let mut x = NAMES;

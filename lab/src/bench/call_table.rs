@@ -7,7 +7,7 @@ use super::table::time_cell;
 pub const ABOUT_CALLS: &str = "A call lasts from the change (keys of a camera, matrices of objects, vertices) to t, Z and ids in the \
      caller's memory, through the public interface of one renderer; its frame is the part from the submission until the results are complete on the \
      device. Times are medians over the poses of a path, half along a street of the city and half around it, with intervals that hold the median with \
-     95 % probability. The first call, which compiles the kernels and uploads the scene, is apart. Slower cases take fewer of the 100 poses. An outside \
+     95 % probability. The parts of a call are told by the product; wait holds the frame. The first call, which compiles the kernels and uploads the scene, is apart. Slower cases take fewer of the 100 poses. An outside \
      program (Embree) gets the pieces of the camera, which are computed outside its time; its call is its tracing, and also its building where \
      something moves, of the whole city as it first stands. Wrong pixels are counted against the reference at a few poses.";
 

@@ -8,7 +8,7 @@ mod memory;
 mod path;
 
 use super::case::{Arm, Case, Source};
-use super::race::{Engines, Rules};
+use super::race::{Engines, Rules, empty_frame};
 use super::row::{Calls, Error, Row};
 use super::times::{Ratio, Times};
 use anamorph::Error as Failure;
@@ -96,7 +96,7 @@ pub fn rows(engines: &Engines, suite: &str, case: &Case, plan: &Plan, rules: &Ru
     let folder = tempfile::tempdir().map_err(|e| Failure::work(format!("no temporary folder: {e}")))?;
     let folder = folder.path();
     let adapter = engines.computing.gpu.info.name.as_str();
-    let mut row = Row::new(suite, case, &case.arms[0]);
+    let mut row = Row { control_ms: empty_frame(&engines.computing.gpu)?, ..Row::new(suite, case, &case.arms[0]) };
     let mut city = City::new(plan.motion, &plan.text(), folder)?;
     let camera = plan.camera(0, &city, folder)?;
     (row.triangles, row.pieces) = (city.scene.triangle_count(), camera.piece_count());
@@ -133,17 +133,12 @@ pub fn rows(engines: &Engines, suite: &str, case: &Case, plan: &Plan, rules: &Ru
 /// Times of one call.
 struct Call {
     pose: u32,
-    /// The parts of the call by name, ms; together they are all of it.
+    ms: f64,
+    /// The parts of the call by name, ms.
     parts: Vec<(String, f64)>,
     frame_ms: f64,
     /// Times on the device by stage, ms.
     stages: Vec<(String, f64)>,
-}
-
-impl Call {
-    fn ms(&self) -> f64 {
-        self.parts.iter().map(|part| part.1).sum()
-    }
 }
 
 /// Times of the calls of a case.
@@ -159,9 +154,9 @@ struct Timed {
 fn time(plan: &Plan, city: &mut City, renderer: &mut Renderer, folder: &Path) -> Result<Timed> {
     memory::forget_peak();
     // the first call compiles the kernels and uploads the scene; the next one says how long a call takes
-    let first_ms = call(plan, 0, city, renderer, folder)?.0.ms();
+    let first_ms = call(plan, 0, city, renderer, folder)?.0.ms;
     let (trial, rendered) = call(plan, plan.poses / 2, city, renderer, folder)?;
-    let seconds = trial.ms() * 1e-3 * f64::from(plan.poses);
+    let seconds = trial.ms * 1e-3 * f64::from(plan.poses);
     let step = (seconds / SECONDS_MAX).ceil().max(1.0) as usize;
     let poses = (0..plan.poses).step_by(step);
     let calls = poses.map(|pose| Ok(call(plan, pose, city, renderer, folder)?.0)).collect::<Result<_>>()?;
@@ -176,14 +171,15 @@ fn call(plan: &Plan, pose: u32, city: &mut City, renderer: &mut Renderer, folder
     city.apply(&change)?;
     let changed = since_start();
     let camera = plan.camera(pose, city, folder)?;
-    let aimed = since_start();
     let rendered = renderer.render(&city.scene, &camera, &Plan::options())?;
-    let (all, frame_ms) = (since_start(), rendered.frame_ms());
-    let parts =
-        [("change", changed), ("camera", aimed - changed), ("frame", frame_ms), ("rest", all - aimed - frame_ms)];
-    let parts = parts.map(|(name, ms)| (name.to_owned(), ms)).to_vec();
+    let ms = since_start();
+    let mut parts = vec![("change", changed)];
+    parts.extend(rendered.call_parts_ms());
+    let rest = ms - parts.iter().map(|part| part.1).sum::<f64>();
+    parts.push(("rest", rest.max(0.0)));
+    let parts = parts.into_iter().map(|(name, ms)| (name.to_owned(), ms)).collect();
     let stages = rendered.stages_ms().map(|(name, ms)| (name.to_owned(), ms)).collect();
-    Ok((Call { pose, parts, frame_ms, stages }, rendered))
+    Ok((Call { pose, ms, parts, frame_ms: rendered.frame_ms(), stages }, rendered))
 }
 
 /// The device memory in a report of a render.
@@ -206,7 +202,7 @@ fn medians<'a>(lists: impl Iterator<Item = &'a Vec<(String, f64)>>) -> Vec<(Stri
 
 impl Timed {
     fn add_to(&self, row: &mut Row) {
-        let all: Vec<f64> = self.calls.iter().map(Call::ms).collect();
+        let all: Vec<f64> = self.calls.iter().map(|call| call.ms).collect();
         let frames: Vec<f64> = self.calls.iter().map(|call| call.frame_ms).collect();
         row.times = Some(Times::of(&frames));
         row.stages = medians(self.calls.iter().map(|call| &call.stages));
@@ -218,7 +214,7 @@ impl Timed {
 
     /// The time of the call at a pose, ms.
     fn at(&self, pose: u32) -> Option<f64> {
-        self.calls.iter().find(|call| call.pose == pose).map(Call::ms)
+        self.calls.iter().find(|call| call.pose == pose).map(|call| call.ms)
     }
 }
 

@@ -6,7 +6,7 @@ use super::plot::{Drawn, file_name, plots};
 use super::row::Row;
 use super::suites::{Plot, SUITES};
 use super::table::{
-    ABOUT_TIMES, HEADS, REACH_HEADS, STIFF_HEADS, WORK_HEADS, about, cells, families, reach, stiff, work,
+    ABOUT_TIMES, HEADS, REACH_HEADS, STIFF_HEADS, WORK_HEADS, about, about_times, cells, families, reach, stiff, work,
 };
 use super::verdict::verdict;
 use super::{Run, bars, call_table, marks, operations};
@@ -214,7 +214,8 @@ fn anchor(title: &str) -> String {
 pub fn run_page(run: &Run, plots: &[Drawn]) -> String {
     let legend = marks::legend(run.rows.iter().map(|row| row.technique.as_str()));
     let text = format!(
-        "<nav><a href=\"../index.html\">all runs</a></nav>\n{legend}<p class=\"note\">{ABOUT_TIMES}</p>\n{}{}</section>\n",
+        "<nav><a href=\"../index.html\">all runs</a></nav>\n{legend}<p class=\"note\">{}</p>\n{}{}</section>\n",
+        escaped(about_times(run)),
         section(0, run, plots),
         closeups_of(run)
     );
@@ -249,7 +250,7 @@ pub fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
         text += &table(&operations::HEADS, run.operations.iter().map(operations::cells));
     }
     if plot_of(run) == Plot::Calls {
-        text += &format!("<h3>Calls</h3>\n<p class=\"note\">{}</p>\n", escaped(call_table::ABOUT_CALLS));
+        text += "<h3>Calls</h3>\n";
         text += &table(&call_table::HEADS, run.rows.iter().filter_map(call_table::cells));
     }
     let cases: Vec<_> = run.rows.chunk_by(|a, b| a.case == b.case).collect();

@@ -593,7 +593,7 @@ fn every_row(frame: &Frame, step: u32) -> Frame {
 }
 
 /// Submits one empty pass: the time of a frame that does nothing, ms.
-fn empty_frame(gpu: &Gpu) -> Result<f64> {
+pub(super) fn empty_frame(gpu: &Gpu) -> Result<f64> {
     let started = Instant::now();
     let mut recorder = Recorder::new(gpu, 1);
     drop(recorder.compute("empty"));

@@ -88,6 +88,11 @@ pub const ABOUT_TIMES: &str = "A call lasts from a scene and a camera in memory,
      rounds in which both ran. (?): an end of the interval is more than 5 % from the median after all rounds. What takes over 10 s a frame \
      ran once, and has no interval.";
 
+/// What the times of a run are.
+pub fn about_times(run: &Run) -> &'static str {
+    if plot_of(run) == Plot::Calls { call_table::ABOUT_CALLS } else { ABOUT_TIMES }
+}
+
 /// Every row, every value. Stages are name=ms, and the times of frames ms, separated by semicolons.
 pub fn csv(rows: &[Row]) -> Result<String> {
     let failed = |e: &dyn std::fmt::Display| Error::work(format!("raw.csv: {e}"));
@@ -371,7 +376,7 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
     let p = &run.provenance;
     let commit = p.commit.as_deref().unwrap_or("unknown");
     let mut text = format!(
-        "# {}\n\n`{}`, {}, version {} ({commit}), {} {}, {} cores.\n\n{}\n\n{ABOUT_TIMES} Errors are against the f64 reference.\n",
+        "# {}\n\n`{}`, {}, version {} ({commit}), {} {}, {} cores.\n\n{}\n\n{} Errors are against the f64 reference.\n",
         run.suite,
         p.command,
         p.date,
@@ -379,7 +384,8 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
         p.adapter,
         p.driver,
         p.cores,
-        p.fairness()
+        p.fairness(),
+        about_times(run)
     );
     let swept = if plot_of(run) == Plot::Scaling { growths(&run.rows) } else { Vec::new() };
     for Growth { parameter, exponents } in swept {
@@ -393,7 +399,7 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
     }
     let calls: Vec<[String; 11]> = run.rows.iter().filter_map(call_table::cells).collect();
     if plot_of(run) == Plot::Calls {
-        text += &format!("\n## Calls\n\n{}\n\n| {} |\n|", call_table::ABOUT_CALLS, call_table::HEADS.join(" | "));
+        text += &format!("\n## Calls\n\n| {} |\n|", call_table::HEADS.join(" | "));
         text += &format!("{}\n", "---|".repeat(call_table::HEADS.len()));
         calls.iter().for_each(|cells| text += &format!("| {} |\n", cells.join(" | ")));
     }

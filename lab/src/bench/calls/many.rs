@@ -74,7 +74,7 @@ pub fn batch(plan: &Plan, adapter: &str, folder: &Path, row: Row) -> Result<Row>
     let (width, height) = plan.size;
     let list = format!(
         "[[job]]\nscene = \"scene.toml\"\nexr = \"{{frame:04}}.exr\"\nframes = {{ first = 0, last = {} }}\n\
-         size = [{width}, {height}]\nchannels = [\"{}\"]\n",
+         size = \"{width}x{height}\"\nchannels = [\"{}\"]\n",
         plan.poses - 1,
         names.join("\", \"")
     );
