@@ -47,8 +47,11 @@ pub enum Work {
 /// The channels that a call asks for.
 const CHANNELS: [Channel; 3] = [Channel::T, Channel::Z, Channel::TriangleId];
 
-/// Seconds of the calls of a case: of slower ones each second pose is taken, or each third, and so on.
+/// Seconds of the calls of a case: of slower ones poses are left out.
 const SECONDS_MAX: f64 = 40.0;
+
+/// Calls of the slowest cases.
+const CALLS_MIN: u32 = 10;
 
 /// Pixels of an image up to which four poses are compared with the reference; two of a larger one.
 const SMALL: u32 = 500_000;
@@ -153,14 +156,26 @@ struct Timed {
 /// Renders along the path.
 fn time(plan: &Plan, city: &mut City, renderer: &mut Renderer, folder: &Path) -> Result<Timed> {
     memory::forget_peak();
-    // the first call compiles the kernels and uploads the scene; the next one says how long a call takes
-    let first_ms = call(plan, 0, city, renderer, folder)?.0.ms;
-    let (trial, rendered) = call(plan, plan.poses / 2, city, renderer, folder)?;
-    let seconds = trial.ms * 1e-3 * f64::from(plan.poses);
-    let step = (seconds / SECONDS_MAX).ceil().max(1.0) as usize;
-    let poses = (0..plan.poses).step_by(step);
-    let calls = poses.map(|pose| Ok(call(plan, pose, city, renderer, folder)?.0)).collect::<Result<_>>()?;
-    Ok(Timed { first_ms, calls, bytes: device_bytes(&rendered.report()), peak_bytes: memory::peak_bytes() })
+    // the first call compiles the kernels and uploads the scene
+    let (first, mut rendered) = call(plan, 0, city, renderer, folder)?;
+    let (mut calls, mut pose): (Vec<Call>, u32) = (Vec::new(), 0);
+    while pose < plan.poses {
+        let call;
+        (call, rendered) = self::call(plan, pose, city, renderer, folder)?;
+        calls.push(call);
+        pose += step(&calls, plan.poses - pose);
+    }
+    Ok(Timed { first_ms: first.ms, calls, bytes: device_bytes(&rendered.report()), peak_bytes: memory::peak_bytes() })
+}
+
+/// From the last pose to the next one to be timed, of so many that are left: such that calls as short as the shortest so far end in time, and
+/// so small that about [`CALLS_MIN`] poses of a path are timed in any case.
+fn step(calls: &[Call], left: u32) -> u32 {
+    let all_ms: f64 = calls.iter().map(|call| call.ms).sum();
+    let least_ms = calls.iter().map(|call| call.ms).fold(f64::INFINITY, f64::min);
+    let in_time = least_ms * f64::from(left) / (1e3 * SECONDS_MAX - all_ms).max(0.0);
+    // without time left it is infinite, and saturates
+    (in_time.ceil() as u32).clamp(1, (left / CALLS_MIN).max(1))
 }
 
 /// One call, from the change to the arrays.
@@ -257,6 +272,18 @@ mod tests {
             assert_eq!(pictures[0] != pictures[1], differs, "{motion:?}");
             assert_eq!(city.scene.triangle_count(), 30_000);
         }
+    }
+
+    #[test]
+    fn slow_calls_leave_poses_out_but_not_all() {
+        let call = |ms: f64| Call { pose: 0, ms, parts: Vec::new(), frame_ms: 0.0, stages: Vec::new() };
+        assert_eq!(step(&[call(10.0)], 100), 1);
+        // 40 s hold 40 calls of a second: one is done
+        assert_eq!(step(&[call(1000.0)], 100), 3);
+        // a slow call takes time, but says nothing of the next ones
+        assert_eq!(step(&[call(1000.0), call(19_000.0)], 100), 5);
+        assert_eq!(step(&[call(1000.0), call(90_000.0)], 100), 10);
+        assert_eq!(step(&[call(90_000.0)], 4), 1);
     }
 
     #[test]

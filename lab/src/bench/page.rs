@@ -153,6 +153,9 @@ pub fn page(runs: &[(String, Run)]) -> String {
         let plot = plot_of(run);
         if plot == Plot::Stages || plot == Plot::Calls {
             text += "</div><div>";
+            if plot == Plot::Calls {
+                text += &table(&call_table::HEADS, run.rows.iter().filter_map(call_table::cells));
+            }
             text += &plots(&run.rows, plot, LARGE).into_iter().map(|(_, _, svg)| svg).collect::<String>();
         } else {
             for (file, title, svg) in plots(&run.rows, plot, SMALL) {

@@ -11,6 +11,9 @@ use std::path::Path;
 /// Poses that it is timed at: it reads and builds everything anew for each.
 const POSES: u32 = 5;
 
+/// A row, and the time of its call at each pose, ms.
+pub type Beside = (Row, Vec<(u32, f64)>);
+
 /// A row, and the time of its call at each pose, ms. Where something moves, a call has the build of its hierarchy; where nothing does, that is
 /// a part beside. `None` if it cannot show the camera.
 ///
@@ -23,7 +26,7 @@ pub fn row(
     plan: &Plan,
     city: &City,
     folder: &Path,
-) -> Result<Option<(Row, Vec<(u32, f64)>)>> {
+) -> Result<Option<Beside>> {
     if !matches!(plan.lens, Lens::Pinhole | Lens::CrossSlit | Lens::Pieces) {
         return Ok(None);
     }
