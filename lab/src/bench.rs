@@ -5,6 +5,8 @@
 //! shows them together.
 
 mod bars;
+mod call_table;
+pub mod calls;
 pub mod case;
 mod chart;
 mod closeups;
@@ -22,6 +24,7 @@ pub mod suites;
 mod table;
 pub mod times;
 mod verdict;
+mod whole;
 mod yardstick;
 
 use anamorph::internals::gpu::device::AdapterFeatures;
@@ -59,6 +62,8 @@ pub struct Selection {
     pub quick: bool,
     /// Those alone whose name contains it; a run of the same day and suite keeps its other rows.
     pub only: Option<String>,
+    /// A run of the same day and suite by the same program and adapter keeps its rows, and their cases are left out.
+    pub resume: bool,
 }
 
 /// Runs a suite and reports lines: its kernels' operations, and each row when it is complete; each case is written after it has run, to the run's own folder in `folder`.
@@ -74,7 +79,7 @@ pub fn run(
     folder: &Path,
     mut tell: impl FnMut(&str),
 ) -> Result<PathBuf> {
-    let Selection { quick, only } = selection;
+    let Selection { quick, only, resume } = selection;
     let cases = suite.cases(*quick);
     let is_asked = |case: &Case| only.as_ref().is_none_or(|text| case.name.contains(text.as_str()));
     let closeups = if *quick { &[] } else { suite.closeups };
@@ -85,14 +90,18 @@ pub fn run(
         return Err(Error::input(format!("{} has no such case; there is: {}", suite.name, names.join("; "))));
     }
     let (has, provenance) = (engines.computing.gpu.has, Provenance::now(&engines.computing, *quick));
-    let mut ongoing = Ongoing::start(suite, provenance, has, folder)?;
+    let mut ongoing = match resume {
+        true => Ongoing::resume(suite, provenance, has, folder)?,
+        false => Ongoing::start(suite, provenance, has, folder)?,
+    };
     if !ongoing.run.operations.is_empty() {
         tell(&operations::lines(&ongoing.run.operations));
     }
-    if only.is_some() && ongoing.folder.join(RESULTS).is_file() {
+    if only.is_some() && !resume && ongoing.folder.join(RESULTS).is_file() {
         ongoing.keep(read(&ongoing.folder.join(RESULTS))?);
     }
-    for case in cases.iter().filter(|case| is_asked(case)) {
+    let left = if *resume { ongoing.left() } else { cases };
+    for case in left.iter().filter(|case| is_asked(case)) {
         ongoing.race(engines, case, rules)?.iter().for_each(|row| tell(&row.line()));
     }
     let Ongoing { mut run, folder, .. } = ongoing;
@@ -168,7 +177,7 @@ impl<'a> Ongoing<'a> {
     /// Runs a case and writes the run with its rows, in place of those that the case had.
     pub fn race(&mut self, engines: &mut Engines, case: &Case, rules: &Rules) -> Result<Vec<Row>> {
         let failed = |e: Error| case.arms.iter().map(|arm| Row::refused(self.suite.name, case, arm, &e)).collect();
-        let mut own = race(engines, self.suite.name, case, rules).unwrap_or_else(failed);
+        let mut own = run_case(engines, self.suite.name, case, rules).unwrap_or_else(failed);
         own.iter_mut().for_each(|row| row.commit = self.run.provenance.commit.clone());
         let cases = self.cases();
         self.run.rows.retain(|row| row.case != case.name);
@@ -176,6 +185,14 @@ impl<'a> Ongoing<'a> {
         self.run.rows.sort_by_key(|row| cases.iter().position(|c| c.name == row.case));
         self.run.write(&self.folder, self.suite.plot)?;
         Ok(own)
+    }
+}
+
+/// The rows of a case: by frames of its arms in turn, or by whole calls.
+fn run_case(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> Result<Vec<Row>> {
+    match &case.calls {
+        Some(plan) => calls::rows(engines, suite, case, plan, rules),
+        None => race(engines, suite, case, rules),
     }
 }
 

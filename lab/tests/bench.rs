@@ -37,6 +37,7 @@ fn a_quick_run_leaves_every_file_and_a_page_over_all_runs() {
     // a line for the run, then one for each row
     assert!(results.lines().count() == 1 + run.rows.len(), "{results}");
     assert!(run.rows.len() >= 3 && run.rows.iter().all(|r| r.refused.is_none()), "{run:?}");
+    assert!(run.rows.iter().all(|r| r.calls.is_some() == r.is_ours()), "{run:?}");
     let (ours, others): (Vec<&Row>, Vec<&Row>) = run.rows.iter().partition(|r| r.is_ours());
     // it says 1.5 ms, and sees triangle 0 everywhere
     assert!(!others.is_empty());
@@ -74,6 +75,80 @@ fn a_quick_run_leaves_every_file_and_a_page_over_all_runs() {
     assert!(page.contains("<svg") && run.rows.iter().all(|r| page.contains(&r.case)));
     assert!(!page.contains("http://") || page.matches("http://").count() == page.matches("http://www.w3.org/").count());
     open_in_a_browser(&out.path().join("index.html"), &run.rows[0].case);
+}
+
+/// A program beside pictures of several samples finds t and ids of one ray per pixel; so does the row that it is compared with.
+#[test]
+fn a_program_runs_beside_cases_of_several_samples() {
+    if adapters().is_empty() {
+        return needs::no_adapter();
+    }
+    let out = tempfile::tempdir().unwrap();
+    let yardstick = yardstick(out.path());
+    let only = ["--case", "through two slits", "--yardstick", &yardstick];
+    let done = bench(&[&["samples", "--quick", "--runs", "1"][..], &only].concat(), out.path());
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let folder = std::fs::read_dir(out.path()).unwrap().map(|e| e.unwrap().path()).find(|p| p.is_dir()).unwrap();
+    let run: Run = serde_json::from_str(&text(&folder.join("results.json"))).unwrap();
+    assert!(run.rows.iter().all(|row| row.refused.is_none() && row.times.is_some()), "{run:?}");
+    let row = |test: &dyn Fn(&Row) -> bool| run.rows.iter().find(|row| test(row)).unwrap();
+    let program = row(&|row| !row.is_ours());
+    let bare = row(&|row| row.label.as_deref() == Some("t and ids alone"));
+    assert_eq!(program.parameter, Some(("samples".to_owned(), 1.0)));
+    assert_eq!(program.parameter, bare.parameter);
+    // the program sees triangle 0 everywhere
+    assert!(program.error.as_ref().unwrap().wrong_share > 0.9, "{program:?}");
+    let error = bare.error.as_ref().unwrap();
+    assert!(error.wrong_safe == 0 && error.t_median.is_some() && error.psnr.is_none(), "{bare:?}");
+    assert_eq!(program.to_ours.map(|r| r.median), bare.times.as_ref().map(|t| 1.5 / t.median));
+    let plain = row(&|row| row.is_ours() && row.label.is_none());
+    assert!(plain.error.as_ref().unwrap().psnr.is_some(), "{plain:?}");
+}
+
+/// A second start keeps the rows that are there.
+#[test]
+fn whole_calls_are_timed_and_a_second_start_goes_on() {
+    if adapters().is_empty() {
+        return needs::no_adapter();
+    }
+    let out = tempfile::tempdir().unwrap();
+    let yardstick = yardstick(out.path());
+    let run = |case: &str| {
+        let only = ["--resume", "--case", case, "--yardstick", &yardstick];
+        let done = bench(&[&["calls", "--quick"][..], &only].concat(), out.path());
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let folder = std::fs::read_dir(out.path()).unwrap().map(|e| e.unwrap().path()).find(|p| p.is_dir()).unwrap();
+        let run: Run = serde_json::from_str(&text(&folder.join("results.json"))).unwrap();
+        assert!(run.rows.iter().all(|row| row.refused.is_none()), "{run:?}");
+        (run, text(&folder.join("summary.md")))
+    };
+    let (first, summary) = run("objects move");
+    let [ours, program] = &first.rows[..] else { panic!("{first:?}") };
+    assert!(ours.is_ours() && ours.triangles == 100_000 && summary.contains(&ours.case), "{ours:?}");
+    let (calls, frames) = (ours.calls.as_ref().unwrap(), ours.times.as_ref().unwrap());
+    assert_eq!((calls.times.runs, frames.runs), (8, 8));
+    // a frame is a part of its call, and the parts are all of it
+    assert!(calls.times.each.iter().zip(&frames.each).all(|(call, frame)| call > frame && *frame > 0.0), "{calls:?}");
+    let parts: Vec<&str> = calls.parts.iter().map(|part| part.0.as_str()).collect();
+    assert_eq!((parts.first(), parts.last()), (Some(&"change"), Some(&"rest")));
+    assert!(["camera", "plan", "upload", "wait"].iter().all(|name| parts.contains(name)), "{parts:?}");
+    let error = ours.error.as_ref().unwrap();
+    assert!(error.wrong_safe == 0 && error.wrong_hit_miss == 0, "{error:?}");
+    // the program says 1.5 ms of tracing and 9 ms of building, which counts where something moves, and sees triangle 0 everywhere
+    let of_program = program.calls.as_ref().unwrap();
+    assert_eq!((of_program.times.median, program.times.as_ref().unwrap().median), (10.5, 1.5));
+    assert!(program.error.as_ref().unwrap().wrong_share > 0.9 && program.to_ours.is_some(), "{program:?}");
+
+    let (both, _) = run("15k");
+    assert_eq!(both.rows.len(), 4);
+    assert!(first.rows.iter().all(|row| both.rows.contains(row)));
+    let many = |name: &str| both.rows.iter().find(|row| row.case.ends_with(name)).unwrap();
+    let (views, batch) = (many("16 at once"), many("16 EXRs"));
+    for row in [views, batch] {
+        let (calls, frames) = (row.calls.as_ref().unwrap(), row.times.as_ref().unwrap());
+        assert!(calls.images == 16 && calls.times.median > frames.median && frames.median > 0.0, "{row:?}");
+    }
+    assert_eq!(views.error.as_ref().unwrap().wrong_safe, 0, "{views:?}");
 }
 
 /// A program that is called like the yardstick: its path.

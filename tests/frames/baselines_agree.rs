@@ -91,13 +91,16 @@ morph = 0
 /// What a rival makes of the scene against the reference: pixels with another triangle, those of them that are safe, and those
 /// that name no near candidate; `None` without an adapter.
 fn wrong(camera: &str, by: &str) -> Option<(u64, u64, u64)> {
-    let scene = scene(camera);
+    wrong_in(&scene(camera), by)
+}
+
+fn wrong_in(scene: &Scene, by: &str) -> Option<(u64, u64, u64)> {
     let camera = scene.camera().unwrap();
     let mut engine = engine(&camera, Without::Nothing)?;
     let run = RunOptions { rival: Some(anamorph_lab::rivals::parse(by).unwrap()), ..Default::default() };
-    let frame = engine.render(&scene, &camera, &wanted(), &run).unwrap().frame;
+    let frame = engine.render(scene, &camera, &wanted(), &run).unwrap().frame;
     assert!(hits(&frame) > 1000, "{by}: {} hits", hits(&frame));
-    let judged = judge(&scene, &camera, &frame);
+    let judged = judge(scene, &camera, &frame);
     let seen =
         anamorph::internals::image::compare::compare(&frame, &judged.truth, Some(&judged.safe), Some(&judged.scales))
             .unwrap();
@@ -113,6 +116,16 @@ fn ray_tracing_is_right_at_every_safe_pixel() {
             assert_eq!((safe, not_near), (0, 0), "{by}: {camera}");
         }
     }
+}
+
+/// Rays start some 400 units from triangles of a tenth of a unit: a product of two such distances is rounded by as much as a triangle's area.
+#[test]
+fn ray_tracing_is_right_for_small_triangles_far_from_where_rays_start() {
+    let city = "image = { width = 128, height = 96 }\nmesh = [{ builtin = \"city\", seed = 3, blocks = 12, triangles = 100000 }]\n\
+                camera = { kind = \"cross_slit\", slits = [{ distance = 400, angle = 90 }, { distance = 40, angle = 0 }], \
+                eye = [-36, 20, 50], target = [-10, 9.5, 15], height = 4 }";
+    let Some((_, safe, not_near)) = wrong_in(&load(city).unwrap(), "raytrace") else { return };
+    assert_eq!((safe, not_near), (0, 0));
 }
 
 #[test]

@@ -44,10 +44,15 @@ fn nearer(segment: Segment, found: Found, triangle: LeafTriangle) -> Found {
     let m0 = triangle.v0 - segment.p;
     let m1 = triangle.v1 - segment.p;
     let m2 = triangle.v2 - segment.p;
-    let normal = cross(triangle.v1 - triangle.v0, triangle.v2 - triangle.v0);
-    let a = dot(segment.d, cross(m1, m0));
-    let b = dot(segment.d, cross(m2, m1));
-    let c = dot(segment.d, cross(m0, m2));
+    // edges are subtracted before they are multiplied: next to them the corners are far from where the segment starts. An edge that
+    // two triangles share has the same number in both, with the other sign (Plücker coordinates)
+    let e01 = triangle.v1 - triangle.v0;
+    let e12 = triangle.v2 - triangle.v1;
+    let e20 = triangle.v0 - triangle.v2;
+    let normal = cross(e20, e01);
+    let a = dot(segment.d, cross(e01, m0 + m1));
+    let b = dot(segment.d, cross(e12, m1 + m2));
+    let c = dot(segment.d, cross(e20, m2 + m0));
     let across = dot(normal, segment.d);
     let s = dot(normal, m0) / across;
     let inside = (a >= 0.0 && b >= 0.0 && c >= 0.0) || (a <= 0.0 && b <= 0.0 && c <= 0.0);

@@ -13,16 +13,17 @@ const TIME: f64 = 84.0;
 /// A line of the key.
 const LINE: f64 = 16.0;
 
-/// A bar a row, its stages beside each other in their order, as long as they take; each as a share of the longest row of its case.
-pub fn bars(rows: &[Row], width: f64) -> String {
-    let rows: Vec<&Row> = rows.iter().filter(|r| !r.stages.is_empty()).collect();
+/// A bar a row, its stages or other parts beside each other in their order, as long as they take; each as a share of the longest row of its
+/// case.
+pub fn bars(rows: &[Row], width: f64, parts: fn(&Row) -> &[(String, f64)]) -> String {
+    let rows: Vec<&Row> = rows.iter().filter(|r| !parts(r).is_empty()).collect();
     let mut names: Vec<&str> = Vec::new();
-    for (name, _) in rows.iter().flat_map(|r| &r.stages) {
+    for (name, _) in rows.iter().flat_map(|r| parts(r)) {
         if !names.contains(&name.as_str()) {
             names.push(name);
         }
     }
-    let total = |row: &Row| row.stages.iter().map(|s| s.1).sum::<f64>();
+    let total = |row: &Row| parts(row).iter().map(|s| s.1).sum::<f64>();
     let longest =
         |case: &str| rows.iter().filter(|r| r.case == case).map(|r| total(r)).fold(f64::MIN_POSITIVE, f64::max);
     let per_line = ((width / 90.0) as usize).max(1);
@@ -41,11 +42,12 @@ pub fn bars(rows: &[Row], width: f64) -> String {
     }
     for (k, row) in rows.iter().enumerate() {
         let y = key + k as f64 * (BAR + GAP);
-        let name = row.label.as_ref().map_or_else(|| row.case.clone(), |label| format!("{}, {label}", row.case));
+        let own = if row.is_ours() { row.label.as_ref() } else { Some(&row.technique) };
+        let name = own.map_or_else(|| row.case.clone(), |own| format!("{}, {own}", row.case));
         let _ = write!(svg, "<text class=\"e\" x=\"{}\" y=\"{:.0}\">{}</text>", NAMES - 6.0, y + 11.0, escaped(&name));
         let scale = (width - NAMES - TIME) / longest(&row.case);
         let mut x = NAMES;
-        for (stage, ms) in &row.stages {
+        for (stage, ms) in parts(row) {
             let class = names.iter().position(|n| n == stage).unwrap_or(0) % CLASSES;
             let _ = write!(
                 svg,

@@ -1,5 +1,6 @@
 //! A case: one scene rendered by several techniques, each an arm.
 
+use super::calls::Plan;
 use super::row::{Moving, Paper, Stiffness};
 use anamorph::internals::engine::rival::Choice;
 use anamorph::internals::engine::{Arithmetic, Method};
@@ -37,6 +38,8 @@ pub struct Case {
     /// The stiffness of the scene, in stiff suites; proofs are counted then too.
     pub stiffness: Option<Stiffness>,
     pub arms: Vec<Arm>,
+    /// If set, whole calls are timed, not frames of the arms.
+    pub calls: Option<Plan>,
     /// The paper's own figures.
     pub paper: Option<Paper>,
 }
@@ -90,6 +93,7 @@ impl Case {
             filtered: None,
             stiffness: None,
             arms,
+            calls: None,
             paper: None,
         }
     }

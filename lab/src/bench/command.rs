@@ -18,7 +18,7 @@ const PAGE: &str = "page";
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// papers, pareto, glc, samples, stages, dynamic, stiff or beyond [default: all]; or reproduce; or page: raw.csv, tables, plots and pages anew from each results.json in --out
+    /// papers, pareto, glc, samples, stages, dynamic, stiff, beyond or calls [default: all]; or reproduce; or page: raw.csv, tables, plots and pages anew from each results.json in --out
     pub suite: Option<String>,
     /// With reproduce: the case to run again and to compare with what a run in --out says, for example 'papers/Yu 1'
     #[arg(value_name = "SUITE/CASE", requires = "suite")]
@@ -29,6 +29,9 @@ pub struct Args {
     /// Only cases whose name contains this; a run of the same day keeps its other rows
     #[arg(long, value_name = "TEXT", requires = "suite")]
     pub case: Option<String>,
+    /// Leave out the cases that a run of the same day, program and adapter has
+    #[arg(long, requires = "suite")]
+    pub resume: bool,
     /// Folder for the results: one subfolder per run, and index.html
     #[arg(long, value_name = "DIR", default_value = "bench_results")]
     pub out: PathBuf,
@@ -96,7 +99,7 @@ fn suites(args: &Args) -> Result<()> {
     std::fs::create_dir_all(&args.out).map_err(|e| Error::work(format!("{}: {e}", args.out.display())))?;
     outputs::check(&Inputs::default(), std::iter::once((args.out.join(INDEX).as_path(), outputs::PAGE)))?;
     let (mut engines, rules) = engines(args)?;
-    let selection = Selection { quick: args.quick, only: args.case.clone() };
+    let selection = Selection { quick: args.quick, only: args.case.clone(), resume: args.resume };
     for suite in asked {
         print(&format!("{}: {}\n", suite.name, suite.asks))?;
         let mut printed = Ok(());

@@ -6,10 +6,10 @@ use super::plot::{Drawn, file_name, plots};
 use super::row::Row;
 use super::suites::{Plot, SUITES};
 use super::table::{
-    ABOUT_TIMES, HEADS, REACH_HEADS, STIFF_HEADS, WORK_HEADS, about, cells, families, reach, stiff, work,
+    ABOUT_TIMES, HEADS, REACH_HEADS, STIFF_HEADS, WORK_HEADS, about, about_times, cells, families, reach, stiff, work,
 };
 use super::verdict::verdict;
-use super::{Run, bars, marks, operations};
+use super::{Run, bars, call_table, marks, operations};
 
 const STYLE: &str = "
 :root { color-scheme: light dark; }
@@ -150,11 +150,15 @@ pub fn page(runs: &[(String, Run)]) -> String {
             SUITES.iter().find(|s| s.name == run.suite).map_or("", |s| s.asks),
             source(run)
         );
-        if plot_of(run) == Plot::Stages {
+        let plot = plot_of(run);
+        if plot == Plot::Stages || plot == Plot::Calls {
             text += "</div><div>";
-            text += &plots(&run.rows, Plot::Stages, LARGE).into_iter().map(|(_, _, svg)| svg).collect::<String>();
+            if plot == Plot::Calls {
+                text += &table(&call_table::HEADS, run.rows.iter().filter_map(call_table::cells));
+            }
+            text += &plots(&run.rows, plot, LARGE).into_iter().map(|(_, _, svg)| svg).collect::<String>();
         } else {
-            for (file, title, svg) in plots(&run.rows, plot_of(run), SMALL) {
+            for (file, title, svg) in plots(&run.rows, plot, SMALL) {
                 text += &format!(
                     "<figure><figcaption><a href=\"{folder}/{file}\">{}</a>{}</figcaption>{svg}</figure>\n",
                     escaped(&title),
@@ -213,7 +217,8 @@ fn anchor(title: &str) -> String {
 pub fn run_page(run: &Run, plots: &[Drawn]) -> String {
     let legend = marks::legend(run.rows.iter().map(|row| row.technique.as_str()));
     let text = format!(
-        "<nav><a href=\"../index.html\">all runs</a></nav>\n{legend}<p class=\"note\">{ABOUT_TIMES}</p>\n{}{}</section>\n",
+        "<nav><a href=\"../index.html\">all runs</a></nav>\n{legend}<p class=\"note\">{}</p>\n{}{}</section>\n",
+        escaped(about_times(run)),
         section(0, run, plots),
         closeups_of(run)
     );
@@ -247,6 +252,10 @@ pub fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
         text += &format!("<h3>Operations</h3>\n<p class=\"note\">{}</p>\n", escaped(operations::ABOUT));
         text += &table(&operations::HEADS, run.operations.iter().map(operations::cells));
     }
+    if plot_of(run) == Plot::Calls {
+        text += "<h3>Calls</h3>\n";
+        text += &table(&call_table::HEADS, run.rows.iter().filter_map(call_table::cells));
+    }
     let cases: Vec<_> = run.rows.chunk_by(|a, b| a.case == b.case).collect();
     // plots over several cases come first
     for (_, title, svg) in plots.iter().filter(|(_, title, _)| !cases.iter().any(|c| c[0].case == *title)) {
@@ -263,6 +272,9 @@ pub fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
             escaped(&about(&rows[0])),
             table(&HEADS, rows.iter().map(cells))
         );
+        if rows.iter().any(|row| call_table::part_cells(row).is_some()) {
+            text += &table(&call_table::PART_HEADS, rows.iter().filter_map(call_table::part_cells));
+        }
         if rows.iter().any(|row| row.counted.is_some() || row.drawn.is_some()) {
             text += &table(&WORK_HEADS, rows.iter().filter_map(work));
         }
@@ -275,8 +287,9 @@ pub fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
 
 /// The time of this engine's first row.
 fn best(rows: &[Row]) -> String {
-    let ours = rows.iter().find(|r| r.is_ours()).and_then(|r| r.times.as_ref());
-    ours.map_or(String::new(), |times| format!(": this engine {:.2} ms", times.median))
+    let Some(ours) = rows.iter().find(|r| r.is_ours()) else { return String::new() };
+    let call = ours.calls.as_ref().map(|calls| format!("{:.2} ms a call, ", calls.times.median)).unwrap_or_default();
+    ours.times.as_ref().map_or(String::new(), |times| format!(": this engine {call}{:.2} ms a frame", times.median))
 }
 
 fn stiff_families(run: &Run, plots: &[Drawn]) -> String {

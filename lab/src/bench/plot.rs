@@ -21,14 +21,23 @@ pub fn plots(rows: &[Row], plot: Plot, size: [f64; 2]) -> Vec<Drawn> {
         }
         Plot::Scaling => parameters(rows).iter().filter_map(|parameter| of_parameter(rows, parameter, size)).collect(),
         Plot::Stiffness => stiffness(rows, size),
-        Plot::Stages => vec![("stages.svg".into(), "time of each stage".into(), bars(rows, size[0]))],
+        Plot::Stages => vec![("stages.svg".into(), "time of each stage".into(), bars(rows, size[0], stages))],
+        Plot::Calls => vec![("calls.svg".into(), "time of each part of a call".into(), bars(rows, size[0], parts))],
     }
+}
+
+fn stages(row: &Row) -> &[(String, f64)] {
+    &row.stages
+}
+
+fn parts(row: &Row) -> &[(String, f64)] {
+    row.calls.as_ref().map_or(&[], |calls| &calls.parts)
 }
 
 /// Error against time.
 fn of_case(case: &[Row], plot: Plot, size: [f64; 2]) -> Option<Drawn> {
-    // frames of several samples have no wrong triangles to count
-    let of_colours = case.iter().filter_map(|row| row.error.as_ref()).all(super::row::Error::is_of_colours);
+    // frames of several samples have no wrong triangles to count; a program beside them, and what is asked for as much, has no color
+    let of_colours = case.iter().filter_map(|row| row.error.as_ref()).any(super::row::Error::is_of_colours);
     let plot = if of_colours { Plot::Colour } else { plot };
     let error = if plot == Plot::Error { wrong_share } else { rms };
     let series = by_technique(case, |row| at_time(row, error(row)?));

@@ -19,7 +19,7 @@ pub struct Provenance {
     pub version: String,
     /// Commit of the source in the working folder, if it is a checkout.
     pub commit: Option<String>,
-    /// Without `--case` and `--out`: a run may be made case by case, and anywhere. Programs are named without their folder.
+    /// Without `--case`, `--resume` and `--out`: a run may be made case by case, and anywhere. Programs are named without their folder.
     pub command: String,
     pub quick: bool,
 }
@@ -72,6 +72,7 @@ fn command(mut arguments: impl Iterator<Item = String>) -> String {
         let mut value = || own.map(str::to_owned).or_else(|| arguments.next()).unwrap_or_default();
         match name {
             "--case" | "--out" => drop(value()),
+            "--resume" => {}
             "--yardstick" => {
                 let program = PathBuf::from(value());
                 text += &format!(" --yardstick {}", program.file_name().unwrap_or_default().to_string_lossy());

@@ -4,6 +4,7 @@
 use super::case::{Arm, Case, Samples};
 use super::row::{Certified, Counted, Drawn, Error, Moving, Row};
 use super::times::{Ratio, Times};
+use super::whole;
 use super::yardstick::Yardstick;
 use anamorph::internals::camera::Camera;
 use anamorph::internals::camera::exposure::Sample;
@@ -140,7 +141,7 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     let program = rules.yardstick.as_deref();
     let yardstick = program.map(|p| Yardstick::new(p, &truth.0, &truth.1, case.moving)).transpose()?.flatten();
     // what it finds is asked of this engine too
-    let bare = yardstick.as_ref().and(case.arms.first()).map(|ours| ours.clone().bare());
+    let bare = yardstick.as_ref().and(case.arms.first()).map(|ours| beside(case, ours));
     let arms: Vec<&Arm> = case.arms.iter().chain(&bare).collect();
     let scenes: Vec<Result<(Scene, Camera)>> = arms.iter().map(|arm| all.with_camera(&arm.set)).collect();
     let moved = arms.iter().zip(&scenes).map(|(arm, scene)| cameras_separately(arm, scene));
@@ -175,7 +176,7 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
         entries.push(entry);
     }
     if let Some((program, yardstick)) = program.zip(yardstick) {
-        let mut row = Row::of_yardstick(suite, case, program);
+        let mut row = Row::of_yardstick(suite, case, bare.as_ref(), program);
         row.describe(&truth.0, &truth.1);
         entries.push(Entry {
             row,
@@ -200,13 +201,18 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
         let repeats = entry.once_ms.is_none();
         if let Some(frame) = entry.finish(scene.map(|s| &s.1)) {
             entry.row.error = Some(match &filtered {
-                Some(truth) => truth.error(&frame)?,
-                None => judge.error(&frame)?,
+                Some(truth) if has_colors(&frame) => truth.error(&frame)?,
+                // t and ids have no mean over a pixel
+                _ => judge.error(&frame)?,
             });
             if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, repeats) {
                 let draws = arm.choice()?.is_some_and(|c| c.technique.draws);
+                let options = options(case, arm, rules)?;
+                let separate: Vec<&Camera> = moved.get(at).into_iter().flatten().collect();
+                let cameras = if separate.is_empty() { vec![camera] } else { separate };
+                // what has no memory for a second copy of its buffers has no time of a call
+                entry.row.calls = whole::calls(engines.of(arm), scene, &cameras, &wanted(case, arm), &options).ok();
                 if draws && arm.samples == Samples::AtOnce(1) {
-                    let options = options(case, arm, rules)?;
                     entry.row.drawn = drawn(&mut engines.drawing, scene, camera, &options, &frame)?;
                 }
             }
@@ -231,6 +237,12 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
         row.to_ours = baseline.filter(|_| row.times.is_some()).and_then(|b| Ratio::of(&rounds[at], &rounds[b]));
     }
     Ok(rows)
+}
+
+/// The arm that is asked for no more than the program beside: t and ids of one ray per pixel.
+fn beside(case: &Case, ours: &Arm) -> Arm {
+    let bare = ours.clone().bare();
+    if case.filtered.is_some() { bare.samples(Samples::AtOnce(1)) } else { bare }
 }
 
 /// Times all arms, alternating, and in the rounds after the least those that are not settled beside the `baselines`; returns the median
@@ -402,6 +414,10 @@ fn cameras_of_samples(camera: &Camera, count: u32) -> Result<Vec<Camera>> {
 
 pub(super) const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
 
+fn has_colors(frame: &Frame) -> bool {
+    COLOURS.iter().all(|channel| frame.f32(*channel).is_some())
+}
+
 /// The colours of the reference, with so many samples per pixel, in the rows that are compared.
 struct Filtered {
     truth: Frame,
@@ -443,7 +459,7 @@ fn mean(frames: impl Iterator<Item = Frame>) -> Frame {
 /// The options of an arm's render.
 fn wanted(case: &Case, arm: &Arm) -> Wanted {
     let seen = seen(case.stiffness.is_some(), arm.bare);
-    match (case.filtered, arm.samples) {
+    match (case.filtered.filter(|_| !arm.bare), arm.samples) {
         (Some(_), Samples::AtOnce(samples)) => Wanted { samples, ..Wanted::of(COLOURS.to_vec()) },
         (Some(_), Samples::Analytic(samples)) => Wanted { samples, analytic: true, ..Wanted::of(COLOURS.to_vec()) },
         (Some(_), Samples::Separate(frames)) => Wanted { frames, ..Wanted::of(COLOURS.to_vec()) },
@@ -577,7 +593,7 @@ fn every_row(frame: &Frame, step: u32) -> Frame {
 }
 
 /// Submits one empty pass: the time of a frame that does nothing, ms.
-fn empty_frame(gpu: &Gpu) -> Result<f64> {
+pub(super) fn empty_frame(gpu: &Gpu) -> Result<f64> {
     let started = Instant::now();
     let mut recorder = Recorder::new(gpu, 1);
     drop(recorder.compute("empty"));

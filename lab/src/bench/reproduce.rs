@@ -2,11 +2,11 @@
 
 use super::case::Case;
 use super::plot::file_name;
-use super::race::{Engines, Rules, race};
+use super::race::{Engines, Rules};
 use super::row::{Error, Row};
 use super::suites::{SUITES, Suite};
 use super::times::Ratio;
-use super::{Provenance, Run, runs};
+use super::{Provenance, Run, run_case, runs};
 use anamorph::internals::input::{Error as Failure, Result};
 use std::path::Path;
 
@@ -53,7 +53,7 @@ pub fn reproduce(
     if !is_same_adapter {
         tell(&format!("  by {}, here {}: errors are compared, times are not\n", run.provenance.adapter, now.adapter));
     }
-    let rows = race(engines, suite.name, &case, rules)?;
+    let rows = run_case(engines, suite.name, &case, rules)?;
     let mut counts = [0; 2];
     for then in run.rows.iter().filter(|row| row.case == case.name && row.times.is_some()) {
         let again = rows.iter().find(|row| row.label() == then.label());

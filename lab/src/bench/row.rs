@@ -33,7 +33,10 @@ pub struct Row {
     pub moving: Moving,
     #[serde(default)]
     pub stiffness: Option<Stiffness>,
+    /// Times of frames.
     pub times: Option<Times>,
+    #[serde(default)]
+    pub calls: Option<Calls>,
     /// Median time of an empty kernel, run in turn with the rest, ms.
     pub control_ms: f64,
     /// The time of this row over that of `anamorph` in the same case; of a yardstick, over that of `anamorph` asked for no more.
@@ -59,6 +62,8 @@ pub struct Row {
 #[serde(rename_all = "lowercase")]
 pub enum Moving {
     Nothing,
+    /// Matrices of objects.
+    Objects,
     /// Every vertex.
     Triangles,
     /// The camera: it is compiled, planned and uploaded again.
@@ -69,9 +74,46 @@ impl Moving {
     pub fn name(self) -> &'static str {
         match self {
             Moving::Nothing => "nothing",
+            Moving::Objects => "objects",
             Moving::Triangles => "triangles",
             Moving::Camera => "camera",
         }
+    }
+}
+
+/// Whole calls, from what changes to the arrays in the caller's memory.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Calls {
+    pub times: Times,
+    /// Time of a first call, which compiles kernels and uploads the scene, ms; `None` where it was not timed apart.
+    pub first_ms: Option<f64>,
+    /// A call's time over its frame's.
+    pub to_frame: Option<Ratio>,
+    /// Images of a call.
+    pub images: u32,
+    /// Median times of parts of a call by name, ms.
+    pub parts: Vec<(String, f64)>,
+    /// Largest resident memory of the process during the calls, bytes; `None` where it is not known.
+    pub peak_bytes: Option<u64>,
+}
+
+impl Calls {
+    /// Calls of one image each, and the frame of each, ms.
+    pub fn of(calls: &[f64], frames: &[f64]) -> Calls {
+        let [each, own] = [calls, frames].map(|list| list.iter().copied().map(Some).collect::<Vec<_>>());
+        Calls {
+            times: Times::of(calls),
+            first_ms: None,
+            to_frame: Ratio::of(&each, &own),
+            images: 1,
+            parts: Vec::new(),
+            peak_bytes: None,
+        }
+    }
+
+    /// Images a second.
+    pub fn images_a_second(&self) -> f64 {
+        1e3 * f64::from(self.images) / self.times.median
     }
 }
 
@@ -198,6 +240,7 @@ impl Row {
             moving: case.moving,
             stiffness: case.stiffness.clone(),
             times: None,
+            calls: None,
             control_ms: 0.0,
             to_ours: None,
             stages: Vec::new(),
@@ -218,9 +261,10 @@ impl Row {
     }
 
     /// A row of the program that runs beside the arms.
-    pub fn of_yardstick(suite: &str, case: &Case, program: &Path) -> Row {
+    /// `arm`: this engine's that is asked for as much.
+    pub fn of_yardstick(suite: &str, case: &Case, arm: Option<&Arm>, program: &Path) -> Row {
         let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy().into_owned();
-        let parameter = case.arms.first().and_then(|arm| arm.parameter);
+        let parameter = arm.and_then(|arm| arm.parameter);
         Row { technique: name, ..Row::new(suite, case, &Arm { parameter, ..Arm::ours() }) }
     }
 
@@ -246,7 +290,8 @@ impl Row {
 
     /// The row for a terminal.
     pub fn line(&self) -> String {
-        let time = self.times.as_ref().map(|t| format!("{:>9.2} ms", t.median));
+        let call = self.calls.as_ref().map_or(String::new(), |c| format!(", {:.2} ms a call", c.times.median));
+        let time = self.times.as_ref().map(|t| format!("{:>9.2} ms{call}", t.median));
         let wrong = self.error.as_ref().map(|e| match e.psnr.filter(|_| e.is_of_colours()) {
             Some(psnr) => format!(", {psnr:.1} dB"),
             None => format!(", {:.4} % wrong", 100.0 * e.wrong_share),
@@ -330,6 +375,25 @@ impl Error {
     /// Colours alone were compared with the truth; wrong pixels are not counted.
     pub fn is_of_colours(&self) -> bool {
         self.t_median.is_none() && self.wrong_share == 0.0 && (self.psnr.is_some() || self.identical)
+    }
+
+    /// Over several frames: the mean of the shares of wrong pixels, the sums of counts, and the largest of the other errors; `None` without
+    /// frames.
+    pub fn over(all: &[Error]) -> Option<Error> {
+        let first = all.first()?;
+        let most = |of: fn(&Error) -> Option<f64>| all.iter().filter_map(of).max_by(f64::total_cmp);
+        Some(Error {
+            wrong_share: all.iter().map(|e| e.wrong_share).sum::<f64>() / all.len() as f64,
+            wrong_hit_miss: all.iter().map(|e| e.wrong_hit_miss).sum(),
+            wrong_safe: all.iter().map(|e| e.wrong_safe).sum(),
+            t_median: most(|e| e.t_median),
+            t_p999: most(|e| e.t_p999),
+            t_max: most(|e| e.t_max),
+            z: None,
+            psnr: None,
+            identical: all.iter().all(|e| e.identical),
+            ..*first
+        })
     }
 
     pub fn of(c: &Comparison) -> Error {

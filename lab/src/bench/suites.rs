@@ -1,6 +1,7 @@
 //! The suites: lists of cases.
 
 mod beyond;
+mod calls;
 mod dynamic;
 mod glc;
 mod papers;
@@ -38,9 +39,11 @@ pub enum Plot {
     Stages,
     /// Share of wrong pixels against what makes scenes stiff, and against the time.
     Stiffness,
+    /// Stacked parts of whole calls.
+    Calls,
 }
 
-pub const SUITES: [Suite; 8] = [
+pub const SUITES: [Suite; 9] = [
     Suite {
         name: "papers",
         asks: "what each paper measured, by this engine and by the paper's own technique, on stand-ins of the same counts",
@@ -105,11 +108,21 @@ pub const SUITES: [Suite; 8] = [
         quick: beyond::quick,
         closeups: &[],
     },
+    Suite {
+        name: "calls",
+        asks: "how long whole calls take along a path, from the change of a camera, objects or vertices to arrays in memory",
+        plot: Plot::Calls,
+        cases: calls::cases,
+        quick: calls::quick,
+        closeups: &[],
+    },
 ];
 
 impl Suite {
     pub fn cases(&self, quick: bool) -> Vec<Case> {
-        if quick { (self.quick)().into_iter().map(|c| c.set(&QUICK_SIZE)).collect() } else { (self.cases)() }
+        // whole calls have sizes of their own
+        let resized = |case: Case| if case.calls.is_some() { case } else { case.set(&QUICK_SIZE) };
+        if quick { (self.quick)().into_iter().map(resized).collect() } else { (self.cases)() }
     }
 }
 
@@ -152,7 +165,8 @@ mod tests {
             number > 20_000.0 || key.contains("size=1030")
         };
         for suite in &SUITES {
-            for case in suite.cases(false).into_iter().chain(suite.cases(true)) {
+            let timed_by_frames = |case: &Case| case.calls.is_none();
+            for case in suite.cases(false).into_iter().chain(suite.cases(true)).filter(timed_by_frames) {
                 let folder = tempfile::tempdir().unwrap();
                 let path = case.write(folder.path()).unwrap();
                 let small = ["image.width=32", "image.height=24"].map(str::to_owned);

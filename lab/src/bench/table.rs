@@ -5,10 +5,10 @@ use super::plot::{Drawn, Growth, growths};
 use super::row::{Moving, Row, Stiffness};
 use super::suites::Plot;
 use super::times::Times;
-use super::{Run, operations};
+use super::{Run, call_table, operations};
 use anamorph::internals::input::{Error, Result};
 
-const COLUMNS: [&str; 58] = [
+const COLUMNS: [&str; 68] = [
     "suite",
     "commit",
     "case",
@@ -24,6 +24,16 @@ const COLUMNS: [&str; 58] = [
     "family",
     "stiffness",
     "of",
+    "call_median_ms",
+    "call_low_ms",
+    "call_high_ms",
+    "call_slowest_ms",
+    "call_first_ms",
+    "call_each_ms",
+    "call_to_frame",
+    "call_images",
+    "call_parts_ms",
+    "call_peak_bytes",
     "median_ms",
     "interval_low_ms",
     "interval_high_ms",
@@ -70,12 +80,18 @@ const COLUMNS: [&str; 58] = [
 ];
 
 /// What times are.
-pub const ABOUT_TIMES: &str = "Times are medians of frames that ran in turn with those of all other techniques. A frame lasts from the first submission until the \
+pub const ABOUT_TIMES: &str = "A call lasts from a scene and a camera in memory, nothing of them on the device but compiled kernels, to arrays in \
+     memory: the median of three, or one of over 3 s; the suite calls times changes of a scene that stays on the device. Times of frames are medians of frames that ran in turn with those of all other techniques. A frame lasts from the first submission until the \
      results are complete on the device. Of an outside program (Embree) it is the tracing time that the program reports. What is built once \
      over a scene that stands still is not in it: a hierarchy of boxes, of this engine where it traces and of the rivals that do; the suite \
      dynamic has it in the time. Intervals hold the median with 95 % probability, whatever the distribution. A ratio is the median over \
      rounds in which both ran. (?): an end of the interval is more than 5 % from the median after all rounds. What takes over 10 s a frame \
      ran once, and has no interval.";
+
+/// What the times of a run are.
+pub fn about_times(run: &Run) -> &'static str {
+    if plot_of(run) == Plot::Calls { call_table::ABOUT_CALLS } else { ABOUT_TIMES }
+}
 
 /// Every row, every value. Stages are name=ms, and the times of frames ms, separated by semicolons.
 pub fn csv(rows: &[Row]) -> Result<String> {
@@ -89,7 +105,7 @@ pub fn csv(rows: &[Row]) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| failed(&e))
 }
 
-fn record(row: &Row) -> [String; 58] {
+fn record(row: &Row) -> [String; 68] {
     fn or_empty<T: ToString>(value: Option<T>) -> String {
         value.map_or(String::new(), |v| v.to_string())
     }
@@ -97,7 +113,10 @@ fn record(row: &Row) -> [String; 58] {
     let (counted, drawn) = (row.counted.as_ref(), row.drawn.as_ref());
     let (error, paper, stiffness) = (row.error.as_ref(), row.paper.as_ref(), row.stiffness.as_ref());
     let z = error.and_then(|e| e.z);
-    let stages: Vec<String> = row.stages.iter().map(|(name, ms)| format!("{name}={ms:.4}")).collect();
+    let named =
+        |list: &[(String, f64)]| list.iter().map(|(name, ms)| format!("{name}={ms:.4}")).collect::<Vec<_>>().join(";");
+    let calls = row.calls.as_ref();
+    let call_interval = calls.and_then(|c| c.times.interval);
     [
         row.suite.clone(),
         or_empty(row.commit.as_ref()),
@@ -114,6 +133,16 @@ fn record(row: &Row) -> [String; 58] {
         or_empty(stiffness.map(|s| &s.family)),
         or_empty(stiffness.map(|s| s.value)),
         or_empty(stiffness.map(|s| &s.parameter)),
+        or_empty(calls.map(|c| c.times.median)),
+        or_empty(call_interval.map(|i| i[0])),
+        or_empty(call_interval.map(|i| i[1])),
+        or_empty(calls.map(|c| c.times.slowest())),
+        or_empty(calls.and_then(|c| c.first_ms)),
+        or_empty(calls.map(|c| each_ms(&c.times))),
+        or_empty(calls.and_then(|c| c.to_frame).map(|r| r.median)),
+        or_empty(calls.map(|c| c.images)),
+        or_empty(calls.map(|c| named(&c.parts))),
+        or_empty(calls.and_then(|c| c.peak_bytes)),
         or_empty(times.map(|t| t.median)),
         or_empty(times.and_then(|t| t.interval).map(|i| i[0])),
         or_empty(times.and_then(|t| t.interval).map(|i| i[1])),
@@ -150,7 +179,7 @@ fn record(row: &Row) -> [String; 58] {
         or_empty(row.certified.as_ref().map(|c| c.by_recheck)),
         or_empty(row.certified.as_ref().map(|c| c.wrong)),
         or_empty(error.and_then(|e| e.psnr)),
-        stages.join(";"),
+        named(&row.stages),
         or_empty(row.refused.as_ref()),
         or_empty(paper.map(|p| &p.paper)),
         or_empty(paper.map(|p| &p.figure)),
@@ -171,12 +200,15 @@ fn between(interval: Option<[f64; 2]>) -> String {
     interval.map_or(String::new(), |[lo, hi]| format!(" [{lo:.2}, {hi:.2}]"))
 }
 
+/// A median with its interval.
+pub fn time_cell(times: &Times) -> String {
+    let wide = if times.is_wide() { " (?)" } else { "" };
+    format!("{:.2}{}{wide}", times.median, between(times.interval))
+}
+
 /// The words of a row that people read.
-pub fn cells(row: &Row) -> [String; 9] {
-    let time = row.times.as_ref().map(|t| {
-        let wide = if t.is_wide() { " (?)" } else { "" };
-        format!("{:.2}{}{wide}", t.median, between(t.interval))
-    });
+pub fn cells(row: &Row) -> [String; 10] {
+    let time = row.times.as_ref().map(time_cell);
     let error = row.error.as_ref();
     let ids = error.filter(|e| !e.is_of_colours());
     let psnr = |e: &super::row::Error| match e.psnr {
@@ -187,6 +219,7 @@ pub fn cells(row: &Row) -> [String; 9] {
     [
         row.label(),
         row.found_by().to_owned(),
+        row.calls.as_ref().map(|calls| time_cell(&calls.times)).unwrap_or_default(),
         time.or_else(|| row.refused.clone()).unwrap_or_default(),
         row.times.as_ref().map(|t| t.runs.to_string()).unwrap_or_default(),
         row.to_ours.map(|r| format!("{:.2}{}", r.median, between(r.interval))).unwrap_or_default(),
@@ -197,9 +230,10 @@ pub fn cells(row: &Row) -> [String; 9] {
     ]
 }
 
-pub const HEADS: [&str; 9] = [
+pub const HEADS: [&str; 10] = [
     "technique",
     "found by",
+    "ms a call [95 %]",
     "ms a frame [95 %]",
     "frames",
     "to ours [95 %]",
@@ -276,7 +310,7 @@ pub fn stiff(row: &Row) -> Option<[String; 9]> {
     Some([
         format!("{:e}", stiffness.value),
         row.label(),
-        cells(row)[2].clone(),
+        cells(row)[3].clone(),
         error.map(wrong).unwrap_or_default(),
         error.map(|e| errors([e.t_median, e.t_p999, e.t_max])).unwrap_or_default(),
         error.map(|e| errors([0, 1, 2].map(|k| e.z.map(|z| z[k])))).unwrap_or_default(),
@@ -342,7 +376,7 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
     let p = &run.provenance;
     let commit = p.commit.as_deref().unwrap_or("unknown");
     let mut text = format!(
-        "# {}\n\n`{}`, {}, version {} ({commit}), {} {}, {} cores.\n\n{}\n\n{ABOUT_TIMES} Errors are against the f64 reference.\n",
+        "# {}\n\n`{}`, {}, version {} ({commit}), {} {}, {} cores.\n\n{}\n\n{} Errors are against the f64 reference.\n",
         run.suite,
         p.command,
         p.date,
@@ -350,7 +384,8 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
         p.adapter,
         p.driver,
         p.cores,
-        p.fairness()
+        p.fairness(),
+        about_times(run)
     );
     let swept = if plot_of(run) == Plot::Scaling { growths(&run.rows) } else { Vec::new() };
     for Growth { parameter, exponents } in swept {
@@ -362,6 +397,12 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
         text += &format!("\n## How far\n\n| {} |\n|{}\n", REACH_HEADS.join(" | "), "---|".repeat(REACH_HEADS.len()));
         reached.iter().for_each(|cells| text += &format!("| {} |\n", cells.join(" | ")));
     }
+    let calls: Vec<[String; 11]> = run.rows.iter().filter_map(call_table::cells).collect();
+    if plot_of(run) == Plot::Calls {
+        text += &format!("\n## Calls\n\n| {} |\n|", call_table::HEADS.join(" | "));
+        text += &format!("{}\n", "---|".repeat(call_table::HEADS.len()));
+        calls.iter().for_each(|cells| text += &format!("| {} |\n", cells.join(" | ")));
+    }
     for (stiffness, rows) in families(&run.rows) {
         text += &format!("\n## {}\n\nStiffness: {}.\n", stiffness.family, stiffness.parameter);
         text += &format!("\n| {} |\n|{}\n", STIFF_HEADS.join(" | "), "---|".repeat(STIFF_HEADS.len()));
@@ -371,6 +412,12 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
         text += &format!("\n## {}\n\n{}\n", rows[0].case, about(&rows[0]));
         text += &format!("\n| {} |\n|{}\n", HEADS.join(" | "), "---|".repeat(HEADS.len()));
         rows.iter().for_each(|row| text += &format!("| {} |\n", cells(row).join(" | ")));
+        let parts: Vec<[String; 3]> = rows.iter().filter_map(call_table::part_cells).collect();
+        if !parts.is_empty() {
+            let heads = call_table::PART_HEADS;
+            text += &format!("\n| {} |\n|{}\n", heads.join(" | "), "---|".repeat(heads.len()));
+            parts.iter().for_each(|cells| text += &format!("| {} |\n", cells.join(" | ")));
+        }
         let work: Vec<[String; 8]> = rows.iter().filter_map(work).collect();
         if !work.is_empty() {
             text += &format!("\n| {} |\n|{}\n", WORK_HEADS.join(" | "), "---|".repeat(WORK_HEADS.len()));
@@ -393,6 +440,10 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
 pub fn about(row: &Row) -> String {
     let moving = match row.moving {
         Moving::Nothing => "",
+        Moving::Objects => ", objects at new places in each frame, and the camera",
+        Moving::Triangles if row.calls.as_ref().is_some_and(|c| c.first_ms.is_some()) => {
+            ", every vertex new in each frame, and the camera"
+        }
         Moving::Triangles => ", every vertex new in each frame",
         Moving::Camera => ", the camera new in each frame",
     };

@@ -24,6 +24,11 @@ impl Times {
         Times { median: median(&sorted), interval: interval(&sorted), runs: each.len(), each: each.to_vec() }
     }
 
+    /// The longest time.
+    pub fn slowest(&self) -> f64 {
+        self.each.iter().copied().fold(self.median, f64::max)
+    }
+
     /// The interval is within [`CLOSE`] of the median.
     pub fn is_settled(&self) -> bool {
         self.interval.is_some_and(|[lo, hi]| lo >= (1.0 - CLOSE) * self.median && hi <= (1.0 + CLOSE) * self.median)

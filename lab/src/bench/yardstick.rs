@@ -77,8 +77,14 @@ impl Yardstick {
 
     /// One more frame, ms.
     pub fn frame(&self) -> Result<f64> {
+        let (trace_ms, build_ms) = self.trace_and_build()?;
+        Ok(trace_ms + if self.builds { build_ms } else { 0.0 })
+    }
+
+    /// One more frame: the times of its rays, and of the hierarchy, ms.
+    pub fn trace_and_build(&self) -> Result<(f64, f64)> {
         let said = self.run(&[])?;
-        Ok(said.trace_ms.median + if self.builds { said.build_ms.median } else { 0.0 })
+        Ok((said.trace_ms.median, said.build_ms.median))
     }
 
     /// What it sees.
