@@ -163,19 +163,19 @@ fn time(plan: &Plan, city: &mut City, renderer: &mut Renderer, folder: &Path) ->
         let call;
         (call, rendered) = self::call(plan, pose, city, renderer, folder)?;
         calls.push(call);
-        pose += step(&calls, plan.poses - pose);
+        pose += step(&calls, plan.poses - pose, plan.poses);
     }
     Ok(Timed { first_ms: first.ms, calls, bytes: device_bytes(&rendered.report()), peak_bytes: memory::peak_bytes() })
 }
 
-/// From the last pose to the next one to be timed, of so many that are left: such that calls as short as the shortest so far end in time, and
-/// so small that about [`CALLS_MIN`] poses of a path are timed in any case.
-fn step(calls: &[Call], left: u32) -> u32 {
+/// Distance to the next pose to be timed, of so many that are left, of so many in all: calls as short as the shortest so far end in time, and
+/// [`CALLS_MIN`] poses of a path are timed in any case.
+fn step(calls: &[Call], left: u32, poses: u32) -> u32 {
     let all_ms: f64 = calls.iter().map(|call| call.ms).sum();
     let least_ms = calls.iter().map(|call| call.ms).fold(f64::INFINITY, f64::min);
     let in_time = least_ms * f64::from(left) / (1e3 * SECONDS_MAX - all_ms).max(0.0);
     // without time left it is infinite, and saturates
-    (in_time.ceil() as u32).clamp(1, (left / CALLS_MIN).max(1))
+    (in_time.ceil() as u32).clamp(1, (poses / CALLS_MIN).max(1))
 }
 
 /// One call, from the change to the arrays.
@@ -277,13 +277,13 @@ mod tests {
     #[test]
     fn slow_calls_leave_poses_out_but_not_all() {
         let call = |ms: f64| Call { pose: 0, ms, parts: Vec::new(), frame_ms: 0.0, stages: Vec::new() };
-        assert_eq!(step(&[call(10.0)], 100), 1);
+        assert_eq!(step(&[call(10.0)], 100, 100), 1);
         // 40 s hold 40 calls of a second: one is done
-        assert_eq!(step(&[call(1000.0)], 100), 3);
+        assert_eq!(step(&[call(1000.0)], 100, 100), 3);
         // a slow call takes time, but says nothing of the next ones
-        assert_eq!(step(&[call(1000.0), call(19_000.0)], 100), 5);
-        assert_eq!(step(&[call(1000.0), call(90_000.0)], 100), 10);
-        assert_eq!(step(&[call(90_000.0)], 4), 1);
+        assert_eq!(step(&[call(1000.0), call(19_000.0)], 100, 100), 5);
+        assert_eq!(step(&[call(1000.0), call(90_000.0)], 50, 100), 10);
+        assert_eq!(step(&[call(90_000.0)], 4, 8), 1);
     }
 
     #[test]
