@@ -10,6 +10,7 @@
 pub mod beams;
 pub mod cells;
 pub mod curves;
+pub mod extent;
 pub mod fit;
 pub mod hierarchy;
 pub mod nodes;
@@ -22,8 +23,6 @@ pub mod tiles;
 pub mod turned;
 pub mod variant;
 
-use crate::arrays::MapEach;
-use crate::camera::perturb::scene_size;
 use crate::camera::ray_order::is_reordered;
 use crate::camera::{Camera, Rays};
 use crate::engine::in_view::InView;
@@ -38,6 +37,7 @@ use crate::scene::Scene;
 use crate::scene::light::Light;
 use crate::scene::volume::Mode;
 use curves::{CurveTable, RayTable};
+pub use extent::{SceneExtent, SceneShape};
 use glam::{DVec2, DVec3};
 use slabs::Slabs;
 use std::sync::Arc;
@@ -256,86 +256,6 @@ pub struct Plan {
     /// Why raster or trace, where the costs do not decide.
     pub method_why: &'static str,
     pub left_out: Vec<LeftOut>,
-}
-
-/// The place and the grain of a scene, world units.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SceneShape {
-    /// The corners of the box around all vertices and spheres; `None` without any.
-    pub bounds: Option<(DVec3, DVec3)>,
-    /// The median of the longest edges of some triangles, or of the radii of spheres; 0: unknown.
-    pub grain: f64,
-}
-
-/// Triangles that the grain is measured at.
-const GRAIN_SAMPLES: usize = 255;
-
-impl SceneShape {
-    pub fn of(scene: &Scene) -> SceneShape {
-        let mesh = &scene.mesh;
-        let step = mesh.triangles.len().div_ceil(GRAIN_SAMPLES).max(1);
-        let size = |id: usize| {
-            let [a, b, c] = mesh.triangles[id].map_each(|v| mesh.positions[v as usize]);
-            mesh.radius(id as u32).unwrap_or_else(|| (b - a).length().max((c - b).length()).max((a - c).length()))
-        };
-        let mut sizes: Vec<f64> = (0..mesh.triangles.len()).step_by(step).map(size).filter(|s| *s > 0.0).collect();
-        sizes.sort_unstable_by(f64::total_cmp);
-        SceneShape { bounds: scene.bounds(), grain: sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) }
-    }
-
-    /// The distance between places that positions may be relative to: a power of two. Cameras within one such distance share an anchor, so
-    /// that a scene stays as it lies on the device while a camera moves there; 0: any place.
-    fn spacing(&self) -> f64 {
-        let Some((lo, hi)) = self.bounds else { return 0.0 };
-        let extent = (hi - lo).max_element();
-        // an eye is at most 222 grains from its anchor: one grain away, a unit of f32 there is 1/75 of a pixel of 1/1000
-        let most = if self.grain > 0.0 { extent.min(GRAINS * self.grain) } else { extent };
-        if most > 0.0 { (most / CELLS).log2().floor().exp2() } else { 0.0 }
-    }
-}
-
-/// Distances between anchors along a scene.
-const CELLS: f64 = 8.0;
-
-/// Largest extent of a scene, in such distances, that has one origin for all cameras.
-const SPACINGS: f64 = 64.0;
-
-/// Largest extent, in grains, that these are measured by.
-const GRAINS: f64 = 2048.0;
-
-/// Where a camera meets a scene, world units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SceneExtent {
-    /// What all positions are relative to: near the camera's rays' start and the scene.
-    pub anchor: DVec3,
-    /// What hierarchies of the scene are relative to: a place near its center, whatever the camera; or the anchor where f32 numbers about that
-    /// place do not tell triangles apart, since a few are far away from the others.
-    pub origin: DVec3,
-    /// Centre of the scene. The widths of ray bundles are compared at its distance.
-    pub centre: DVec3,
-    /// By which rays are perturbed: [`crate::camera::perturb`].
-    pub scene_size: f64,
-}
-
-impl SceneExtent {
-    /// The anchor is the central ray's origin, clamped into the scene's box, at the nearest of the places that an anchor may have.
-    pub fn of(camera: &Camera, shape: SceneShape) -> SceneExtent {
-        let (i, j) = camera.middle();
-        let start = camera.ray(i, j).map_or(DVec3::ZERO, |r| r.origin);
-        let Some((lo, hi)) = shape.bounds else { return SceneExtent::point(start) };
-        let spacing = shape.spacing();
-        let nearest = |p: DVec3| if spacing > 0.0 { (p / spacing).round() * spacing } else { p };
-        let centre = (lo + hi) / 2.0;
-        let anchor = nearest(start.clamp(lo, hi));
-        let is_even = (hi - lo).max_element() <= SPACINGS * spacing;
-        let origin = if is_even { nearest(centre) } else { anchor };
-        SceneExtent { anchor, origin, centre, scene_size: scene_size(shape.bounds) }
-    }
-
-    /// Of a scene that is one point.
-    pub fn point(at: DVec3) -> SceneExtent {
-        SceneExtent { anchor: at, origin: at, centre: at, scene_size: 0.0 }
-    }
 }
 
 /// What frames are planned for.
