@@ -137,6 +137,7 @@ impl Scene {
     }
 
     /// The scene's camera for an image of its size, within its limits.
+    #[cfg(any(test, feature = "cli", feature = "internals"))]
     pub fn camera(&self) -> Result<Camera> {
         self.camera_of_size(self.size, &Loading::new(self.limits))
     }

@@ -6,7 +6,6 @@ use super::crowd;
 use crate::arrays::MapEach;
 use crate::geometry::bvh;
 use crate::parallel;
-use glam::DVec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
@@ -53,21 +52,22 @@ impl Wide {
 
     /// The trees as one, below the leaves of `top`, each of which names one of them.
     fn joined(top: &CwBvh, trees: Vec<CwBvh>) -> Wide {
-        let mut joining = Joining { top, roots: trees.iter().map(|tree| tree.nodes[0]).collect(), nodes: Vec::new() };
-        joining.nodes.push(CwBvhNode::default());
+        let mut joining = Joining { top, nodes: vec![CwBvhNode::default()] };
         let mut place_of_root = vec![0; trees.len()];
         joining.place(0, 0, &mut place_of_root);
         let mut wide = Wide { nodes: joining.nodes, items: Vec::new() };
         for (tree, root) in trees.into_iter().zip(place_of_root) {
-            // the tree's first node is already in its place
+            // the root has its place above; the others follow
             let (first_node, first_item) = (wide.nodes.len() as u32 - 1, wide.items.len() as u32);
-            let moved = |node: &CwBvhNode| CwBvhNode {
+            let mut nodes = tree.nodes.iter().map(|node| CwBvhNode {
                 child_base_idx: node.child_base_idx + first_node,
                 primitive_base_idx: node.primitive_base_idx + first_item,
                 ..*node
-            };
-            wide.nodes[root] = moved(&tree.nodes[0]);
-            wide.nodes.extend(tree.nodes[1..].iter().map(moved));
+            });
+            if let Some(first) = nodes.next() {
+                wide.nodes[root] = first;
+            }
+            wide.nodes.extend(nodes);
             wide.items.extend(tree.primitive_indices);
         }
         wide
@@ -76,12 +76,12 @@ impl Wide {
 
 struct Joining<'a> {
     top: &'a CwBvh,
-    roots: Vec<CwBvhNode>,
     nodes: Vec<CwBvhNode>,
 }
 
 impl Joining<'_> {
-    /// Puts a node of `top` at a place that is there already, and all below it behind the others: leaves become the roots of their trees.
+    /// Puts a node of `top` at a place that is there already, and all below it behind the others. Leaves become places for the roots of
+    /// their trees.
     fn place(&mut self, node: usize, at: usize, place_of_root: &mut [usize]) {
         let mut own = self.top.nodes[node];
         let is_there: Vec<usize> = (0..8).filter(|slot| own.child_meta[*slot] != 0).collect();
@@ -91,7 +91,7 @@ impl Joining<'_> {
             if own.is_leaf(slot) {
                 let item = own.primitive_base_idx + u32::from(own.child_meta[slot] & 31);
                 let tree = self.top.primitive_indices[item as usize] as usize;
-                (self.nodes[place], place_of_root[tree]) = (self.roots[tree], place);
+                place_of_root[tree] = place;
             } else {
                 self.place(own.child_node_index(slot) as usize, place, place_of_root);
             }
@@ -112,7 +112,7 @@ fn converted(boxes: &[Aabb], leaf_max: u32) -> CwBvh {
 }
 
 fn in_f64(b: &Aabb) -> bvh::Aabb {
-    let [lo, hi] = [b.min, b.max].map_each(|corner| DVec3::from(corner.as_dvec3()));
+    let [lo, hi] = [b.min, b.max].map_each(|corner| corner.as_dvec3());
     bvh::Aabb { lo, hi }
 }
 
