@@ -1,7 +1,7 @@
 //! Parts of a scene that can change a frame. Kernels are compiled for these alone, so that a part that does not show costs nothing.
 //!
-//! A part is left out only where it is proven that it changes no pixel: by its box, which no ray of the image meets
-//! ([`rays`]), or since it sends out no light. Rays after a bounce have no bounds, nor have curves: their frames keep every part.
+//! A part is left out only if it provably changes no pixel: no ray of the image meets its box ([`rays`]), or it is a light that emits nothing or
+//! reaches no visible object. Curved rays and rays after a bounce have no bounds: every box counts as met in their frames.
 
 pub mod beams;
 pub mod objects;
@@ -31,9 +31,9 @@ pub struct InView {
     pub optics: bool,
     pub volume: bool,
     pub caustics: bool,
-    /// A bit for each of the first projector lights.
+    /// Bit k is set if projector light k can change the frame; lights from index 64 on are always kept.
     pub pictures: u64,
-    /// Lights that send out nothing.
+    /// Whether lights that emit nothing are kept.
     pub black_lights: bool,
 }
 
@@ -44,7 +44,7 @@ pub struct SceneFacts {
     pub beams: Beams,
 }
 
-/// Light that keeps a scene dark where all of its lights are left out: without any, a headlight would shine.
+/// Black light that replaces the lights of a scene when all are left out; without it the scene would get a headlight.
 const DARKNESS: Light = Light { source: Source::Distant(DVec3::X), colour: [0.0; 3], casts_shadows: false };
 
 impl InView {
@@ -57,7 +57,7 @@ impl InView {
         black_lights: true,
     };
 
-    /// The parts that a frame needs which `plan` plans for all of them.
+    /// Returns the parts that can change a frame; `plan` is the plan for the whole scene.
     pub fn of(
         scene: &Scene,
         facts: &SceneFacts,
@@ -146,7 +146,7 @@ impl InView {
         }
     }
 
-    /// The contents of the scene that these parts leave of one with the contents `whole`.
+    /// Returns the contents of the scene `shown`, reduced to these parts; `whole` are the contents of the whole scene.
     pub fn contents(&self, shown: &Scene, whole: SceneContents) -> SceneContents {
         SceneContents {
             has_spheres: whole.has_spheres && self.kinds.spheres,

@@ -62,7 +62,7 @@ pub enum LeftOut {
     NotInView(&'static str),
     /// Lights that send out nothing, by their number.
     BlackLights(usize),
-    /// Projector lights that light nothing in view, by their number.
+    /// Number of projector lights that illuminate nothing in view.
     IdleProjectorLights(usize),
 }
 

@@ -167,7 +167,7 @@ impl Buffers {
         Ok(())
     }
 
-    /// Sends the rows of a table again that hold some of its items, which are as many as those of the texture that is there.
+    /// Uploads the rows of a table that hold `changed` items. `items` are all items, as many as the existing texture holds.
     pub fn update_texels<T: bytemuck::NoUninit>(
         &mut self,
         gpu: &Gpu,
@@ -224,7 +224,7 @@ impl Buffers {
     }
 }
 
-/// The largest texture that holds a table of triangles or vertices on an adapter with these limits, bytes.
+/// Returns the size limit of a table of triangles or vertices, bytes: a texture's size, but at most `BINDINGS_A_TABLE` bindings.
 pub fn table_limit(limits: &wgpu::Limits) -> u64 {
     let texels = u64::from(limits.max_texture_dimension_2d) * u64::from(TEXELS_A_ROW);
     (BINDINGS_A_TABLE * limits.max_storage_buffer_binding_size).min(texels * u64::from(TEXEL_BYTES))

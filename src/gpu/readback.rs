@@ -82,7 +82,7 @@ impl PendingRead {
         Ok(words)
     }
 
-    /// The buffer as memory of the host, after waiting for the submission. It becomes spare when that is dropped: nobody may read it again.
+    /// Maps the buffer, after waiting for the submission. Dropping the [`Mapped`] makes the buffer spare; no other read of it may follow.
     pub fn mapped(self, gpu: &Gpu) -> Result<Mapped> {
         let view = self.view(gpu)?;
         Ok(Mapped { view: Some(view), buffer: self.buffer, spare: gpu.spare_buffers.clone() })

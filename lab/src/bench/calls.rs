@@ -168,8 +168,8 @@ fn time(plan: &Plan, city: &mut City, renderer: &mut Renderer, folder: &Path) ->
     Ok(Timed { first_ms: first.ms, calls, bytes: device_bytes(&rendered.report()), peak_bytes: memory::peak_bytes() })
 }
 
-/// Distance to the next pose to be timed, of so many that are left, of so many in all: calls as short as the shortest so far end in time, and
-/// [`CALLS_MIN`] poses of a path are timed in any case.
+/// Returns the distance to the next timed pose: if all further calls are as short as the shortest so far, the `left` poses end in time. At least
+/// [`CALLS_MIN`] of the `poses` are timed.
 fn step(calls: &[Call], left: u32, poses: u32) -> u32 {
     let all_ms: f64 = calls.iter().map(|call| call.ms).sum();
     let least_ms = calls.iter().map(|call| call.ms).fold(f64::INFINITY, f64::min);

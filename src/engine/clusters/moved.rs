@@ -40,8 +40,8 @@ fn times(ranges: &[Range<usize>], each: usize) -> Vec<Range<usize>> {
 }
 
 impl Clustered {
-    /// The triangles of `from`, which these are, where the vertices of `to` are, about the same anchor. `None` where they are to be clustered
-    /// anew: the meshes differ in more than positions and normals, a triangle has got or lost its area, or the boxes have grown by half.
+    /// Moves these clusters, built for `from`, to the vertices of `to`; the anchor stays. Returns `None` if they must be clustered again: the
+    /// mesh has time steps, differs in more than positions and normals, a triangle gained or lost its area, or the boxes have grown by half.
     pub fn moved(&self, from: &Mesh, to: &Mesh) -> Option<Clustered> {
         if self.chunks.iter().any(|chunk| chunk.steps > 1) || !differ_in_places_alone(from, to) {
             return None;

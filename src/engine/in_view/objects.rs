@@ -70,7 +70,7 @@ pub struct Objects(OnceLock<Vec<ObjectBox>>);
 const BLOCK: u32 = 4096;
 
 impl Objects {
-    /// One for each object, and one for the triangles that no object names; none for objects without triangles.
+    /// Returns one box for each object that has triangles, and one for the triangles that belong to no object.
     pub fn of(&self, scene: &Scene) -> &[ObjectBox] {
         self.0.get_or_init(|| {
             let blocks = blocks(scene);
@@ -135,7 +135,7 @@ fn kinds(mesh: &Mesh, id: u32) -> Kinds {
     }
 }
 
-/// Whether a triangle is at some time of the frame not as in the mesh itself.
+/// Returns whether the corners or normals of a triangle differ from the mesh at any time step of the frame.
 fn moves(all: MovingMesh, id: u32) -> bool {
     let still = MovingMesh::from(all.mesh);
     let normals = all.mesh.corner_normals.get(id as usize).copied().unwrap_or([NO_NORMAL; 3]);

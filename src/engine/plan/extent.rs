@@ -48,7 +48,7 @@ const CELLS: f64 = 8.0;
 /// Largest extent of a scene, in such distances, that has one origin for all cameras.
 const SPACINGS: f64 = 64.0;
 
-/// Largest extent, in grains, that these are measured by.
+/// Upper limit, in grains, of the extent that the anchor spacing is computed from.
 const GRAINS: f64 = 2048.0;
 
 /// Where a camera meets a scene, world units.
@@ -61,7 +61,7 @@ pub struct SceneExtent {
     pub origin: DVec3,
     /// Centre of the scene. The widths of ray bundles are compared at its distance.
     pub centre: DVec3,
-    /// By which rays are perturbed: [`crate::camera::perturb`].
+    /// Size of the scene, which scales the perturbation of rays: [`crate::camera::perturb`].
     pub scene_size: f64,
 }
 
@@ -80,7 +80,7 @@ impl SceneExtent {
         SceneExtent { anchor, origin, centre, scene_size: scene_size(shape.bounds) }
     }
 
-    /// Of a scene that is one point.
+    /// Returns the extent of a scene that is a single point.
     pub fn point(at: DVec3) -> SceneExtent {
         SceneExtent { anchor: at, origin: at, centre: at, scene_size: 0.0 }
     }

@@ -10,7 +10,7 @@ pub(super) struct Costs {
     pub pixel: u64,
     /// Building a hierarchy on the CPU, a triangle.
     pub triangle: u64,
-    /// So many are a millisecond.
+    /// Cost units per millisecond.
     pub millisecond: u32,
 }
 

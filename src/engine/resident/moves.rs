@@ -11,7 +11,7 @@ use crate::input::Result;
 use glam::DVec3;
 
 impl Resident {
-    /// Puts the triangles that are there where they are now: all of them, or those that `moved` since the device had the others.
+    /// Updates the positions of the triangles on the device: all of them, or only the clusters and vertices in `moved`.
     pub fn move_scene(&mut self, gpu: &Gpu, triangles: Triangles, moved: Option<&Moved>, origin: DVec3) -> Result<()> {
         for (k, (there, chunk)) in self.chunks.iter_mut().zip(&triangles.0.chunks).enumerate() {
             match moved.map(|moved| &moved.chunks[k]) {

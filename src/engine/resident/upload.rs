@@ -31,7 +31,7 @@ pub(super) fn chunk_on_device(
     Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters, slots, moving_bvh: None })
 }
 
-/// What is relative to the anchor.
+/// Uploads the tables of a chunk that are relative to the anchor.
 pub(super) fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk, (clustered, all): Triangles) -> Result<()> {
     buffers.upload_texels(gpu, "vertices", &chunk.vertices(all, clustered.anchor))?;
     buffers.upload_texels(gpu, "clusters", &chunk.clusters)?;

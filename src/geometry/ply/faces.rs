@@ -20,7 +20,7 @@ pub(super) struct FaceProperties {
     corners: Option<usize>,
     texcoords: Option<usize>,
     color: Option<Color>,
-    /// The number of its image.
+    /// Index of the property that holds the index of a face's image.
     texture: Option<usize>,
     is_strip: bool,
     file: FileFacts,
@@ -126,7 +126,7 @@ impl FaceProperties {
         Ok(())
     }
 
-    /// The vertices of a face; of the ends of strips, -1, any number.
+    /// Reads the vertex indices of a face into `corners`; the ends of strips, -1, become 0.
     fn read_corners(&self, listed: &[f64], number: usize, corners: &mut Vec<u32>) -> Result<(), Wrong> {
         let vertices = self.file.vertices;
         corners.clear();

@@ -14,8 +14,8 @@ const POSES: u32 = 5;
 /// A row, and the time of its call at each pose, ms.
 pub type Beside = (Row, Vec<(u32, f64)>);
 
-/// A row, and the time of its call at each pose, ms. Where something moves, a call has the build of its hierarchy; where nothing does, that is
-/// a part beside. `None` if it cannot show the camera.
+/// Times the outside program: returns its row, and the time of its call at each pose, ms. A call includes building the hierarchy if something
+/// moves; otherwise the build is listed separately. Returns `None` if the program cannot show the camera.
 ///
 /// # Errors
 /// [`anamorph::Error`] if the program fails.

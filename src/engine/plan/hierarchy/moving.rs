@@ -46,8 +46,8 @@ impl MovingBvh {
         Some(own)
     }
 
-    /// Fits it to triangles that moved, which lie in these slots. `None` where it is to be built again: it is relative to another place, the
-    /// scene has another size, or its boxes have grown.
+    /// Refits the hierarchy to the triangles in the slots `changed`. Returns `None` if it must be rebuilt: the offset or the scale has changed,
+    /// or the surface area of its boxes has grown by more than half.
     pub fn refit(&mut self, chunk: &Chunk, offset: DVec3, changed: &[Range<usize>]) -> Option<ChangedRows> {
         if offset != self.place.offset || scale_of(chunk, offset) != self.place.scale {
             return None;
@@ -115,7 +115,7 @@ impl MovingBvh {
     }
 }
 
-/// Adds a range behind others, to the last one where both touch.
+/// Appends a range to a list; extends the last range if the new one begins at its end.
 fn add(ranges: &mut Vec<Range<usize>>, range: Range<usize>) {
     match ranges.last_mut() {
         Some(last) if last.end == range.start => last.end = range.end,

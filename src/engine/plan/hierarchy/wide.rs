@@ -1,4 +1,4 @@
-//! Hierarchies of eight boxes a node, built in parts: neighbors by their boxes, each part by one core, joined below a few nodes.
+//! Hierarchies of eight boxes a node. Neighboring items form parts, each part is built by one core, and a small top tree joins all parts.
 //!
 //! A part needs memory for its own boxes alone, and stays in a core's caches.
 
