@@ -114,7 +114,7 @@ impl KernelInputs<'_> {
 pub struct Tables {
     pub plan: Plan,
     pub clustered: Clustered,
-    /// Of each chunk, surfaces and texture coordinates as in [`KernelInputs`].
+    /// Surfaces and texture coordinates of each chunk, as in [`KernelInputs`].
     surfaces: Vec<SurfaceTables>,
     pub appearance: Appearance,
     pub optics: Option<Optics>,
@@ -157,7 +157,7 @@ impl Tables {
         }
     }
 
-    /// The same with the triangles of `mesh` in other clusters.
+    /// Returns these tables with other clusters of the triangles of `mesh`.
     pub fn with_clusters(self, clustered: Clustered, mesh: &Mesh) -> Tables {
         Tables { surfaces: surface_tables(&clustered, mesh), clustered: clustered.with_vertices(mesh), ..self }
     }

@@ -78,7 +78,7 @@ impl Changes {
     }
 }
 
-/// What a plan follows from, with all parts of the scene.
+/// Inputs of a plan, with all parts of the scene.
 pub(super) struct PlannedBy<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Arc<Camera>,

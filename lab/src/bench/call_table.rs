@@ -3,7 +3,7 @@
 use super::row::Row;
 use super::table::time_cell;
 
-/// What the times of calls are.
+/// Explanation of the times of calls.
 pub const ABOUT_CALLS: &str = "A call lasts from the change (keys of a camera, matrices of objects, vertices) to t, Z and ids in the \
      caller's memory, through the public interface of one renderer; its frame is the part from the submission until the results are complete on the \
      device. Times are medians over the poses of a path, half along a street of the city and half around it, with intervals that hold the median with \

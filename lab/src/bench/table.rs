@@ -88,7 +88,7 @@ pub const ABOUT_TIMES: &str = "A call lasts from a scene and a camera in memory,
      rounds in which both ran. (?): an end of the interval is more than 5 % from the median after all rounds. What takes over 10 s a frame \
      ran once, and has no interval.";
 
-/// What the times of a run are.
+/// Explanation of the times of a run.
 pub fn about_times(run: &Run) -> &'static str {
     if plot_of(run) == Plot::Calls { call_table::ABOUT_CALLS } else { ABOUT_TIMES }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// Where a camera is and what it looks at, at one pose of the path.
+/// Position and target of a camera at one pose of the path.
 #[derive(Debug, Clone, Copy)]
 pub struct Pose {
     eye: [f64; 3],
