@@ -369,7 +369,7 @@ impl Work {
         let (width, height) = (self.camera.width, self.camera.height);
         let (call, frame) = (milliseconds(*call_ms), milliseconds(frame_ms.median));
         let unfulfilled: String = self.camera.unfulfilled.iter().map(|what| format!(" | {what}")).collect();
-        format!("{names}{width}x{height} | {counted} | {call}, frame {frame} | {adapter}{check}{unfulfilled}")
+        format!("{names}{width}x{height} | {counted} | call {call}, frame {frame} | {adapter}{check}{unfulfilled}")
     }
 
     fn mattes(&self) -> Vec<Matte> {
