@@ -119,7 +119,7 @@ fn host() -> Layouts {
             bvh_offset,
         }),
         layout!(Step { value }),
-        layout!(ViewerPose { numbers, count, pad0, pad1, pad2 }),
+        layout!(ViewerPose { numbers, count, numbers_a_ray, pad1, pad2 }),
         layout!(Cluster { centre, first, half, count }),
         layout!(Node { p, r_p, px, r_d, py, rays, d, width, dx, piece, dy, pad2 }),
         layout!(Cell { p, h, d, piece, tile, mask_lo, mask_hi, node }),

@@ -1,5 +1,5 @@
 // aim: one thread per ray of a field's table.
-// Reads the directions of a lens, and the eye and axes of the viewer; writes the rays: the directions, turned.
+// Reads the rays of a lens, and the eye and axes of the viewer; writes the rays, turned and moved.
 // Needs: item_index, real, real3, real_from_bits, round_to_f32
 // Binds: lens_hi, lens_lo, rays_hi, rays_lo, viewer
 
@@ -12,6 +12,13 @@ fn pose_vector(k: u32) -> real3 {
         real_from_bits(select(b.xy, a.zw, is_even)),
         real_from_bits(select(b.zw, b.xy, is_even)),
     );
+}
+
+// A vector of the lens, turned.
+fn turned(at: u32) -> real3 {
+    let head = vec3<f32>(lens_hi[at], lens_hi[at + 1u], lens_hi[at + 2u]);
+    let own = real3(head) + real3(vec3<f32>(lens_lo[at], lens_lo[at + 1u], lens_lo[at + 2u]));
+    return own.x * pose_vector(1u) + own.y * pose_vector(2u) + own.z * pose_vector(3u);
 }
 
 fn store(at: u32, value: real) {
@@ -31,15 +38,18 @@ fn aim(
     if item >= viewer.count {
         return;
     }
-    let at = 3u * item;
-    let head = vec3<f32>(lens_hi[at], lens_hi[at + 1u], lens_hi[at + 2u]);
-    let own = real3(head) + real3(vec3<f32>(lens_lo[at], lens_lo[at + 1u], lens_lo[at + 2u]));
-    let d = own.x * pose_vector(1u) + own.y * pose_vector(2u) + own.z * pose_vector(3u);
-    let eye = pose_vector(0u);
-    store(2u * at, eye.x);
-    store(2u * at + 1u, eye.y);
-    store(2u * at + 2u, eye.z);
-    store(2u * at + 3u, d.x);
-    store(2u * at + 4u, d.y);
-    store(2u * at + 5u, d.z);
+    // the direction comes last
+    let end = viewer.numbers_a_ray * (item + 1u);
+    let d = turned(end - 3u);
+    var p = pose_vector(0u);
+    if viewer.numbers_a_ray == 6u {
+        p += turned(end - 6u);
+    }
+    let at = 6u * item;
+    store(at, p.x);
+    store(at + 1u, p.y);
+    store(at + 2u, p.z);
+    store(at + 3u, d.x);
+    store(at + 4u, d.y);
+    store(at + 5u, d.z);
 }

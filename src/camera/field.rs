@@ -3,7 +3,7 @@
 use super::SAFE_RADIUS_PX;
 use super::bundle::{Bundle, Ray};
 use super::calibration::Calibrated;
-use super::directions::{Directions, Viewer};
+use super::lens::{LensRays, Viewer};
 use super::stack::Stack;
 use super::tessellate::bend::Bend;
 use super::view::View;
@@ -46,7 +46,7 @@ pub trait RayMap: Debug + Send + Sync {
         None
     }
 
-    /// The viewer whose rays these are, if all start in one eye and are the directions of a lens, turned.
+    /// The viewer whose rays these are, if they are those of a lens at a pose.
     fn viewer(&self) -> Option<Viewer> {
         None
     }
@@ -62,10 +62,10 @@ pub trait RayMap: Debug + Send + Sync {
 pub struct Field {
     pub width: u32,
     pub height: u32,
-    /// Empty if a formula is evaluated for each ray when needed, or rays are turned directions.
+    /// Empty if a formula is evaluated for each ray when needed, or rays are those of a lens at a pose.
     rays: Arc<Vec<Option<(DVec3, DVec3)>>>,
-    /// The directions of a viewer's lens, and the viewer, where the rays are these.
-    turned: Option<(Arc<Directions>, Viewer)>,
+    /// The rays of a viewer's lens, and the viewer, where the rays are these, turned.
+    turned: Option<(Arc<LensRays>, Viewer)>,
     /// The formula of the rays, if any.
     map: Option<Sampled>,
     /// The images that this one is made of, if it is, with all rays.
@@ -134,7 +134,7 @@ impl Field {
         let field = Field::sampled(width, height, Sampled { map, sample: DVec2::splat(0.5) });
         let has_ray = |k: usize| field.ray((k % width as usize) as u32, (k / width as usize) as u32).is_some();
         let has_any = match &field.turned {
-            Some((directions, _)) => directions.has_any(),
+            Some((rays, _)) => rays.has_any(),
             None => parallel::any(0..width as usize * height as usize, has_ray),
         };
         if !has_any {
@@ -158,7 +158,7 @@ impl Field {
             };
         }
         if let Some(viewer) = map.map.viewer().filter(|viewer| viewer.eye.is_finite()) {
-            let turned = Some((Directions::of(viewer.lens.clone(), (width, height), map.sample), viewer));
+            let turned = Some((LensRays::of(viewer.lens.clone(), (width, height), map.sample), viewer));
             let rays = Arc::default();
             return Field { width, height, rays, turned, map: Some(map), stacked: None, is_reordered: false };
         }
@@ -180,16 +180,16 @@ impl Field {
         }
     }
 
-    /// The directions of a viewer's lens, and the viewer, where the rays are these, turned.
-    pub fn turned(&self) -> Option<(&Arc<Directions>, &Viewer)> {
-        self.turned.as_ref().map(|(directions, viewer)| (directions, viewer))
+    /// The rays of a viewer's lens, and the viewer, where the rays are these, turned.
+    pub fn turned(&self) -> Option<(&Arc<LensRays>, &Viewer)> {
+        self.turned.as_ref().map(|(rays, viewer)| (rays, viewer))
     }
 
     /// Returns the field of the same lens in a viewer at the origin, with the world's axes; `None` for other fields.
     pub fn unturned(&self) -> Option<Field> {
-        let (directions, viewer) = self.turned.clone()?;
+        let (rays, viewer) = self.turned.clone()?;
         let view = View { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z };
-        let turned = Some((directions, Viewer { eye: DVec3::ZERO, view, ..viewer }));
+        let turned = Some((rays, Viewer { eye: DVec3::ZERO, view, ..viewer }));
         Some(Field { turned, map: None, ..self.clone() })
     }
 
@@ -271,8 +271,9 @@ impl Field {
         if i < 0 || j < 0 || i >= self.width as i64 || j >= self.height as i64 {
             return None;
         }
-        if let Some((directions, Viewer { eye, view, .. })) = &self.turned {
-            return directions.get(i as u32, j as u32).map(|d| (*eye, view.vector(d.x, d.y, d.z)));
+        if let Some((rays, viewer)) = &self.turned {
+            let Ray { origin, direction } = viewer.turned(rays.get(i as u32, j as u32)?);
+            return Some((origin, direction));
         }
         if let Some((image, row)) = self.image(j as u32) {
             return image.get(i, row.into());

@@ -3,7 +3,6 @@
 
 pub mod calibrated;
 pub mod camera_texture;
-mod central;
 pub mod composite;
 pub mod cross_slit;
 pub mod cylinder;
@@ -24,6 +23,7 @@ pub mod panini;
 pub mod panorama;
 pub mod pencil;
 pub mod pinhole;
+mod posed;
 pub mod pushbroom;
 pub mod raymap;
 pub mod reflection;

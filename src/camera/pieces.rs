@@ -199,6 +199,13 @@ impl Pieces {
         Some(Boxes::new(near.iter().map(|k| bounds(k).unwrap_or((DVec2::NEG_INFINITY, DVec2::INFINITY))), RUN))
     }
 
+    /// Whether each piece owns the same image places as the piece of its number in `other`.
+    pub fn own_alike(&self, other: &Pieces) -> bool {
+        let corners = |pieces: &Pieces| pieces.pieces.iter().map(|piece| piece.corners_px).collect::<Vec<_>>();
+        let is_one = self.stacked.is_none() && other.stacked.is_none();
+        is_one && self.sample == other.sample && corners(self) == corners(other)
+    }
+
     /// The image place (px) of the ray of pixel `(i, j)`.
     pub fn place(&self, i: u32, j: u32) -> DVec2 {
         DVec2::new(i as f64, j as f64) + self.sample

@@ -1,5 +1,6 @@
 //! The frame of a viewer: forward, right and up.
 
+use crate::camera::Ray;
 use crate::input::{Error, Result};
 use glam::DVec3;
 
@@ -15,6 +16,11 @@ impl View {
     /// The vector with these components to the right, up and forward.
     pub fn vector(&self, right: f64, up: f64, forward: f64) -> DVec3 {
         right * self.right + up * self.up + forward * self.forward
+    }
+
+    /// The ray of a viewer at `eye` in the world, of one in the viewer's frame.
+    pub fn ray(&self, eye: DVec3, Ray { origin: p, direction: d }: Ray) -> Ray {
+        Ray { origin: eye + self.vector(p.x, p.y, p.z), direction: self.vector(d.x, d.y, d.z) }
     }
 }
 

@@ -12,6 +12,8 @@ use crate::gpu::buffers::Buffers;
 use crate::gpu::layout::{self, NONE};
 use crate::input::Result;
 use crate::scene::Scene;
+use glam::DVec3;
+use std::sync::Arc;
 use wgpu::BufferUsages;
 
 /// The optics' buffers. If rays are split, the rays after k bounces are in table k - 1. Otherwise two tables alternate: the first holds
@@ -31,6 +33,8 @@ pub struct BounceTables {
     bands: Vec<Buffers>,
     /// As [`OpticsSurface::upload`] says; written by the host.
     surface: Buffers,
+    /// The surface and the anchor that it is relative to.
+    surface_of: (Arc<Optics>, DVec3),
 }
 
 impl BounceTables {
@@ -38,7 +42,7 @@ impl BounceTables {
         gpu: &Gpu,
         scene: &Scene,
         camera: &Camera,
-        optics: &Optics,
+        optics: &Arc<Optics>,
         plan: &Plan,
         bounces: &[Bounce],
     ) -> Result<BounceTables> {
@@ -57,11 +61,6 @@ impl BounceTables {
         if is_split {
             untouched.create(gpu, "visibility", 8 * pixels as u64, BufferUsages::empty())?;
         }
-        let uniforms = |bounce: &Bounce| {
-            let mut own = Buffers::default();
-            own.upload_uniform(gpu, "optic", &tables::optic(scene, camera, optics, plan, bounce))?;
-            Ok(own)
-        };
         let table = |_| {
             let bytes = 24 * (camera.width as u64 + 1) * (rows as u64 + 1);
             let mut table = Buffers::default();
@@ -89,14 +88,35 @@ impl BounceTables {
             target.share("bounced_live", table, "live");
             target
         };
+        let mut own: Vec<Buffers> = bounces.iter().map(|_| Buffers::default()).collect();
+        upload_bounces(gpu, &mut own, (scene, camera, optics, plan), bounces)?;
         Ok(BounceTables {
-            bounces: bounces.iter().map(uniforms).collect::<Result<_>>()?,
+            bounces: own,
             untouched,
             targets: tables.iter().map(target).collect(),
             tables,
             bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
             surface,
+            surface_of: (optics.clone(), plan.anchor),
         })
+    }
+
+    /// Puts the optics of another camera on the device, which bounce rays as often, in a plan whose bands are as large.
+    pub fn aim(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: &Camera,
+        optics: &Arc<Optics>,
+        plan: &Plan,
+        bounces: &[Bounce],
+    ) -> Result<()> {
+        let (there, anchor) = &self.surface_of;
+        if there.surface != optics.surface || *anchor != plan.anchor {
+            OpticsSurface::new(&optics.surface, plan.anchor).upload(gpu, &mut self.surface)?;
+        }
+        self.surface_of = (optics.clone(), plan.anchor);
+        upload_bounces(gpu, &mut self.bounces, (scene, camera, optics, plan), bounces)
     }
 
     /// Where kernels find what a band has of its own for rays after so many bounces.
@@ -125,6 +145,18 @@ impl BounceTables {
         let own = [&self.untouched, &self.surface];
         self.bounces.iter().chain(&self.tables).chain(&self.bands).chain(own).map(Buffers::bytes).sum()
     }
+}
+
+/// Uploads the uniform of each bounce.
+fn upload_bounces(
+    gpu: &Gpu,
+    uniforms: &mut [Buffers],
+    (scene, camera, optics, plan): (&Scene, &Camera, &Optics, &Plan),
+    bounces: &[Bounce],
+) -> Result<()> {
+    uniforms.iter_mut().zip(bounces).try_for_each(|(own, bounce)| {
+        own.upload_uniform(gpu, "optic", &tables::optic(scene, camera, optics, plan, bounce))
+    })
 }
 
 /// One cell a tile, whose pixels fit names, and space for the nodes.

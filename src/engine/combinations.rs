@@ -259,11 +259,7 @@ pub const REFUSALS: &[Refusal] = {
             "{camera} sees a mirror or lens along curved or layered rays, which are traced, without alpha masks",
             "remove the alpha masks, or use an eye of straight rays",
         ),
-        refusal(
-            &[InSequence, Optics],
-            "a sequence does not support {camera}: reflected or refracted rays need buffers of their own",
-            ALONE,
-        ),
+        refusal(&[InSequence, Atlas], "a sequence does not support {camera} with an atlas", ALONE),
         refusal(
             &[Composed, Samples],
             "a frame of {camera} is composed of several of 1 sample per pixel, not {samples}",

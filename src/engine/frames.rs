@@ -291,9 +291,14 @@ impl Frames {
         let is_plain = self.atlas.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
         let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.slabs.count(), camera.width, plan.rows_max());
         let is_as_large = kind(plan, camera) == kind(&self.plan, &self.camera) && plan.planes == self.plan.planes;
-        let has_optics = camera.optics.is_some() || self.camera.optics.is_some();
+        let rows = |plan: &Plan| plan.bands.iter().map(|band| band.rows).collect::<Vec<u32>>();
+        let bounces_alike = match (&camera.optics, &self.camera.optics) {
+            (None, None) => true,
+            (Some(_), Some(_)) => self.resident.bounces_like(camera) && rows(plan) == rows(&self.plan),
+            _ => false,
+        };
         let is_wanted = Wanted { rows: self.wanted.rows, ..wanted.clone() } == self.wanted;
-        if !is_plain || has_optics || scene.caustics.is_some() || !is_as_large || !is_wanted {
+        if !is_plain || !bounces_alike || scene.caustics.is_some() || !is_as_large || !is_wanted {
             return Ok(false);
         }
         let shown = Shown { scene: &self.scene, plan: &self.plan, slots: &self.slots, places: &self.places };
@@ -317,7 +322,7 @@ impl Frames {
         self.shown = Arc::downgrade(clustered);
         (self.slots, self.places) = (clustered.slots.clone(), clustered.places.clone());
         if changes.plan {
-            self.resident.aim(&self.gpu, camera, plan)?;
+            self.resident.aim(&self.gpu, scene, camera, plan)?;
         } else if changes.triangles {
             self.resident.write_params(&self.gpu, camera, plan)?;
         }

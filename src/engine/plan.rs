@@ -24,7 +24,7 @@ pub mod turned;
 pub mod variant;
 
 use crate::camera::ray_order::is_reordered;
-use crate::camera::{Camera, Rays};
+use crate::camera::{Camera, Pieces, Rays};
 use crate::engine::in_view::InView;
 use crate::engine::left_out::LeftOut;
 use crate::geometry::mesh::Material;
@@ -39,8 +39,10 @@ use crate::scene::volume::Mode;
 use curves::{CurveTable, RayTable};
 pub use extent::{SceneExtent, SceneShape};
 use glam::{DVec2, DVec3};
+use nodes::Nodes;
 use slabs::Slabs;
 use std::sync::Arc;
+use tiles::{Tiler, Tiles};
 use turned::Turned;
 
 /// What there is in a scene, with the camera's optics.
@@ -210,8 +212,8 @@ pub struct Band {
     /// First image row, a multiple of the tile size.
     pub row: u32,
     pub rows: u32,
-    pub tiles: Arc<tiles::Tiles>,
-    pub nodes: nodes::Nodes,
+    pub tiles: Arc<Tiles>,
+    pub nodes: Nodes,
     /// What every pixel's ray or curve is, where the camera has no affine pieces.
     pub rays: Option<RayTable>,
     /// The lens and the pose that a kernel makes these of.
@@ -264,10 +266,38 @@ pub struct PlanTarget<'a> {
     pub has: AdapterFeatures,
     /// Bytes that a kernel sees at once.
     pub binding_limit: u64,
-    /// A kernel makes the rays of fields that are turned directions of a lens, instead of the host.
+    /// A kernel makes the rays of a lens at a pose, instead of the host.
     pub aims: bool,
-    /// An earlier plan, from which is taken over what follows from the lens alone.
-    pub last: Option<&'a Plan>,
+    /// An earlier plan and its camera, from which is taken over what no pose changes.
+    pub last: Option<(&'a Plan, &'a Camera)>,
+}
+
+impl PlanTarget<'_> {
+    /// The same rows in the earlier plan.
+    fn last_band(&self, of: Rows) -> Option<&Band> {
+        let (plan, _) = self.last?;
+        plan.bands.iter().find(|band| (band.row, band.rows) == (of.first, of.count))
+    }
+
+    /// The pieces of a camera, and the tiles of these rows in the earlier plan, if its pieces own the same places.
+    fn known_tiles<'a>(
+        &'a self,
+        camera: &'a Camera,
+        sample_offsets: &[DVec2],
+        of: Rows,
+    ) -> Option<(&'a Pieces, &'a Tiles)> {
+        let (plan, last) = self.last?;
+        let ([Rays::Pieces(pieces)], [Rays::Pieces(last_pieces)]) = (&camera.layers[..], &last.layers[..]) else {
+            return None;
+        };
+        let size = |camera: &Camera| (camera.width, camera.height);
+        let own_alike = size(camera) == size(last)
+            && plan.slabs.count() == 1
+            && plan.sample_offsets == sample_offsets
+            && [camera, last].iter().all(|camera| slabs::kind(camera) == RaysKind::Pieces)
+            && pieces.own_alike(last_pieces);
+        self.last_band(of).filter(|_| own_alike).map(|band| (pieces, &*band.tiles))
+    }
 }
 
 impl Plan {
@@ -449,6 +479,7 @@ impl Band {
     fn new(view: View, row: u32, rows: u32) -> Band {
         let View { camera, slabs, extent, sample_offsets, target } = view;
         let anchor = extent.anchor;
+        let of = Rows { first: row, count: rows };
         let measure = nodes::WidthMeasure {
             centre: extent.centre - anchor,
             t_range: camera.t_range,
@@ -456,12 +487,10 @@ impl Band {
             scene_size: extent.scene_size,
         };
         if target.aims {
-            let last = target.last.and_then(|last| last.bands.iter().find(|b| (b.row, b.rows) == (row, rows)));
-            if let Some(turned) =
-                Turned::of(view, Rows { first: row, count: rows }, last.and_then(|b| b.turned.as_ref()))
-            {
+            let last = target.last_band(of).and_then(|band| band.turned.as_ref());
+            if let Some(turned) = Turned::of(view, of, last) {
                 let tiles = turned.lens.tiles.clone();
-                let nodes = nodes::Nodes::new(&turned.fits(), (tiles.tiles_x, tiles.tiles_y), measure);
+                let nodes = Nodes::new(|k| turned.fits(k), (tiles.tiles_x, tiles.tiles_y), measure);
                 let turned = Some(turned);
                 return Band {
                     row,
@@ -479,12 +508,19 @@ impl Band {
             RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
             _ => None,
         };
-        let tiler = tiles::Tiler { camera, slabs, curves: curves.as_ref(), sample_offsets, anchor, row, rows };
-        let (tiles, sampled) = tiler.tiles();
-        let mut nodes = nodes::Nodes::new(&sampled, (tiles.tiles_x, tiles.tiles_y), measure);
-        if let [Rays::Pieces(_)] = camera.layers.as_slice() {
-            nodes.own(|x, y| tiles.sole_piece(x, y, [camera.width, rows]));
-        }
+        let tiler = Tiler { camera, slabs, curves: curves.as_ref(), sample_offsets, anchor, row, rows };
+        let (tiles, nodes) = match target.known_tiles(camera, sample_offsets, of) {
+            Some((pieces, known)) => {
+                let tiles = tiler.moved(pieces, known);
+                let nodes = Nodes::new(|k| tiler.fits(pieces, &tiles, k), (tiles.tiles_x, tiles.tiles_y), measure);
+                (tiles, nodes)
+            }
+            None => {
+                let (tiles, fits) = tiler.tiles();
+                let nodes = Nodes::new(|k| &fits[k], (tiles.tiles_x, tiles.tiles_y), measure);
+                (tiles, nodes)
+            }
+        };
         let rays = match (&curves, camera.layers.as_slice()) {
             (Some(table), _) => Some(table.rays(anchor)),
             (None, [Rays::Field(field)]) => Some(RayTable::of_field(field, anchor, row, rows)),

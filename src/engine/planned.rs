@@ -5,12 +5,14 @@ use super::changes::{PlannedBy, same_places, same_triangles};
 use super::combinations::Asked;
 use super::in_view::{InView, SceneFacts};
 use super::medium::node_bytes;
+use crate::camera::optics::Facets;
 use crate::camera::ray_order::reordered;
 use crate::camera::{Camera, Rays};
 use crate::engine::call_ms::{CallMs, ms_since};
 use crate::engine::clusters::{Clustered, cluster_shown};
 use crate::engine::plan::variant::{method, variant};
 use crate::engine::plan::{Plan, PlanTarget, SceneContents, SceneExtent, SceneShape, Wanted};
+use crate::geometry::mesh::Mesh;
 use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::Method;
 use crate::image::frame::Channel;
@@ -61,6 +63,15 @@ pub(super) struct Whole {
     pub facts: Arc<SceneFacts>,
     /// With its pixels in the order of their rays, where these are incoherent.
     pub camera: Arc<Camera>,
+    /// The triangles with the facets of the camera's optics, if it has some.
+    pub with_facets: Option<WithFacets>,
+}
+
+/// The triangles of a scene, and the facets of a camera's optics as the last ones.
+#[derive(Clone)]
+pub(super) struct WithFacets {
+    mesh: Arc<Mesh>,
+    shape: SceneShape,
 }
 
 impl Planned {
@@ -79,8 +90,41 @@ impl Whole {
         let has_same_beams = |last: &&Planned| last.whole.scene.projector_lights == scene.projector_lights;
         let same = last.filter(|last| same_triangles(last, scene)).filter(has_same_beams);
         let facts = same.map_or_else(Arc::default, |last| last.whole.facts.clone());
-        Whole { scene: Arc::new(scene.clone()), shape, facts, camera }
+        let with_facets = WithFacets::of(scene, &camera, last.filter(|last| same_triangles(last, scene)));
+        Whole { scene: Arc::new(scene.clone()), shape, facts, camera, with_facets }
     }
+
+    /// The scene with the facets of the camera's optics; the scene itself if there are none.
+    fn with_optics(&self) -> Cow<'_, Scene> {
+        match &self.with_facets {
+            Some(WithFacets { mesh, .. }) => Cow::Owned(Scene { mesh: mesh.clone(), ..Scene::clone(&self.scene) }),
+            None => Cow::Borrowed(&self.scene),
+        }
+    }
+
+    fn shape_with_optics(&self) -> SceneShape {
+        self.with_facets.as_ref().map_or(self.shape, |all| all.shape)
+    }
+}
+
+impl WithFacets {
+    /// Takes over the triangles of `last`, a plan for the same scene, if its camera has the same facets. `None`: the camera has no facets.
+    fn of(scene: &Scene, camera: &Camera, last: Option<&Planned>) -> Option<WithFacets> {
+        if let Some(last) = last.filter(|last| last.whole.with_facets.is_some())
+            && facets_of(&last.whole.camera) == facets_of(camera)
+        {
+            return last.whole.with_facets.clone();
+        }
+        match scene.with_optics(camera) {
+            Cow::Owned(all) => Some(WithFacets { shape: SceneShape::of(&all), mesh: all.mesh }),
+            Cow::Borrowed(_) => None,
+        }
+    }
+}
+
+/// The facets of a camera's optics, and their color.
+fn facets_of(camera: &Camera) -> Option<(&Facets, [f32; 3])> {
+    camera.optics.as_ref().and_then(|optics| Some((optics.facets()?, optics.base)))
 }
 
 /// Bytes that the widest table of a band has a pixel and sample: a ray of a ray map, hi or lo, or by what it differs.
@@ -174,16 +218,15 @@ impl Planner {
         };
         asked_for.check()?;
         let whole = Whole::of(scene, camera.clone(), shape, last);
-        let with_optics = scene.with_optics(&whole.camera);
-        let has_facets = matches!(with_optics, Cow::Owned(_));
-        let shape_of_all = if has_facets { SceneShape::of(&with_optics) } else { shape };
+        let with_optics = whole.with_optics();
+        let shape_of_all = whole.shape_with_optics();
         let extent = SceneExtent::of(&whole.camera, shape_of_all);
         check_size(shape_of_all, extent)?;
         scene.check_depth(&wanted.channels)?;
         self.check_normals(&with_optics)?;
         self.check_volume(scene)?;
         let plan = self.plan_of(&whole, &with_optics, extent, wanted, run, last);
-        let scene = match plan.in_view.optics && has_facets {
+        let scene = match plan.in_view.optics && whole.with_facets.is_some() {
             true => Arc::new(plan.in_view.scene(&with_optics).into_owned()),
             false => match plan.in_view.scene(&whole.scene) {
                 Cow::Borrowed(_) => whole.scene.clone(),
@@ -266,7 +309,8 @@ impl Planner {
                 return last.plan.clone();
             }
         }
-        let plan = self.plan_by(run, whole, (contents, extent), wanted, (seen, last.map(|last| &*last.plan)));
+        let last = last.map(|last| (&*last.plan, &*last.whole.camera));
+        let plan = self.plan_by(run, whole, (contents, extent), wanted, (seen, last));
         let moments = if plan.variant.timed { scene.moments(camera) } else { None };
         Arc::new(match moments {
             Some(moments) => plan.with_moments(&moments),
@@ -281,15 +325,15 @@ impl Planner {
         seen.map_or(in_view, |seen| in_view.joined(seen))
     }
 
-    /// The plan of frames with these options of the parts of a scene that show, and of those that were `seen` before; what follows from the lens
-    /// alone is taken from `last`. `contents` are with the facets of the camera's optics.
+    /// The plan of frames with these options of the parts of a scene that show, and of those that were `seen` before; what no pose changes is taken
+    /// from `last`, an earlier plan and its camera. `contents` are with the facets of the camera's optics.
     pub(super) fn plan_by(
         &self,
         run: &RunOptions,
         whole: &Whole,
         (contents, extent): (SceneContents, SceneExtent),
         wanted: &Wanted,
-        (seen, last): (Option<InView>, Option<&Plan>),
+        (seen, last): (Option<InView>, Option<(&Plan, &Camera)>),
     ) -> Plan {
         let Whole { scene, camera, .. } = whole;
         let all = written(scene, camera, wanted);

@@ -12,6 +12,7 @@ use super::medium::{medium, voxels};
 use super::pages::PageStore;
 use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
+use crate::camera::optics::Optics;
 use crate::engine::clusters::Clustered;
 use crate::engine::plan::hierarchy::moving::MovingBvh;
 use crate::engine::plan::hierarchy::{Hierarchy, PackedBvh, TracedBvh};
@@ -242,8 +243,18 @@ impl Resident {
         }
     }
 
-    /// Puts the tables of another camera on the device, of a plan whose bands are as large.
-    pub fn aim(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
+    /// Whether rays of the camera bounce as often as those whose tables are there.
+    pub fn bounces_like(&self, camera: &Camera) -> bool {
+        let has_atlas = |optics: &Arc<Optics>| optics.atlas.is_some();
+        self.bounces == bounces(camera.optics.as_deref()) && !camera.optics.as_ref().is_some_and(has_atlas)
+    }
+
+    /// Puts the tables of another camera on the device, whose rays bounce as often, of a plan whose bands are as large.
+    pub fn aim(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, plan: &Plan) -> Result<()> {
+        if let (Some(tables), Some(optics)) = (&mut self.bounce_tables, &camera.optics) {
+            tables.aim(gpu, scene, camera, optics, plan, &self.bounces)?;
+            self.facets = optics.facets().map_or(0, |f| f.triangles.len());
+        }
         // what was cheaper for another camera
         if self.bvh == BvhState::Preferred {
             self.bvh = BvhState::Built;

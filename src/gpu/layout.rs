@@ -304,7 +304,7 @@ pub struct Shading {
 pub struct ViewerPose {
     pub numbers: [[u32; 4]; 6],
     pub count: u32,
-    pub pad0: u32,
+    pub numbers_a_ray: u32,
     pub pad1: u32,
     pub pad2: u32,
 }

@@ -10,6 +10,7 @@ use anamorph::internals::engine::{Arithmetic, Capacities, Counts, Engine, RunOpt
 use anamorph::internals::geometry::generate::icosphere;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::image::frame::Channel;
+use anamorph::internals::scene::Scene;
 use common::cameras::{MeshShape, mesh_spec, pinhole, raymap};
 use common::file::camera_of;
 use common::gpu::{assert_right, engine_on, hits, wanted, words};
@@ -87,43 +88,103 @@ fn frames_look_through_another_camera_in_every_arithmetic() {
     }
 }
 
-/// Lenses around one eye, without the keys of a pose.
-const LENSES: [(&str, &str); 4] = [
-    ("fisheye", "kind = \"fisheye\"\nfov = 200"),
-    ("cylinder", "kind = \"cylinder\"\nfov = 250"),
-    ("sphere", "kind = \"sphere\""),
-    ("panini", "kind = \"panini\"\nfov = 150"),
+/// Keys of poses: of an eye, of a circle's middle, and of a display.
+const EYES: [&str; 3] = [
+    "eye = [0, 0.2, 2.5]\ntarget = [0, 0, 0]",
+    "eye = [0.1, 0.2, 2.4]\ntarget = [0.5, 0, 0]",
+    "eye = [-3, 1, 0]\ntarget = [0, 0, 0]\nup = [1, 0, 0]",
+];
+const CIRCLES: [&str; 3] = ["axis = [0, 1, 0]", "axis = [0.1, 1, 0.2]", "center = [0.1, 0.2, 0]\naxis = [1, 1, 0]"];
+const DISPLAYS: [&str; 3] = [
+    "center = [0, 0, 1.5]\nnormal = [0, 0, 1]",
+    "center = [0.1, 0, 1.4]\nnormal = [0.1, 0, 1]",
+    "center = [-2, 0, 0]\nnormal = [-1, 0, 0]",
 ];
 
-/// A lens stays on the device while its viewer turns and moves: the frames are those of an engine that sees each pose first, and right.
+/// Lenses, without the keys of a pose, and poses.
+const LENSES: [(&str, &str, [&str; 3]); 8] = [
+    ("fisheye", "kind = \"fisheye\"\nfov = 200", EYES),
+    ("ods", "kind = \"ods\"\nipd = 0.3", EYES),
+    ("cylinder", "kind = \"cylinder\"\nfov = 250", EYES),
+    ("sphere", "kind = \"sphere\"", EYES),
+    ("panini", "kind = \"panini\"\nfov = 150", EYES),
+    ("panorama", "kind = \"panorama\"\nradius = 3\nheight = 3", CIRCLES),
+    ("lightfield", "kind = \"lightfield\"\nwidth = 2\nheight = 2\nviews = [6, 4]\nfov = 30", DISPLAYS),
+    (
+        "lidar",
+        "kind = \"lidar\"\nbeams = [20, 12, 4, -4, -12, -20]\ncolumns = 90\nvelocity = [0.2, 0.1, 0]\nperiod = 0.5",
+        EYES,
+    ),
+];
+
+/// What a device shows that has shown other poses before, in frames that one that has shown nothing sees alike, and that are right.
+fn assert_poses_alike(name: &str, less: Less, scene: &Scene, wanted: &Wanted, cameras: impl Iterator<Item = Camera>) {
+    let (Some(mut engine), Some(mut fresh)) = (engine_on(less), engine_on(less)) else { return };
+    let (mut sequence, mut last): (Sequence, Option<Planned>) = Default::default();
+    for (k, camera) in cameras.map(Arc::new).enumerate() {
+        let run = RunOptions::default();
+        let planned = engine.planner().plan(scene, camera.clone(), wanted, &run, last.as_ref()).unwrap();
+        last = Some(planned.clone());
+        let seen = sequence.render(&mut engine, planned, &run).unwrap().rendered();
+        let expected = fresh.render(scene, camera.clone(), wanted, &run).unwrap();
+        assert!(words(&seen.frame) == words(&expected.frame) && seen.srgb8 == expected.srgb8, "{name}, pose {k}");
+        assert!(hits(&seen.frame) > 30, "{name}, pose {k}");
+        assert_right(&format!("{name}, pose {k}"), scene, &camera, &seen.frame);
+    }
+}
+
+/// A lens stays on the device while its viewer turns and moves.
 #[test]
 fn a_viewer_that_moves_sees_what_a_new_one_sees() {
     let scene = scene(icosphere(3));
-    let poses = [
-        "[0, 0.2, 2.5]\ntarget = [0, 0, 0]",
-        "[0.1, 0.2, 2.4]\ntarget = [0.5, 0, 0]",
-        "[-3, 1, 0]\ntarget = [0, 0, 0]\nup = [1, 0, 0]",
-    ];
     let less: [Less; 2] = [|_| {}, |gpu| gpu.has.f64 = false];
     for (arithmetic, less) in less.into_iter().enumerate() {
-        let (Some(mut engine), Some(mut fresh)) = (engine_on(less), engine_on(less)) else { return };
         // f64 in 32-bit words takes long to compile
-        for (name, lens) in &LENSES[..if arithmetic == 0 { 4 } else { 1 }] {
-            let (mut sequence, mut last): (Sequence, Option<Planned>) = Default::default();
-            for (k, pose) in poses.iter().enumerate() {
-                let camera = Arc::new(camera_of("", SIZE, &format!("{lens}\neye = {pose}")).unwrap());
-                let run = RunOptions::default();
-                let planned = engine.planner().plan(&scene, camera.clone(), &wanted(), &run, last.as_ref()).unwrap();
-                last = Some(planned.clone());
-                let seen = sequence.render(&mut engine, planned, &run).unwrap().rendered();
-                let expected = fresh.render(&scene, camera.clone(), &wanted(), &run).unwrap();
-                assert!(
-                    words(&seen.frame) == words(&expected.frame) && seen.srgb8 == expected.srgb8,
-                    "{name}, pose {k}"
-                );
-                assert!(hits(&seen.frame) > 30, "{name}, pose {k}");
-                assert_right(&format!("{name}, pose {k}"), &scene, &camera, &seen.frame);
-            }
+        for (name, lens, poses) in &LENSES[..if arithmetic == 0 { LENSES.len() } else { 2 }] {
+            let size = match *name {
+                "lidar" => (90, 6),
+                "ods" | "lightfield" => (60, 44),
+                _ => SIZE,
+            };
+            let camera = |pose: &&str| camera_of("", size, &format!("{lens}\n{pose}")).unwrap();
+            assert_poses_alike(name, less, &scene, &wanted(), poses.iter().map(camera));
         }
+    }
+}
+
+/// The pixels that each piece owns are found once for all poses.
+#[test]
+fn a_camera_of_pieces_that_moves_sees_what_a_new_one_sees() {
+    let scene = scene(icosphere(3));
+    for (name, keys) in [
+        ("one piece", "kind = \"pinhole\"\nvfov = 60"),
+        ("pieces of one weight", "kind = \"fisheye\"\nfov = 150\npieces = 60"),
+        ("strips", "kind = \"cylinder\"\nfov = 250\nstrips = 7"),
+    ] {
+        for samples in [1, 4] {
+            let wanted = Wanted { samples, ..wanted() };
+            let camera = |pose: &&str| camera_of("", SIZE, &format!("{keys}\n{pose}")).unwrap();
+            assert_poses_alike(&format!("{name}, {samples} samples"), |_| {}, &scene, &wanted, EYES.iter().map(camera));
+        }
+    }
+}
+
+/// A mirror or lens, and the triangles with its facets, stay on the device while the eye in front of it moves.
+#[test]
+fn an_eye_that_moves_before_a_mirror_sees_what_a_new_one_sees() {
+    let things = scene(icosphere(3));
+    let optics = [
+        "kind = \"reflection\"\ndepth = 2\nmirror = { shape = \"sphere\", center = [1.5, 0, 0], radius = 0.8 }",
+        "kind = \"reflection\"\nfacets = \"flat\"\nmirror = { shape = \"sphere\", center = [1.5, 0, 0], radius = 0.8, count = 200 }",
+        "kind = \"refraction\"\nior = 1.5\nfacets = \"normals\"\ndepth = 3\nlens = { shape = \"sphere\", center = [0, 0.3, 2], radius = 0.7, count = 200 }",
+    ];
+    let eyes = [
+        "{ kind = \"pinhole\", eye = [0.5, 0.5, 4], target = [0.5, 0, 0], vfov = 50 }",
+        "{ kind = \"pinhole\", eye = [0.4, 0.6, 4], target = [0.6, 0, 0], vfov = 50 }",
+        "{ kind = \"pinhole\", eye = [-2, 1.5, 5], target = [0.5, 0, 0], vfov = 50 }",
+    ];
+    for keys in optics {
+        let camera = |eye: &&str| camera_of("", SIZE, &format!("{keys}\neye = {eye}")).unwrap();
+        assert_poses_alike(keys, |_| {}, &things, &wanted(), eyes.iter().map(camera));
     }
 }

@@ -353,7 +353,8 @@ fn frames_that_follow_others_refuse_their_rows() {
     let error =
         engine.prepare(&composed.scene, composed.camera.clone(), &composed.wanted, &composed.run).err().unwrap();
     assert!(error.to_string().contains("call Engine::render"), "{error}");
-    for (case, is_taken) in [(&lit, false), (&mirror, false), (&composed, false), (&Case::of(&[]).unwrap(), true)] {
+    let atlas = Case::of(&[Feature::Atlas]).unwrap();
+    for (case, is_taken) in [(&lit, false), (&atlas, false), (&composed, false), (&mirror, true), (&plain, true)] {
         assert_eq!(Sequence::takes(&case.scene, &case.camera, &case.wanted), is_taken, "{:?}", case.has);
     }
     let of_changes = REFUSALS.iter().filter(|r| r.features.iter().any(|f| planned().all(|p| p != *f)));

@@ -92,7 +92,7 @@ struct SampleOffsets {
 struct ViewerPose {
     numbers: array<vec4<u32>, 6>,
     count: u32,             // rays
-    pad0: u32,
+    numbers_a_ray: u32,     // of the lens: 3, a direction; or 6, an origin relative to the eye and a direction
     pad1: u32,
     pad2: u32,
 }

@@ -32,7 +32,7 @@ pub fn fit(input: &KernelInputs) -> Fitted {
         let mask = |r: &PixelRay| 1u64 << (r.pixel.1 % TILE * TILE + r.pixel.0 % TILE);
         let tile_rays = rays.iter().map(|r| TileRay { place: place_in(at, r.pixel), p: r.p, d: r.d });
         let whole = Fit::of(&TileRays { rays: tile_rays.collect(), ..TileRays::default() });
-        (TileFits { whole, each: Vec::new() }, rays.iter().fold(0, |all, r| all | mask(r)))
+        (TileFits::from(whole), rays.iter().fold(0, |all, r| all | mask(r)))
     };
     let (bounds, masks): (Vec<TileFits>, Vec<u64>) = (0..p.tiles_x * p.tiles_y).map(tile).unzip();
     let cell = |(tile, mask): (u32, u64)| Cell {
@@ -44,7 +44,7 @@ pub fn fit(input: &KernelInputs) -> Fitted {
     };
     Fitted {
         nodes: Nodes::new(
-            &bounds,
+            |k| &bounds[k],
             (p.tiles_x, p.tiles_y),
             WidthMeasure { centre, t_range: input.t_range(), incoherent: false, scene_size: 0.0 },
         ),

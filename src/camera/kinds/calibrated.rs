@@ -13,7 +13,7 @@ pub(crate) mod survey;
 mod tilt;
 mod without_rays;
 
-use super::central::{self, POSE, Pose, Viewer};
+use super::posed::{self, POSE, Pose, Viewer};
 use crate::camera::calibration::{Calibrated, Intrinsics, Model, Shutter};
 use crate::camera::exposure::{LineOrder, Lines};
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -141,13 +141,13 @@ struct Pixels {
     lens: Lens,
 }
 
-impl central::Lens for Pixels {
+impl posed::Lens for Pixels {
     fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
         direction(&self.intrinsics, &self.lens, pixel(&self.intrinsics, a, b))
     }
 
-    fn is_same(&self, other: &dyn central::Lens) -> bool {
-        central::is_same(self, other)
+    fn is_same(&self, other: &dyn posed::Lens) -> bool {
+        posed::is_same(self, other)
     }
 }
 

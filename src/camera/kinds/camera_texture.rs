@@ -2,8 +2,8 @@
 
 mod bilinear;
 
-use super::central::{POSE, Pose};
 use super::pinhole;
+use super::posed::{POSE, Pose};
 use super::strips::central;
 use crate::arrays::MapEach;
 use crate::camera::Rays;

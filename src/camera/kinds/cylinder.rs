@@ -1,6 +1,6 @@
 //! `cylinder`: the horizontal angle and the tangent of elevation become image coordinates; exact, or in strips.
 
-use super::central::{Central, Lens, POSE, Pose, is_same};
+use super::posed::{Lens, POSE, Pose, Posed, is_same};
 use super::strips::{self, Grid};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
@@ -55,7 +55,7 @@ impl Recipe for Cylinder {
         let (w, h) = setting.size()?;
         let square = self.fov * f64::from(h) / f64::from(w) / 2.0;
         let lens = Wall { fov: self.fov, tan: self.tan.unwrap_or([-square, square]) };
-        let map = Central { eye: self.pose.eye, view: self.pose.view()?, lens };
+        let map = Posed { eye: self.pose.eye, view: self.pose.view()?, lens };
         match self.strips {
             None => self.tessellation.build(Arc::new(map), setting),
             Some(n) => build_strips(&map, n, setting),
@@ -68,7 +68,7 @@ impl Recipe for Cylinder {
 ///
 /// Between them the ray is the exact one of an image place that is `s delta - atan(s tan delta)` of angle beside and, as its
 /// horizontal part is `cos(delta)` long at the least, `v (1 / cos(delta) - 1)` above or below at most.
-fn build_strips(map: &Central<Wall>, n: u32, setting: &Setting) -> Result<Built> {
+fn build_strips(map: &Posed<Wall>, n: u32, setting: &Setting) -> Result<Built> {
     let (w, h) = setting.size()?;
     let Wall { fov, tan } = map.lens;
     let delta = fov / f64::from(n) / 2.0;

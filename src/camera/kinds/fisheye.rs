@@ -1,6 +1,6 @@
 //! `fisheye`: the angle from the view direction becomes a distance from the image's middle.
 
-use super::central::{Central, Lens, POSE, Pose, is_same};
+use super::posed::{Lens, POSE, Pose, Posed, is_same};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::Result;
@@ -102,7 +102,7 @@ impl Recipe for Fisheye {
             half: size / (2.0 * radius_px),
             circular: self.circular,
         };
-        let map = Central { eye: self.pose.eye, view: self.pose.view()?, lens };
+        let map = Posed { eye: self.pose.eye, view: self.pose.view()?, lens };
         self.tessellation.build(Arc::new(map), setting)
     }
 }

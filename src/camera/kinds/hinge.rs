@@ -3,7 +3,7 @@
 //! Yu, Yu and McMillan 2009, section 5.3 (faux animation): rotating the second camera makes its part of the scene appear to rotate, and the
 //! picture stays continuous.
 
-use super::central::{POSE, Pose};
+use super::posed::{POSE, Pose};
 use crate::arrays::MapEach;
 use crate::camera::mesh::triangle;
 use crate::camera::recipe::{Built, Recipe, Setting};

@@ -1,9 +1,8 @@
 //! `lidar`: rays that need not form a picture: a list of rays, or those of a spinning scanner.
 
-use super::central::{POSE, Pose};
+use super::posed::{Lens, POSE, Pose, Posed, is_same};
 use crate::camera::exposure::{LineOrder, Lines};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::view::View;
 use crate::camera::{Ray, RayMap, Rays};
 use crate::image::read_npy_rows;
 use crate::image::size::check_size;
@@ -45,11 +44,14 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let period = table.or("period", 0.0, Field::number)?;
     Ok(Arc::new(Scanner {
         pose: Pose::read(table)?,
-        beams: elevations.into_iter().map(f64::to_radians).collect(),
-        // checked above to be far under 2^32
-        columns: count as u32,
-        start: table.or("start", -180.0, Field::number)?.to_radians(),
-        sweep: table.or("sweep", 360.0, Field::number)?.to_radians(),
+        beams: Beams {
+            elevations: elevations.into_iter().map(f64::to_radians).collect(),
+            // checked above to be far under 2^32
+            columns: count as u32,
+            start: table.or("start", -180.0, Field::number)?.to_radians(),
+            sweep: table.or("sweep", 360.0, Field::number)?.to_radians(),
+            travel: DVec3::ZERO,
+        },
         travel: table.or("velocity", DVec3::ZERO, Field::vec3)? * period,
         period,
     }))
@@ -90,15 +92,21 @@ impl Recipe for List {
             )));
         }
         // checked to be far under 2^32
-        field((w as u32, h as u32), self.rays.clone())
+        let size = (w as u32, h as u32);
+        field(size, Pixels { size, rays: self.rays.clone() })
     }
 }
 
 /// One pixel per ray, row by row; the ray is constant over the pixel, because neighbours are unrelated.
-fn field(size: (u32, u32), rays: Arc<[Ray]>) -> Result<Built> {
-    let map = Pixels { size, rays };
+fn field(size: (u32, u32), map: impl RayMap + 'static) -> Result<Built> {
     let field = crate::camera::Field::of_map(size.0, size.1, Arc::new(map))?;
     Ok(Built::new(size, Rays::Field(field)))
+}
+
+/// The index of the pixel at an image coordinate, of so many.
+fn index(x: f64, count: u32) -> usize {
+    // a cast saturates at 0
+    ((x * f64::from(count)) as usize).min(count as usize - 1)
 }
 
 /// Of all numbers of rays.
@@ -122,8 +130,6 @@ impl std::fmt::Debug for Pixels {
 
 impl RayMap for Pixels {
     fn ray(&self, a: f64, b: f64) -> Option<Ray> {
-        // a cast saturates at 0
-        let index = |x: f64, n: u32| ((x * f64::from(n)) as usize).min(n as usize - 1);
         let (w, h) = self.size;
         self.rays.get(index(b, h) * w as usize + index(a, w)).copied()
     }
@@ -133,12 +139,7 @@ impl RayMap for Pixels {
 #[derive(Debug, PartialEq)]
 struct Scanner {
     pose: Pose,
-    /// Radians above the horizon, the first in the top row.
-    beams: Vec<f64>,
-    columns: u32,
-    /// Radians to the right of ahead where the sweep starts, and how far it goes.
-    start: f64,
-    sweep: f64,
+    beams: Beams,
     /// Translation of the scanner during the sweep, world units.
     travel: DVec3,
     /// Seconds of a sweep; 0: it takes no time.
@@ -147,34 +148,63 @@ struct Scanner {
 
 impl Recipe for Scanner {
     fn build(&self, setting: &Setting) -> Result<Built> {
-        let size = (self.columns, self.beams.len() as u32);
+        let size = (self.beams.columns, self.beams.elevations.len() as u32);
         if setting.size.is_some_and(|s| s != size) {
             let (w, h) = size;
             return Err(Error::input(format!("image: the scan is {w} x {h}; leave the size out or make it that")));
         }
         let view = self.pose.view()?;
-        let rays = self.beams.iter().flat_map(|&beam| (0..self.columns).map(move |i| (beam, i)));
-        field(size, rays.map(|(beam, i)| self.ray(&view, beam, i)).collect())
+        let travel = DVec3::new(self.travel.dot(view.right), self.travel.dot(view.up), self.travel.dot(view.forward));
+        field(size, Posed { eye: self.pose.eye, view, lens: Beams { travel, ..self.beams.clone() } })
     }
 
     fn lines(&self) -> Option<Lines> {
-        let line_time = self.period / f64::from(self.columns);
+        let line_time = self.period / f64::from(self.beams.columns);
         (self.period != 0.0).then_some(Lines {
             first: line_time / 2.0,
             line_time,
             order: LineOrder::Right,
-            count: self.columns,
+            count: self.beams.columns,
         })
     }
 }
 
-impl Scanner {
-    fn ray(&self, view: &View, beam: f64, column: u32) -> Ray {
-        let part = (f64::from(column) + 0.5) / f64::from(self.columns);
-        let (sin, cos) = (self.start + part * self.sweep).sin_cos();
-        Ray {
-            origin: self.pose.eye + part * self.travel,
-            direction: view.vector(beam.cos() * sin, beam.sin(), beam.cos() * cos),
-        }
+/// The beams in the scanner's own frame.
+#[derive(Debug, Clone, PartialEq)]
+struct Beams {
+    /// Radians above the horizon, the first in the top row.
+    elevations: Arc<[f64]>,
+    columns: u32,
+    /// Radians to the right of ahead where the sweep starts, and how far it goes.
+    start: f64,
+    sweep: f64,
+    /// Translation during the sweep.
+    travel: DVec3,
+}
+
+impl Lens for Beams {
+    fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
+        let elevation = self.elevations[index(b, self.elevations.len() as u32)];
+        let (sin, cos) = (self.start + self.part(a) * self.sweep).sin_cos();
+        Some(DVec3::new(elevation.cos() * sin, elevation.sin(), elevation.cos() * cos))
+    }
+
+    fn origin(&self, a: f64, _b: f64) -> DVec3 {
+        self.part(a) * self.travel
+    }
+
+    fn is_central(&self) -> bool {
+        self.travel == DVec3::ZERO
+    }
+
+    fn is_same(&self, other: &dyn Lens) -> bool {
+        is_same(self, other)
+    }
+}
+
+impl Beams {
+    /// The part of the sweep that is over in the middle of the column at an image coordinate.
+    fn part(&self, a: f64) -> f64 {
+        (index(a, self.columns) as f64 + 0.5) / f64::from(self.columns)
     }
 }

@@ -1,9 +1,9 @@
 //! `lightfield`: one ray for each sub-pixel of a lenslet display, which shows a different view in each direction.
 
+use super::posed::{Lens, Posed, is_same};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
-use crate::camera::view::{View, view};
-use crate::camera::{Ray, RayMap};
+use crate::camera::view::view;
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
@@ -76,34 +76,47 @@ impl Recipe for Lightfield {
             Error::input("camera: normal is zero, or up is zero or parallel to it; give other directions")
         })?;
         let lenslets = DVec2::new((w / nx).into(), (h / ny).into());
-        self.tessellation
-            .build(Arc::new(Lenslets { centre: self.centre, frame, size: self.size, lenslets, tan: self.tan }), setting)
+        let lens = Lenslets { size: self.size, lenslets, tan: self.tan };
+        self.tessellation.build(Arc::new(Posed { eye: self.centre, view: frame, lens }), setting)
     }
 }
 
 /// Rays from the middles of lenslets into the display, against the light that leaves them: a pixel to the right of its
 /// lenslet's middle shines to the left, where one sees what lies to the right.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Lenslets {
-    centre: DVec3,
-    frame: View,
     size: DVec2,
     /// Across and down.
     lenslets: DVec2,
     tan: DVec2,
 }
 
-impl RayMap for Lenslets {
-    fn ray(&self, a: f64, b: f64) -> Option<Ray> {
+impl Lens for Lenslets {
+    fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
         let place = DVec2::new(a, b) * self.lenslets;
-        // the image's last border belongs to the last lenslet
-        let lenslet = place.floor().min(self.lenslets - 1.0).max(DVec2::ZERO);
-        let within = (place - lenslet) * 2.0 - 1.0;
-        let at = ((lenslet + 0.5) / self.lenslets - 0.5) * self.size;
+        let within = (place - self.lenslet(place)) * 2.0 - 1.0;
         let slope = within * self.tan;
-        Some(Ray {
-            origin: self.centre + self.frame.vector(at.x, -at.y, 0.0),
-            direction: self.frame.vector(slope.x, -slope.y, 1.0),
-        })
+        Some(DVec3::new(slope.x, -slope.y, 1.0))
+    }
+
+    fn origin(&self, a: f64, b: f64) -> DVec3 {
+        let lenslet = self.lenslet(DVec2::new(a, b) * self.lenslets);
+        let at = ((lenslet + 0.5) / self.lenslets - 0.5) * self.size;
+        DVec3::new(at.x, -at.y, 0.0)
+    }
+
+    fn is_central(&self) -> bool {
+        false
+    }
+
+    fn is_same(&self, other: &dyn Lens) -> bool {
+        is_same(self, other)
+    }
+}
+
+impl Lenslets {
+    /// The column and row of the lenslet over a place in lenslets; the image's last border belongs to the last lenslet.
+    fn lenslet(&self, place: DVec2) -> DVec2 {
+        place.floor().min(self.lenslets - 1.0).max(DVec2::ZERO)
     }
 }

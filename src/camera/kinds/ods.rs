@@ -1,10 +1,8 @@
 //! `ods`: an omni-directional stereo pair, the left eye's picture above the right eye's.
 
-use super::central::{POSE, Pose};
+use super::posed::{Lens, POSE, Pose, Posed, is_same};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
-use crate::camera::view::View;
-use crate::camera::{Ray, RayMap};
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -37,27 +35,36 @@ impl Recipe for Ods {
                 "image: {h} rows are not two pictures of equal height; give an even height"
             )));
         }
-        let map = Circle { eye: self.pose.eye, view: self.pose.view()?, radius: self.ipd / 2.0 };
+        let map = Posed { eye: self.pose.eye, view: self.pose.view()?, lens: Circle { radius: self.ipd / 2.0 } };
         self.tessellation.build(Arc::new(map), setting)
     }
 }
 
 /// Rays that touch a horizontal circle about the eye.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Circle {
-    eye: DVec3,
-    view: View,
     radius: f64,
 }
 
-impl RayMap for Circle {
-    fn ray(&self, a: f64, b: f64) -> Option<Ray> {
-        let (side, b) = if b < 0.5 { (-1.0, 2.0 * b) } else { (1.0, 2.0 * b - 1.0) };
+impl Lens for Circle {
+    fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
+        let b = if b < 0.5 { 2.0 * b } else { 2.0 * b - 1.0 };
         let (sin, cos) = ((a - 0.5) * TAU).sin_cos();
         let (up, level) = ((0.5 - b) * PI).sin_cos();
-        Some(Ray {
-            origin: self.eye + self.view.vector(side * self.radius * cos, 0.0, -side * self.radius * sin),
-            direction: self.view.vector(level * sin, up, level * cos),
-        })
+        Some(DVec3::new(level * sin, up, level * cos))
+    }
+
+    fn origin(&self, a: f64, b: f64) -> DVec3 {
+        let side = if b < 0.5 { -1.0 } else { 1.0 };
+        let (sin, cos) = ((a - 0.5) * TAU).sin_cos();
+        DVec3::new(side * self.radius * cos, 0.0, -side * self.radius * sin)
+    }
+
+    fn is_central(&self) -> bool {
+        self.radius == 0.0
+    }
+
+    fn is_same(&self, other: &dyn Lens) -> bool {
+        is_same(self, other)
     }
 }

@@ -1,6 +1,6 @@
 //! `panini`: a cylinder seen from behind its axis, for wide pictures whose verticals stay straight.
 
-use super::central::{Central, Lens, POSE, Pose, is_same};
+use super::posed::{Lens, POSE, Pose, Posed, is_same};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::Result;
@@ -58,7 +58,7 @@ impl Recipe for Panini {
         let (sin, cos) = (self.fov / 2.0).sin_cos();
         let across = sin * (self.d + 1.0) / (self.d + cos);
         let lens = Screen { across, aspect: f64::from(h) / f64::from(w), d: self.d, s: self.s };
-        let map = Central { eye: self.pose.eye, view: self.pose.view()?, lens };
+        let map = Posed { eye: self.pose.eye, view: self.pose.view()?, lens };
         self.tessellation.build(Arc::new(map), setting)
     }
 }

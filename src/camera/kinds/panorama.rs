@@ -3,11 +3,11 @@
 //! Yu, Yu and McMillan 2009, section 5.1: all share a slit through the circle's centre, its axis; the other slits are segments of
 //! the circle. The limit of many segments is the exact map: each column is seen from its own place of the circle.
 
+use super::posed::{Lens, Posed, is_same};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};
 use crate::camera::values::{direction, length};
-use crate::camera::view::view;
-use crate::camera::{Ray, RayMap};
+use crate::camera::view::{View, view};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::DVec3;
@@ -36,15 +36,15 @@ struct Keys {
     inward: f64,
 }
 
-/// The exact limit.
-#[derive(Debug)]
+/// The exact limit, in the frame of the circle: to the right of the middle column's viewer if they look inward, along the axis, and from the
+/// centre to that column's eye.
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Ring {
-    keys: Keys,
-    /// Unit vectors: along the axis, from the centre to the middle column's eye, and to the right of that column's viewer if
-    /// they look inward.
-    w: DVec3,
-    e: DVec3,
-    side: DVec3,
+    radius: f64,
+    elevation: f64,
+    height: f64,
+    sweep: f64,
+    inward: f64,
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
@@ -86,17 +86,36 @@ impl Recipe for Panorama {
         let view = view(keys.front, DVec3::ZERO, keys.axis).map_err(|_| {
             crate::input::Error::input("camera.front: it is parallel to axis; give a direction to a side of it")
         })?;
-        let ring = Ring { keys, w: keys.axis, e: keys.axis.cross(-view.right), side: view.right };
-        self.tessellation.build(Arc::new(ring), setting)
+        let frame = View { right: view.right, up: keys.axis, forward: keys.axis.cross(-view.right) };
+        let Keys { radius, elevation, height, sweep, inward, .. } = keys;
+        let lens = Ring { radius, elevation, height, sweep, inward };
+        self.tessellation.build(Arc::new(Posed { eye: keys.center, view: frame, lens }), setting)
     }
 }
 
-impl RayMap for Ring {
-    fn ray(&self, a: f64, b: f64) -> Option<Ray> {
-        let Keys { center, radius, elevation, height, sweep, inward, .. } = self.keys;
-        let (sin, cos) = (inward * sweep * (a - 0.5)).to_radians().sin_cos();
-        let out = radius * (cos * self.e + sin * self.side);
-        let origin = center + out + elevation * self.w;
-        Some(Ray { origin, direction: -inward * out + (height * (0.5 - b) - elevation) * self.w })
+impl Lens for Ring {
+    fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
+        let Ring { elevation, height, inward, .. } = self;
+        Some(-inward * self.out(a) + (height * (0.5 - b) - elevation) * DVec3::Y)
+    }
+
+    fn origin(&self, a: f64, _b: f64) -> DVec3 {
+        self.out(a) + self.elevation * DVec3::Y
+    }
+
+    fn is_central(&self) -> bool {
+        false
+    }
+
+    fn is_same(&self, other: &dyn Lens) -> bool {
+        is_same(self, other)
+    }
+}
+
+impl Ring {
+    /// From the axis to the eye of a column.
+    fn out(&self, a: f64) -> DVec3 {
+        let (sin, cos) = (self.inward * self.sweep * (a - 0.5)).to_radians().sin_cos();
+        self.radius * DVec3::new(sin, 0.0, cos)
     }
 }

@@ -1,6 +1,6 @@
 //! `sphere`: longitude and latitude become image coordinates (equirectangular); exact, or in perspective cells.
 
-use super::central::{Central, Lens, POSE, Pose, is_same};
+use super::posed::{Lens, POSE, Pose, Posed, is_same};
 use super::strips::{self, Grid};
 use crate::arrays::MapEach;
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -53,7 +53,7 @@ fn read_range(field: &Field, expected: &str) -> Result<[f64; 2]> {
 
 impl Recipe for Sphere {
     fn build(&self, setting: &Setting) -> Result<Built> {
-        let map = Central { eye: self.pose.eye, view: self.pose.view()?, lens: self.angles };
+        let map = Posed { eye: self.pose.eye, view: self.pose.view()?, lens: self.angles };
         match self.strips {
             None => self.tessellation.build(Arc::new(map), setting),
             Some(n) => build_cells(&map, n, setting),
@@ -66,7 +66,7 @@ impl Recipe for Sphere {
 ///
 /// On the unit sphere no second derivative over longitude and latitude is longer than 1, so linear interpolation
 /// over a right triangle with legs h and k is off by at most `(h + k)^2 / 8`, and the ray by at most the arcsine.
-fn build_cells(map: &Central<Angles>, n: u32, setting: &Setting) -> Result<Built> {
+fn build_cells(map: &Posed<Angles>, n: u32, setting: &Setting) -> Result<Built> {
     let Angles { lon, lat } = map.lens;
     let (wide, high) = (lon[1] - lon[0], lat[1] - lat[0]);
     let rows = (f64::from(n) * high / wide).ceil();

@@ -27,7 +27,7 @@ impl Frames {
         let shown = Arc::new(reordered(camera, extent.centre).unwrap_or_else(|| camera.clone()));
         let whole = Whole { camera: shown.clone(), ..self.whole.clone() };
         let contents = SceneContents::of(&whole.scene);
-        let last = (Some(self.plan.in_view), Some(&*self.plan));
+        let last = (Some(self.plan.in_view), Some((&*self.plan, &*self.whole.camera)));
         let plan = self.planner.plan_by(&self.run, &whole, (contents, extent), &self.wanted, last);
         Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;
         let camera = shown;
@@ -41,7 +41,7 @@ impl Frames {
         }
         // until all is there nothing is drawn
         let was_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
-        self.resident.aim(&self.gpu, &camera, &plan)?;
+        self.resident.aim(&self.gpu, &self.scene, &camera, &plan)?;
         if let Some(volume) = self.scene.volume.as_ref().filter(|_| plan.variant.volume.is_some()) {
             self.resident.upload_medium(&self.gpu, volume, &self.scene, &plan)?;
         }

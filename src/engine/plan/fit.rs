@@ -1,6 +1,7 @@
 //! Rays of a part of the image as one affine bundle, and how far they may lie from it.
 
 use super::tiles::TileRays;
+use crate::camera::Bundle;
 use crate::camera::perturb::PERTURB;
 use crate::gpu::layout::{self, RAYS_AFFINE, RAYS_LOOSE};
 use glam::{DVec2, DVec3};
@@ -66,6 +67,18 @@ impl Fit {
             fit.rays = RAYS_AFFINE;
         }
         fit
+    }
+
+    /// The rays of a bundle, its weight constant, over a square that extends `half` pixels to each side of its centre.
+    pub fn of_bundle(Bundle { p, d, h }: &Bundle, half: f64) -> Fit {
+        let over = |v: &[DVec3; 3]| [v[0] / h[0], half * v[1] / h[0], half * v[2] / h[0]];
+        Fit { p: over(p), d: over(d), r_p: 0.0, r_d: 0.0, rays: RAYS_AFFINE }
+    }
+
+    /// The same affine rays over a square of `times` the size, of which this one's is the upper left part.
+    pub fn extended(&self, times: f64) -> Fit {
+        let over = |[c, x, y]: [DVec3; 3]| [c + (times - 1.0) * (x + y), times * x, times * y];
+        Fit { p: over(self.p), d: over(self.d), ..*self }
     }
 
     /// Origins or directions lie so far from the fit that it says little.

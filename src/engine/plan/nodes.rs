@@ -6,7 +6,9 @@ use super::tiles::{TileFits, TileRay, TileRays};
 use crate::arrays::MapEach;
 use crate::gpu::layout::{self, BRANCH, RAYS_AFFINE, RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE};
 use crate::parallel;
+use bytemuck::Zeroable;
 use glam::{DVec2, DVec3};
+use std::borrow::Borrow;
 
 /// All levels of nodes, tiles first; behind them those of cells.
 #[derive(Debug, Clone, Default)]
@@ -30,9 +32,71 @@ pub struct Level {
 /// The rays of a node, before they are packed.
 struct NodeFit {
     fit: Fit,
+    /// The piece that owns all pixels of the square; see [`TileFits::sole_piece`].
+    sole_piece: Option<u32>,
     /// Mean width of the bundles that `cull` passes on here: the node's own, or its children's if they are bounded separately; see
     /// [`WidthMeasure::width`].
     width: f64,
+}
+
+impl NodeFit {
+    /// Of a tile.
+    fn of_tile(tile: &TileFits, measure: WidthMeasure) -> NodeFit {
+        let node = measure.node_fit(tile.whole, tile.each.iter().map(|cell| measure.width(cell)));
+        NodeFit { sole_piece: tile.sole_piece, ..node }
+    }
+
+    /// All rays are affine, or there are none.
+    fn is_exact(&self) -> bool {
+        self.fit.rays == RAYS_AFFINE || self.fit.rays == RAYS_NONE
+    }
+
+    fn packed(&self, measure: WidthMeasure) -> layout::Node {
+        let piece = self.sole_piece.unwrap_or(layout::NONE);
+        layout::Node { piece, ..self.fit.packed(measure.scene_size) }
+    }
+}
+
+/// A row of nodes right above tiles.
+#[derive(Default)]
+struct NodeRow {
+    fits: Vec<NodeFit>,
+    /// The nodes of the cells below, where a tile has several.
+    of_cells: Vec<layout::Node>,
+    /// The rays of each tile are one affine bundle.
+    exact: bool,
+}
+
+impl NodeRow {
+    /// Above some rows of tiles; writes the nodes of these.
+    fn of_tiles<T: Borrow<TileFits>>(
+        nodes: &mut [layout::Node],
+        tile: impl Fn(usize) -> T,
+        tiles_x: u32,
+        measure: WidthMeasure,
+    ) -> NodeRow {
+        let rows = nodes.len() as u32 / tiles_x;
+        let mut row = NodeRow { exact: true, ..NodeRow::default() };
+        let mut of_cells: Vec<Vec<layout::Node>> = vec![Vec::new(); rows as usize];
+        for x in (0..tiles_x).step_by(BRANCH as usize) {
+            let columns = BRANCH.min(tiles_x - x);
+            let places = (0..rows).flat_map(|j| (x..x + columns).map(move |i| (i, j)));
+            let below: Vec<NodeFit> = places
+                .map(|(i, j)| {
+                    let k = (j * tiles_x + i) as usize;
+                    let fits = tile(k);
+                    let node = NodeFit::of_tile(fits.borrow(), measure);
+                    nodes[k] = node.packed(measure);
+                    of_cells[j as usize].extend(fits.borrow().each.iter().map(|cell| cell.packed(measure.scene_size)));
+                    row.exact &= node.is_exact();
+                    node
+                })
+                .collect();
+            row.fits.push(parent(|i, j| &below[(j * columns + i) as usize], [columns, rows], measure));
+        }
+        row.of_cells = of_cells.concat();
+        row
+    }
 }
 
 /// Where bundles are compared.
@@ -65,9 +129,9 @@ impl WidthMeasure {
         let is_narrower = fit.is_loose() && below < DISCONTINUOUS_WIDTH * width;
         let discontinuous = fit.rays == RAYS_LOOSE && (is_narrower || self.incoherent && count > 0.0);
         if discontinuous {
-            NodeFit { fit: Fit { rays: RAYS_DISCONTINUOUS, ..fit }, width: below }
+            NodeFit { fit: Fit { rays: RAYS_DISCONTINUOUS, ..fit }, sole_piece: None, width: below }
         } else {
-            NodeFit { fit, width }
+            NodeFit { fit, sole_piece: None, width }
         }
     }
 }
@@ -77,48 +141,41 @@ impl WidthMeasure {
 pub const DISCONTINUOUS_WIDTH: f64 = 0.5;
 
 impl Nodes {
-    /// From the rays of each tile, row by row, and of its cells where they are several. At least two levels; the top one
-    /// at most 2 x 2 nodes.
-    pub fn new(tiles: &[TileFits], (tiles_x, tiles_y): (u32, u32), measure: WidthMeasure) -> Nodes {
-        let tile = |tile: &TileFits| measure.node_fit(tile.whole, tile.each.iter().map(|cell| measure.width(cell)));
-        let mut fits: Vec<NodeFit> = parallel::map(tiles, tile);
-        let mut nodes =
-            Nodes { nodes: Vec::new(), levels: levels(tiles_x, tiles_y), exact: true, discontinuous: false };
-        for (k, Level { width, height, .. }) in nodes.levels.iter().enumerate() {
-            if k > 0 {
-                let below = nodes.levels[k - 1];
-                let at = |n: u32| parent(&fits, (below.width, below.height), n % width, n / width, measure);
+    /// From what bounds the rays of each tile, row by row. At least two levels; the top one at most 2 x 2 nodes.
+    pub fn new<T: Borrow<TileFits>>(
+        tile: impl Fn(usize) -> T + Sync,
+        (tiles_x, tiles_y): (u32, u32),
+        measure: WidthMeasure,
+    ) -> Nodes {
+        let levels = levels(tiles_x, tiles_y);
+        let mut nodes = vec![layout::Node::zeroed(); above_cells(tiles_x, tiles_y) as usize];
+        // bounds in f64 take several times the memory of nodes: those of tiles are forgotten as soon as the nodes above them are there
+        let mut rows: Vec<NodeRow> = (0..levels[1].height).map(|_| NodeRow::default()).collect();
+        let of_tiles = nodes[..levels[1].start as usize].chunks_mut((BRANCH * tiles_x) as usize);
+        parallel::for_each(of_tiles.zip(&mut rows).enumerate(), |(y, (nodes, row))| {
+            let first = y * (BRANCH * tiles_x) as usize;
+            *row = NodeRow::of_tiles(nodes, |k| tile(first + k), tiles_x, measure);
+        });
+        let mut exact = rows.iter().all(|row| row.exact);
+        let of_cells: Vec<layout::Node> = rows.iter_mut().flat_map(|row| std::mem::take(&mut row.of_cells)).collect();
+        let mut fits: Vec<NodeFit> = rows.into_iter().flat_map(|row| row.fits).collect();
+        let mut discontinuous = false;
+        for (k, Level { start, width, height }) in levels.iter().enumerate().skip(1) {
+            if k > 1 {
+                let below = levels[k - 1];
+                let at = |n: u32| {
+                    let (x, y) = (BRANCH * (n % width), BRANCH * (n / width));
+                    let child = |i: u32, j: u32| &fits[((y + j) * below.width + x + i) as usize];
+                    parent(child, [below.width - x, below.height - y], measure)
+                };
                 fits = parallel::map(0..width * height, at);
             }
-            let all = || fits.iter().map(|s| s.fit);
-            nodes.exact &= all().all(|f| f.rays == RAYS_AFFINE || f.rays == RAYS_NONE);
-            nodes.discontinuous |= k == 1 && all().any(|f| f.rays == RAYS_DISCONTINUOUS);
-            nodes.nodes.extend(all().map(|f| f.packed(measure.scene_size)));
+            exact &= fits.iter().all(NodeFit::is_exact);
+            discontinuous |= k == 1 && fits.iter().any(|node| node.fit.rays == RAYS_DISCONTINUOUS);
+            nodes[*start as usize..].iter_mut().zip(&fits).for_each(|(node, fit)| *node = fit.packed(measure));
         }
-        nodes.nodes.extend(tiles.iter().flat_map(|tile| &tile.each).map(|f| f.packed(measure.scene_size)));
-        nodes
-    }
-
-    /// Says of each node which piece owns all of its square's pixels; `alone` says it of a tile.
-    pub fn own(&mut self, alone: impl Fn(u32, u32) -> u32) {
-        for (k, level) in self.levels.clone().into_iter().enumerate() {
-            for y in 0..level.height {
-                for x in 0..level.width {
-                    let piece = match k.checked_sub(1).map(|k| self.levels[k]) {
-                        None => alone(x, y),
-                        Some(below) => {
-                            let rows = BRANCH * y..(BRANCH * (y + 1)).min(below.height);
-                            let columns = || BRANCH * x..(BRANCH * (x + 1)).min(below.width);
-                            let all = rows.flat_map(|j| columns().map(move |i| below.start + j * below.width + i));
-                            let mut all = all.map(|n| self.nodes[n as usize].piece);
-                            let first = all.next().unwrap_or(layout::NONE);
-                            if all.all(|p| p == first) { first } else { layout::NONE }
-                        }
-                    };
-                    self.nodes[(level.start + y * level.width + x) as usize].piece = piece;
-                }
-            }
-        }
+        nodes.extend(of_cells);
+        Nodes { nodes, levels, exact, discontinuous }
     }
 
     /// Dispatches in which cull descends: a level each, down to level 1; one more from there where rays are discontinuous.
@@ -148,14 +205,23 @@ pub fn above_cells(tiles_x: u32, tiles_y: u32) -> u32 {
 /// Nodes a side at most on the top level.
 const TOP: u32 = 2;
 
-/// A node from its children: their rays are those at the corners of their own fits, give or take their radii.
-fn parent(children: &[NodeFit], (width, height): (u32, u32), x: u32, y: u32, measure: WidthMeasure) -> NodeFit {
+/// A node from its children, of which so many columns and rows are left: their rays are those at the corners of their own fits, give or take
+/// their radii; or those of the piece that owns all of them, where its rays are affine.
+fn parent<'a>(child: impl Fn(u32, u32) -> &'a NodeFit, left: [u32; 2], measure: WidthMeasure) -> NodeFit {
+    let [columns, rows] = left.map_each(|left| left.min(BRANCH));
+    let first = child(0, 0);
+    let mut all = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
+    let sole_piece = first.sole_piece.filter(|piece| all.all(|(i, j)| child(i, j).sole_piece == Some(*piece)));
+    if sole_piece.is_some() && first.fit.rays == RAYS_AFFINE {
+        let fit = first.fit.extended(BRANCH.into());
+        return NodeFit { fit, sole_piece, width: measure.width(&fit) };
+    }
     let mut below = TileRays::default();
     let mut affine = true;
     let mut widths = Vec::new();
-    for j in 0..BRANCH.min(height - y * BRANCH) {
-        for i in 0..BRANCH.min(width - x * BRANCH) {
-            let NodeFit { fit: child, width } = &children[((y * BRANCH + j) * width + x * BRANCH + i) as usize];
+    for j in 0..rows {
+        for i in 0..columns {
+            let NodeFit { fit: child, width, .. } = child(i, j);
             if child.rays == RAYS_NONE {
                 continue;
             }
@@ -172,5 +238,5 @@ fn parent(children: &[NodeFit], (width, height): (u32, u32), x: u32, y: u32, mea
     }
     let fit = Fit::of(&below);
     let rays = if affine { fit.rays } else { fit.rays.min(RAYS_LOOSE) };
-    measure.node_fit(Fit { rays, ..fit }, widths.into_iter())
+    NodeFit { sole_piece, ..measure.node_fit(Fit { rays, ..fit }, widths.into_iter()) }
 }

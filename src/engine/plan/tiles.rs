@@ -31,16 +31,14 @@ pub struct Tiles {
 }
 
 impl Tiles {
-    /// The piece that owns all pixels of a tile in a band of this size, by its place in `pieces`; [`layout::NONE`] if there is none.
-    pub fn sole_piece(&self, x: u32, y: u32, [width, height]: [u32; 2]) -> u32 {
-        let tile = (y * self.tiles_x + x) as usize;
-        let [columns, rows] = [width - TILE * x, height - TILE * y].map_each(|left| left.min(TILE));
-        let row = (1u64 << columns) - 1;
-        let all = (0..rows).fold(0, |mask, j| mask | row << (TILE * j));
-        match self.cells[self.start[tile] as usize..self.start[tile + 1] as usize] {
-            [cell] if u64::from(cell.mask_hi) << 32 | u64::from(cell.mask_lo) == all => cell.piece,
-            _ => layout::NONE,
-        }
+    /// The pixels of a cell of a piece.
+    fn pixels(&self, cell: usize) -> CellPixels {
+        let masks = self.cell_samples.len() / self.cells.len();
+        let mask = |[low, high]: &[u32; 2]| u64::from(*high) << 32 | u64::from(*low);
+        // behind the pixels with any sample and those with all
+        let samples = self.cell_samples[cell * masks..(cell + 1) * masks].iter().skip(2).map(mask).collect();
+        let layout::Cell { piece, mask_lo, mask_hi, .. } = self.cells[cell];
+        CellPixels { piece: self.pieces[piece as usize].number, mask: mask(&[mask_lo, mask_hi]), samples }
     }
 }
 
@@ -102,6 +100,15 @@ type TileCells = Vec<CellPixels>;
 pub struct TileFits {
     pub whole: Fit,
     pub each: Vec<Fit>,
+    /// The piece that owns all pixels of the tile, if the camera is one layer of pieces: its place in [`Tiles::pieces`].
+    pub sole_piece: Option<u32>,
+}
+
+impl From<Fit> for TileFits {
+    /// Of one cell.
+    fn from(whole: Fit) -> TileFits {
+        TileFits { whole, each: Vec::new(), sole_piece: None }
+    }
 }
 
 /// Splits rows `row .. row + rows` of an image into tiles.
@@ -130,6 +137,7 @@ struct Place {
 impl Tiler<'_> {
     /// The tiles; and the rays that bound each and its cells.
     pub fn tiles(&self) -> (Tiles, Vec<TileFits>) {
+        let is_sole_layer = self.curves.is_none() && matches!(self.camera.layers.as_slice(), [Rays::Pieces(_)]);
         let tiles_x = self.camera.width.div_ceil(TILE);
         let slab_rows = self.slabs.tile_rows(self.rows);
         let tiles_y = slab_rows * self.slabs.count();
@@ -149,11 +157,11 @@ impl Tiler<'_> {
             let whole = nets[tile as usize].as_ref().map_or_else(Fit::default, |net| Fit::of(&over(net)));
             self.curved(*place, whole)
         };
-        let (owned, bounds): (Vec<TileCells>, Vec<TileFits>) = parallel::map(&places, bounded).into_iter().unzip();
+        let (owned, mut bounds): (Vec<TileCells>, Vec<TileFits>) = parallel::map(&places, bounded).into_iter().unzip();
         let mut tiles = Tiles { tiles_x, tiles_y, slab_rows, start: vec![0], ..Default::default() };
         let mut node_of_cell = above_cells(tiles_x, tiles_y);
         let mut local = std::collections::HashMap::new();
-        for (((k, place), owned), bounds) in (0u32..).zip(&places).zip(&owned).zip(&bounds) {
+        for (((k, place), owned), bounds) in (0u32..).zip(&places).zip(&owned).zip(&mut bounds) {
             for (place, share) in place.iter().flat_map(|p| owned.iter().map(move |c| (p, c))) {
                 let piece = share.piece;
                 let number = self.camera.first_piece(place.layer) + piece;
@@ -167,6 +175,9 @@ impl Tiler<'_> {
                 let node = if bounds.each.is_empty() { k } else { node_of_cell };
                 node_of_cell += u32::from(node != k);
                 tiles.cells.push(layout::Cell { tile: k, node, ..self.cell_at(share, index, *place) });
+                if is_sole_layer && share.mask == self.all_pixels(*place) {
+                    bounds.sole_piece = Some(index);
+                }
                 if !self.sample_offsets.is_empty() {
                     let masks = [share.any(), share.all()].into_iter().chain(share.samples.iter().copied());
                     tiles.cell_samples.extend(masks.map(|m| [m as u32, (m >> 32) as u32]));
@@ -177,15 +188,51 @@ impl Tiler<'_> {
         (tiles, bounds)
     }
 
+    /// The tiles of pieces that own the places that they own in `known`, the tiles of these rows in another pose.
+    pub fn moved(&self, pieces: &Pieces, known: &Tiles) -> Tiles {
+        let number = |cell: &layout::Cell| known.pieces[cell.piece as usize].number;
+        let cell = |cell: &layout::Cell| {
+            with_bundle(*cell, &self.bundle(pieces, number(cell), self.place(cell.tile, known.tiles_x)))
+        };
+        let piece = |&layout::Piece { number, origin_x, origin_y, .. }: &layout::Piece| {
+            let bundle = pieces.bundle_at(number, origin_x as u32, origin_y as u32 + self.row);
+            packed_piece(&bundle, self.anchor, [origin_x, origin_y], number)
+        };
+        Tiles {
+            cells: parallel::map(&known.cells, cell),
+            pieces: parallel::map(&known.pieces, piece),
+            start: known.start.clone(),
+            cell_samples: known.cell_samples.clone(),
+            ..*known
+        }
+    }
+
+    /// What bounds the rays of one of the tiles of a layer of pieces.
+    pub fn fits(&self, pieces: &Pieces, tiles: &Tiles, tile: usize) -> TileFits {
+        let at = self.place(tile as u32, tiles.tiles_x);
+        let cells = tiles.start[tile] as usize..tiles.start[tile + 1] as usize;
+        let owned: TileCells = cells.clone().map(|cell| tiles.pixels(cell)).collect();
+        let sole_piece = match owned.as_slice() {
+            [share] if share.mask == self.all_pixels(at) => Some(tiles.cells[cells.start].piece),
+            _ => None,
+        };
+        TileFits { sole_piece, ..self.fits_of_pieces(at, pieces, &owned) }
+    }
+
+    /// A tile of the only slab.
+    fn place(&self, tile: u32, tiles_x: u32) -> Place {
+        Place { layer: 0, span: self.slabs.of_slab(0).1, x: tile % tiles_x, y: self.row / TILE + tile / tiles_x }
+    }
+
     /// The cells of a tile of curves, and what bounds them: where their chords jump, as at the border of two cameras of a composite, the
     /// curves on either side.
     fn curved(&self, at: Place, whole: Fit) -> (TileCells, TileFits) {
         let owned = self.owned(at);
         let (Some(table), [share]) = (self.curves, owned.as_slice()) else {
-            return (owned, TileFits { whole, each: Vec::new() });
+            return (owned, whole.into());
         };
         if !whole.is_loose() {
-            return (owned, TileFits { whole, each: Vec::new() });
+            return (owned, whole.into());
         }
         let curve = |bit: u32| {
             let (x, y) = (bit % TILE, bit / TILE);
@@ -199,14 +246,14 @@ impl Tiler<'_> {
         };
         let parts = cells_of(Part { mask: share.mask, rays: bits(share.mask).filter_map(curve).map(chord).collect() });
         if parts.len() < 2 {
-            return (owned, TileFits { whole, each: Vec::new() });
+            return (owned, whole.into());
         }
         let fit = |part: &Part| {
             let net = Net::of(bits(part.mask).filter_map(curve));
             net.map_or_else(Fit::default, |net| Fit::of(&net.over(at.span, self.anchor)))
         };
         let cells = parts.iter().map(|part| share.within(part.mask)).collect();
-        (cells, TileFits { whole, each: parts.iter().map(fit).collect() })
+        (cells, TileFits { each: parts.iter().map(fit).collect(), ..whole.into() })
     }
 
     /// The cells of a tile of straight rays, and what bounds them.
@@ -215,25 +262,52 @@ impl Tiler<'_> {
             return self.of_field(at, field);
         }
         let owned = self.owned(at);
-        let fit = |owned: &[CellPixels]| Fit::of(&TileRays { rays: self.rays(at, owned), ..TileRays::default() });
-        let whole = fit(&owned);
-        let owned = match (&self.camera.layers[at.layer], owned.as_slice()) {
-            (Rays::Field(field), [share]) if !field.is_reordered => self.discontinuous(at, share, field),
-            // of sorted rays no split leaves any nearer to each other
-            _ => owned,
+        match &self.camera.layers[at.layer] {
+            Rays::Pieces(pieces) => {
+                let fits = self.fits_of_pieces(at, pieces, &owned);
+                (owned, fits)
+            }
+            Rays::Field(field) => {
+                let fit = |owned: &[CellPixels]| Fit::of(&self.rays_of_field(at, field, owned));
+                let whole = fit(&owned);
+                let owned = match owned.as_slice() {
+                    // of sorted rays no split leaves any nearer to each other
+                    [share] if !field.is_reordered => self.discontinuous(at, share, field),
+                    _ => owned,
+                };
+                let each = match owned.len() {
+                    0 | 1 => Vec::new(),
+                    _ => owned.iter().map(|share| fit(std::slice::from_ref(share))).collect(),
+                };
+                (owned, TileFits { each, ..whole.into() })
+            }
+            Rays::Curves(_) => (owned, TileFits::default()),
+        }
+    }
+
+    /// What bounds the rays of a tile of pieces, and of each cell where they are several.
+    fn fits_of_pieces(&self, at: Place, pieces: &Pieces, owned: &[CellPixels]) -> TileFits {
+        let fit = |owned: &[CellPixels]| Fit::of(&self.rays_of_pieces(at, pieces, owned));
+        let of_cell = |share: &CellPixels| {
+            let bundle = self.bundle(pieces, share.piece, at);
+            // the rays of pixels on one line fix no bundle: bounds of theirs are narrower than the piece's
+            let is_line = share.any().count_ones() <= TILE && owned.len() > 1;
+            match has_one_weight(&bundle) && !is_line {
+                true => Fit::of_bundle(&bundle, TILE as f64 / 2.0),
+                false => fit(std::slice::from_ref(share)),
+            }
         };
-        let each = if owned.len() > 1 {
-            owned.iter().map(|share| fit(std::slice::from_ref(share))).collect()
-        } else {
-            Vec::new()
-        };
-        (owned, TileFits { whole, each })
+        match owned {
+            [] => TileFits::default(),
+            [share] => of_cell(share).into(),
+            _ => TileFits { each: owned.iter().map(of_cell).collect(), ..fit(owned).into() },
+        }
     }
 
     /// The same of a field's rays through pixel centres alone, each of which is asked for once.
     fn of_field(&self, at: Place, field: &Field) -> (TileCells, TileFits) {
         let (left, top) = (at.x * TILE, at.y * TILE);
-        let (columns, rows) = ((self.camera.width - left).min(TILE), (self.row + self.rows - top).min(TILE));
+        let (columns, rows) = self.tile_size(at);
         let mut mask = 0;
         let mut rays = Vec::with_capacity((TILE * TILE) as usize);
         for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
@@ -250,13 +324,13 @@ impl Tiler<'_> {
         let whole = Fit::of(&tile);
         // of sorted rays no split leaves any nearer to each other
         if field.is_reordered || !whole.is_loose() {
-            return (vec![share], TileFits { whole, each: Vec::new() });
+            return (vec![share], whole.into());
         }
         let parts = cells_of(Part { mask, rays: tile.rays });
         let owned = parts.iter().map(|part| share.within(part.mask)).collect();
         let fit = |part: Part| Fit::of(&TileRays { rays: part.rays, ..TileRays::default() });
         let each = if parts.len() > 1 { parts.into_iter().map(fit).collect() } else { Vec::new() };
-        (owned, TileFits { whole, each })
+        (owned, TileFits { each, ..whole.into() })
     }
 
     /// The pixels of a tile of a field in parts, each pixel where a ray of it belongs.
@@ -272,10 +346,22 @@ impl Tiler<'_> {
         cells_of(Part { mask: share.any(), rays }).iter().map(|part| share.within(part.mask)).collect()
     }
 
+    /// Columns and rows of a tile that lie in the band.
+    fn tile_size(&self, at: Place) -> (u32, u32) {
+        ((self.camera.width - at.x * TILE).min(TILE), (self.row + self.rows - at.y * TILE).min(TILE))
+    }
+
+    /// The pixels of a tile that lie in the band.
+    fn all_pixels(&self, at: Place) -> u64 {
+        let (columns, rows) = self.tile_size(at);
+        let row = (1u64 << columns) - 1;
+        (0..rows).fold(0, |mask, j| mask | row << (TILE * j))
+    }
+
     /// Which pixels of a tile each piece owns, by ascending piece.
     fn owned(&self, at: Place) -> TileCells {
         let (left, top) = (at.x * TILE, at.y * TILE);
-        let (columns, rows) = ((self.camera.width - left).min(TILE), (self.row + self.rows - top).min(TILE));
+        let (columns, rows) = self.tile_size(at);
         let pixels = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
         let bit = |(x, y): (u32, u32)| 1u64 << (y * TILE + x);
         let layer = &self.camera.layers[at.layer];
@@ -313,46 +399,52 @@ impl Tiler<'_> {
         cells
     }
 
-    /// Rays that bound all straight rays of these cells: the corners of a lone affine one's tile, or every pixel's ray and its samples'.
-    fn rays(&self, at: Place, owned: &[CellPixels]) -> Vec<TileRay> {
-        let mut list = Vec::new();
+    /// The ray of each pixel of some cells of a field, and those of its samples.
+    fn rays_of_field(&self, at: Place, field: &Field, owned: &[CellPixels]) -> TileRays {
+        let ray = |(bit, offset): (u32, DVec2)| {
+            let (x, y) = (bit % TILE, bit / TILE);
+            let (i, j) = (at.x * TILE + x, at.y * TILE + y);
+            let (p, d) = if offset == DVec2::ZERO { field.ray(i, j)? } else { field.ray_at_offset(i, j, offset)? };
+            let place = place_in_tile(x, y) + offset / (TILE as f64 / 2.0);
+            Some(TileRay { place, p: p - self.anchor, d })
+        };
+        let all = owned.iter().flat_map(|share| self.places(share, share.mask));
+        TileRays { rays: all.filter_map(ray).collect(), ..TileRays::default() }
+    }
+
+    /// The same of pieces; without samples, of one whose rays are affine only the outermost pixels of each row.
+    fn rays_of_pieces(&self, at: Place, pieces: &Pieces, owned: &[CellPixels]) -> TileRays {
+        let mut rays = Vec::new();
         for share in owned {
-            let piece = share.piece;
-            let centres = bits(share.mask).map(|bit| (bit, DVec2::ZERO));
-            let sampled = share.samples.iter().zip(self.sample_offsets);
-            let offsets = sampled.flat_map(|(mask, place)| bits(*mask).map(move |bit| (bit, *place)));
-            let all = centres.chain(offsets).map(|(bit, offset)| (bit % TILE, bit / TILE, offset));
-            match &self.camera.layers[at.layer] {
-                Rays::Field(f) => list.extend(all.filter_map(|(x, y, offset)| {
-                    let (i, j) = (at.x * TILE + x, at.y * TILE + y);
-                    let (p, d) = if offset == DVec2::ZERO { f.ray(i, j)? } else { f.ray_at_offset(i, j, offset)? };
-                    let place = place_in_tile(x, y) + offset / (TILE as f64 / 2.0);
-                    Some(TileRay { place, p: p - self.anchor, d })
-                })),
-                Rays::Pieces(pieces) => {
-                    let b = rebased(&pieces.bundle_at_place(piece, centre(pieces, at)), self.anchor);
-                    let at = |x: f64, y: f64| {
-                        let ray = b.ray(x, y);
-                        let place = DVec2::new(x, y) / (TILE as f64 / 2.0);
-                        TileRay { place, p: ray.origin, d: ray.direction }
-                    };
-                    if owned.len() == 1 && b.h[1] == 0.0 && b.h[2] == 0.0 {
-                        let r = TILE as f64 / 2.0;
-                        list.extend([(-r, -r), (r, -r), (-r, r), (r, r)].map_each(|(x, y)| at(x, y)));
-                    } else {
-                        let place = |x: u32, offset: f64| f64::from(x) - TILE_REACH + offset;
-                        list.extend(all.map(|(x, y, offset)| at(place(x, offset.x), place(y, offset.y))));
-                    }
-                }
-                Rays::Curves(_) => {}
-            }
+            let bundle = self.bundle(pieces, share.piece, at);
+            let is_affine = has_one_weight(&bundle) && share.samples.is_empty();
+            let mask = if is_affine { row_ends(share.mask) } else { share.mask };
+            rays.extend(self.places(share, mask).map(|(bit, offset)| {
+                let place = DVec2::new(f64::from(bit % TILE), f64::from(bit / TILE)) - TILE_REACH + offset;
+                let ray = bundle.ray(place.x, place.y);
+                TileRay { place: place / (TILE as f64 / 2.0), p: ray.origin, d: ray.direction }
+            }));
         }
-        list
+        TileRays { rays, ..TileRays::default() }
+    }
+
+    /// The pixels of a mask, and the samples of a cell by their pixel and offset.
+    fn places<'a>(&'a self, share: &'a CellPixels, mask: u64) -> impl Iterator<Item = (u32, DVec2)> + 'a {
+        let sampled = share.samples.iter().zip(self.sample_offsets);
+        let offsets = sampled.flat_map(|(mask, place)| bits(*mask).map(move |bit| (bit, *place)));
+        bits(mask).map(|bit| (bit, DVec2::ZERO)).chain(offsets)
+    }
+
+    /// The rays of a piece about the centre of a tile, relative to the anchor.
+    fn bundle(&self, pieces: &Pieces, piece: u32, at: Place) -> Bundle {
+        // the mean of the sample places of its pixels
+        let centre = pieces.place(at.x * TILE, at.y * TILE) + TILE_REACH;
+        rebased(&pieces.bundle_at_place(piece, centre), self.anchor)
     }
 
     /// A cell of a tile and a node yet to be named.
     fn cell_at(&self, &CellPixels { piece, mask, .. }: &CellPixels, index: u32, at: Place) -> layout::Cell {
-        let mut cell = layout::Cell {
+        let cell = layout::Cell {
             p: [0.0; 3],
             h: 1.0,
             d: [0.0; 3],
@@ -362,11 +454,10 @@ impl Tiler<'_> {
             mask_hi: (mask >> 32) as u32,
             node: layout::NONE,
         };
-        if let (Rays::Pieces(p), None) = (&self.camera.layers[at.layer], self.curves) {
-            let b = rebased(&p.bundle_at_place(piece, centre(p, at)), self.anchor);
-            (cell.p, cell.h, cell.d) = (b.p[0].as_vec3().to_array(), b.h[0] as f32, b.d[0].as_vec3().to_array());
+        match (&self.camera.layers[at.layer], self.curves) {
+            (Rays::Pieces(pieces), None) => with_bundle(cell, &self.bundle(pieces, piece, at)),
+            _ => cell,
         }
-        cell
     }
 
     /// A piece about the first pixel of a tile.
@@ -397,9 +488,20 @@ pub fn packed_piece(bundle: &Bundle, anchor: DVec3, [origin_x, origin_y]: [f32; 
     packed
 }
 
-/// The centre of a tile: the mean of its pixels' sample places, image px.
-fn centre(pieces: &Pieces, at: Place) -> DVec2 {
-    pieces.place(at.x * TILE, at.y * TILE) + TILE_REACH
+/// A cell of a piece that has this bundle about the centre of its tile.
+fn with_bundle(cell: layout::Cell, b: &Bundle) -> layout::Cell {
+    layout::Cell { p: b.p[0].as_vec3().to_array(), h: b.h[0] as f32, d: b.d[0].as_vec3().to_array(), ..cell }
+}
+
+/// The rays of a bundle are affine over the image.
+fn has_one_weight(b: &Bundle) -> bool {
+    b.h[1] == 0.0 && b.h[2] == 0.0
+}
+
+/// The first and the last pixel of a mask in each row.
+fn row_ends(mask: u64) -> u64 {
+    let ends = |row: u8| if row == 0 { 0 } else { row & row.wrapping_neg() | 0x80 >> row.leading_zeros() };
+    u64::from_le_bytes(mask.to_le_bytes().map(ends))
 }
 
 /// The bundle with its origins relative to the anchor.

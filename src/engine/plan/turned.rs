@@ -1,12 +1,11 @@
-//! A viewer that moves: tables that depend on its lens alone are kept from pose to pose, and the kernel `aim` turns the lens's directions into
-//! rays.
+//! A viewer that moves: tables that depend on its lens alone are kept from pose to pose, and the kernel `aim` turns the rays of the lens.
 
 use super::curves::RayTable;
 use super::fit::Fit;
 use super::tiles::{TileFits, Tiler, Tiles};
 use super::{Rows, View};
 use crate::arrays::MapEach;
-use crate::camera::directions::Directions;
+use crate::camera::lens::LensRays;
 use crate::camera::view::View as Axes;
 use crate::camera::{Camera, Field, Rays};
 use crate::gpu::layout::{RAYS_NONE, ViewerPose, f64_pair_bits, split2};
@@ -17,11 +16,11 @@ use std::sync::Arc;
 /// The tables of a band for a lens at the origin, with the world's axes.
 #[derive(Debug)]
 pub struct LensBand {
-    directions: Arc<Directions>,
+    rays: Arc<LensRays>,
     rows: Rows,
     pub tiles: Arc<Tiles>,
     fits: Vec<TileFits>,
-    /// Directions, three numbers each, in the order of [`RayTable::of_field`].
+    /// Rays in the order of [`RayTable::of_field`], six numbers each; of a lens whose rays all start in the eye only the directions.
     pub table: RayTable,
 }
 
@@ -35,33 +34,41 @@ pub struct Turned {
 }
 
 impl Turned {
-    /// Returns the lens and the pose of a band's rays, if the camera has one eye and one lens; takes the lens from `last`, the band of an earlier
+    /// Returns the lens and the pose of a band's rays, if the camera is a lens at a pose; takes the lens from `last`, the band of an earlier
     /// plan, if it is the same.
     pub(super) fn of(view: View, rows: Rows, last: Option<&Turned>) -> Option<Turned> {
         let [Rays::Field(field)] = view.camera.layers.as_slice() else { return None };
-        let (directions, viewer) = field.turned().filter(|_| view.sample_offsets.is_empty())?;
-        let is_same = |lens: &LensBand| Arc::ptr_eq(&lens.directions, directions) && lens.rows == rows;
+        let (rays, viewer) = field.turned().filter(|_| view.sample_offsets.is_empty())?;
+        let is_same = |lens: &LensBand| Arc::ptr_eq(&lens.rays, rays) && lens.rows == rows;
         let lens = match last.filter(|last| is_same(&last.lens)) {
             Some(last) => last.lens.clone(),
-            None => Arc::new(LensBand::new(view, field.unturned()?, directions.clone(), rows)),
+            None => Arc::new(LensBand::new(view, field.unturned()?, rays.clone(), rows)),
         };
         Some(Turned { lens, eye: viewer.eye - view.extent.anchor, axes: viewer.view })
     }
 
-    /// Returns the bounds of the rays of each tile.
-    pub fn fits(&self) -> Vec<TileFits> {
+    /// Returns the bounds of the rays of a tile.
+    pub fn fits(&self, tile: usize) -> TileFits {
         let turned = |fit: &Fit| {
-            let p = if fit.rays == RAYS_NONE { fit.p } else { [self.eye, DVec3::ZERO, DVec3::ZERO] };
-            Fit { p, d: fit.d.map_each(|d| self.axes.vector(d.x, d.y, d.z)), ..*fit }
+            let mut turned =
+                Fit { p: fit.p.map_each(|p| self.turned(p)), d: fit.d.map_each(|d| self.turned(d)), ..*fit };
+            if fit.rays != RAYS_NONE {
+                turned.p[0] += self.eye;
+            }
+            turned
         };
-        let of_tile =
-            |tile: &TileFits| TileFits { whole: turned(&tile.whole), each: tile.each.iter().map(turned).collect() };
-        parallel::map(self.lens.fits.as_slice(), of_tile)
+        let TileFits { whole, each, .. } = &self.lens.fits[tile];
+        TileFits { each: each.iter().map(turned).collect(), ..turned(whole).into() }
+    }
+
+    /// Returns a vector of the viewer's frame in the world.
+    fn turned(&self, v: DVec3) -> DVec3 {
+        self.axes.vector(v.x, v.y, v.z)
     }
 
     /// Returns the number of rays that the kernel writes.
     pub fn count(&self) -> u32 {
-        self.lens.table.hi.len() as u32 / 3
+        self.lens.table.hi.len() as u32 / self.lens.numbers_a_ray()
     }
 
     /// Returns the pose in the layout of the kernel.
@@ -71,7 +78,7 @@ impl Turned {
         ViewerPose {
             numbers: std::array::from_fn(|k| f64_pair_bits([numbers[2 * k], numbers[2 * k + 1]])),
             count: self.count(),
-            pad0: 0,
+            numbers_a_ray: self.lens.numbers_a_ray(),
             pad1: 0,
             pad2: 0,
         }
@@ -79,8 +86,11 @@ impl Turned {
 }
 
 impl LensBand {
-    fn new(view: View, field: Field, directions: Arc<Directions>, rows: Rows) -> LensBand {
-        let table = directions_of(&field, rows);
+    fn new(view: View, field: Field, rays: Arc<LensRays>, rows: Rows) -> LensBand {
+        let table = match rays.is_central() {
+            true => directions_of(&field, rows),
+            false => RayTable::of_field(&field, DVec3::ZERO, rows.first, rows.count),
+        };
         let camera = Camera { layers: vec![Rays::Field(field)], ..view.camera.clone() };
         let Rows { first: row, count: rows_count } = rows;
         let anchor = DVec3::ZERO;
@@ -94,7 +104,12 @@ impl LensBand {
             rows: rows_count,
         };
         let (tiles, fits) = tiler.tiles();
-        LensBand { directions, rows, tiles: Arc::new(tiles), fits, table }
+        LensBand { rays, rows, tiles: Arc::new(tiles), fits, table }
+    }
+
+    /// Returns how many numbers the table has for each ray.
+    fn numbers_a_ray(&self) -> u32 {
+        if self.rays.is_central() { 3 } else { 6 }
     }
 }
 

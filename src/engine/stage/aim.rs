@@ -1,4 +1,4 @@
-//! aim: turns the directions of a lens into the rays of a viewer.
+//! aim: turns the rays of a lens into those of a viewer.
 
 use super::{Dispatch, KernelId};
 use crate::gpu::kernels::Variant;

@@ -1,0 +1,157 @@
+//! The rays of a lens at each pixel, in the viewer's frame. All poses of a viewer share them: the viewer's axes turn them, and the eye is added.
+
+use crate::camera::Ray;
+use crate::camera::view::View;
+use crate::parallel;
+use glam::{DVec2, DVec3};
+use std::any::Any;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
+/// A ray for every image place, in a viewer's frame: components to the right, up and forward.
+pub trait Lens: Any + std::fmt::Debug + Send + Sync {
+    /// Returns the direction at image coordinates (a, b); `None`: no ray.
+    fn direction(&self, a: f64, b: f64) -> Option<DVec3>;
+
+    /// Returns where the ray starts, relative to the eye.
+    fn origin(&self, _a: f64, _b: f64) -> DVec3 {
+        DVec3::ZERO
+    }
+
+    /// Returns whether all rays start in the eye.
+    fn is_central(&self) -> bool {
+        true
+    }
+
+    /// Returns whether the other lens has the same type and the same numbers, and so the same rays.
+    fn is_same(&self, other: &dyn Lens) -> bool;
+}
+
+/// Implements [`Lens::is_same`] for a lens that can be compared.
+pub fn is_same<L: Lens + PartialEq>(lens: &L, other: &dyn Lens) -> bool {
+    (other as &dyn Any).downcast_ref::<L>() == Some(lens)
+}
+
+/// A viewer: eye, axes and lens.
+#[derive(Debug, Clone)]
+pub struct Viewer {
+    pub eye: DVec3,
+    pub view: View,
+    pub lens: Arc<dyn Lens>,
+}
+
+impl Viewer {
+    /// Returns a ray of the lens in the world.
+    pub fn turned(&self, ray: Ray) -> Ray {
+        self.view.ray(self.eye, ray)
+    }
+}
+
+/// The rays of a lens at one sample of each pixel of an image.
+#[derive(Debug)]
+pub struct LensRays {
+    lens: Arc<dyn Lens>,
+    pub size: (u32, u32),
+    /// Offset of the sample from the upper left corner of its pixel, px.
+    sample: DVec2,
+    /// Directions row by row; zero for a pixel without a ray.
+    directions: Vec<DVec3>,
+    /// Origins row by row, relative to the eye; none of a lens whose rays all start in the eye.
+    origins: Vec<DVec3>,
+}
+
+/// The rays of lenses that cameras of this process hold.
+static KNOWN: Mutex<Vec<Weak<LensRays>>> = Mutex::new(Vec::new());
+
+impl LensRays {
+    /// Returns the rays of a lens, shared with a camera that already holds them.
+    pub fn of(lens: Arc<dyn Lens>, size: (u32, u32), sample: DVec2) -> Arc<LensRays> {
+        let is_it = |d: &LensRays| d.size == size && d.sample == sample && d.lens.is_same(&*lens);
+        let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = known().iter().filter_map(Weak::upgrade).find(|d| is_it(d)) {
+            return found;
+        }
+        let size_px = DVec2::new(f64::from(size.0), f64::from(size.1));
+        let place = |k: u64| {
+            let (i, j) = (k % u64::from(size.0), k / u64::from(size.0));
+            (DVec2::new(i as f64, j as f64) + sample) / size_px
+        };
+        let origin = |k: u64| {
+            let place = place(k);
+            lens.origin(place.x, place.y)
+        };
+        let direction = |k: u64| {
+            let place = place(k);
+            let usable = |d: &DVec3| d.is_finite() && *d != DVec3::ZERO && origin(k).is_finite();
+            lens.direction(place.x, place.y).filter(usable).unwrap_or(DVec3::ZERO)
+        };
+        let pixels = 0..u64::from(size.0) * u64::from(size.1);
+        let origins = if lens.is_central() { Vec::new() } else { parallel::map(pixels.clone(), origin) };
+        let directions = parallel::map(pixels, direction);
+        let made = Arc::new(LensRays { lens, size, sample, directions, origins });
+        let mut known = known();
+        known.retain(|d| d.strong_count() > 0);
+        known.push(Arc::downgrade(&made));
+        made
+    }
+
+    /// Returns the ray of pixel `(i, j)` in the viewer's frame; `None` if it has no ray.
+    pub fn get(&self, i: u32, j: u32) -> Option<Ray> {
+        let k = j as usize * self.size.0 as usize + i as usize;
+        let (direction, origin) = (self.directions[k], self.origins.get(k).copied().unwrap_or(DVec3::ZERO));
+        (direction != DVec3::ZERO).then_some(Ray { origin, direction })
+    }
+
+    /// Returns whether all rays start in the eye.
+    pub fn is_central(&self) -> bool {
+        self.origins.is_empty()
+    }
+
+    /// Returns whether any pixel has a ray.
+    pub fn has_any(&self) -> bool {
+        self.directions.iter().any(|d| *d != DVec3::ZERO)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, PartialEq)]
+    struct Flat(f64);
+
+    impl Lens for Flat {
+        fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
+            (a < 0.5).then(|| DVec3::new(a, b, self.0))
+        }
+
+        fn origin(&self, a: f64, b: f64) -> DVec3 {
+            self.0 * DVec3::new(a, -b, 0.0)
+        }
+
+        fn is_central(&self) -> bool {
+            self.0 == 0.0
+        }
+
+        fn is_same(&self, other: &dyn Lens) -> bool {
+            is_same(self, other)
+        }
+    }
+
+    #[test]
+    fn equal_lenses_share_their_rays_while_one_is_there() {
+        let of = |number: f64, size: (u32, u32), sample: f64| {
+            LensRays::of(Arc::new(Flat(number)), size, DVec2::splat(sample))
+        };
+        let one = of(1.0, (4, 2), 0.5);
+        assert!(Arc::ptr_eq(&one, &of(1.0, (4, 2), 0.5)));
+        for other in [of(2.0, (4, 2), 0.5), of(1.0, (2, 4), 0.5), of(1.0, (4, 2), 0.25)] {
+            assert!(!Arc::ptr_eq(&one, &other));
+        }
+        let ray = one.get(1, 1).unwrap();
+        assert_eq!((ray.origin, ray.direction), (DVec3::new(0.375, -0.75, 0.0), DVec3::new(0.375, 0.75, 1.0)));
+        let central = of(0.0, (4, 2), 0.5);
+        assert!(central.is_central() && !one.is_central());
+        assert_eq!(central.get(1, 1).unwrap().origin, DVec3::ZERO);
+        assert_eq!((one.get(2, 1).is_none(), one.has_any()), (true, true));
+    }
+}
