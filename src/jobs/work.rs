@@ -64,6 +64,8 @@ pub struct Seen {
     rendered: Rendered,
     /// An extra, untimed frame for counts and checks.
     extra: Option<Rendered>,
+    /// Time of the extra frame and of repeated ones, ms, which are not part of the call.
+    beside_ms: f64,
     mattes: Vec<Matte>,
     gradients: Option<gradients::Gradients>,
     /// The image file is already written.
@@ -73,7 +75,7 @@ pub struct Seen {
 /// The result once all files are written.
 #[derive(Debug, Clone)]
 pub struct Written {
-    /// Time from the start of reading, or of the program, until the files were written, ms.
+    /// Time from the start of reading, or of the program, until the files were written, without repeated frames and checks, ms.
     pub call_ms: f64,
     pub frame_ms: FrameMs,
     /// Device times of the stages, ms; empty without timestamps.
@@ -263,7 +265,14 @@ impl Work {
             let wanted = &Wanted { samples, ..wanted.clone() };
             let (color, exr) = (self.files.color.as_deref(), self.files.exr.as_deref());
             let rendered = Strips { scene, camera, wanted, run, row_bytes, color, exr }.render(engine)?;
-            return Ok(Seen { rendered, extra: None, mattes: Vec::new(), gradients: None, is_written: true });
+            return Ok(Seen {
+                rendered,
+                extra: None,
+                beside_ms: 0.0,
+                mattes: Vec::new(),
+                gradients: None,
+                is_written: true,
+            });
         }
         if self.strips.is_some() {
             self.check_whole()?;
@@ -272,9 +281,12 @@ impl Work {
         let (repeat, share) = (job.repeat.unwrap_or(0), self.share());
         let run = RunOptions { repeat, moving: job.moving, share, ..job.run_options() };
         let rendered = samples::render(backend, scene, camera, wanted, job.samples, &run, &mut mattes)?;
+        let started = Instant::now();
         let extra = judged::render(job, backend, scene, camera)?;
+        let repeated_ms = if repeat > 0 { rendered.frame_ms.iter().sum() } else { 0.0 };
+        let beside_ms = ms_since(started) + repeated_ms;
         let gradients = self.gradients(backend, &rendered)?;
-        Ok(Seen { rendered, extra, mattes, gradients, is_written: false })
+        Ok(Seen { rendered, extra, beside_ms, mattes, gradients, is_written: false })
     }
 
     /// The gradients of a frame, if they are asked for.
@@ -307,13 +319,14 @@ impl Work {
     pub fn seen(&self, mut rendered: Rendered) -> Seen {
         let mut mattes = self.mattes();
         samples::count(&mut rendered, &mut mattes);
-        Seen { rendered, extra: None, mattes, gradients: None, is_written: false }
+        Seen { rendered, extra: None, beside_ms: 0.0, mattes, gradients: None, is_written: false }
     }
 
     /// Writes all files; `say` receives progress messages.
     pub fn write(&self, seen: Seen, device: &Device, started: Instant, say: impl Fn(&str)) -> Result<Written> {
         let Work { job, scene, camera, files, .. } = self;
-        let Seen { mut rendered, extra, mattes, gradients, is_written } = seen;
+        let Seen { mut rendered, extra, mut beside_ms, mattes, gradients, is_written } = seen;
+        let checking = Instant::now();
         let error = match &extra {
             Some(extra) if job.check => {
                 say("checking against the reference");
@@ -321,6 +334,7 @@ impl Work {
             }
             _ => None,
         };
+        beside_ms += ms_since(checking);
         let mut more = Vec::new();
         if let Some((next_scene, next_camera)) = &self.next {
             say("finding where all of it is in the next frame");
@@ -337,7 +351,8 @@ impl Work {
         }
         let CallMs { encode, .. } = rendered.call;
         let encode = encode + ms_since(writing);
-        rendered.call = CallMs { read: self.read_ms, encode, total: ms_since(started), ..rendered.call };
+        let total = ms_since(started) - beside_ms;
+        rendered.call = CallMs { read: self.read_ms, encode, total, ..rendered.call };
         if let Some(path) = &files.report {
             if extra.is_some() {
                 rendered.left_out.retain(|left| *left != LeftOut::FragmentCounters);
