@@ -117,6 +117,7 @@ fn host() -> Layouts {
             level_width,
             level_height,
             bvh_offset,
+            surface_rows,
         }),
         layout!(Step { value }),
         layout!(ViewerPose { numbers, count, numbers_a_ray, pad1, pad2 }),

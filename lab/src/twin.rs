@@ -114,6 +114,8 @@ impl KernelInputs<'_> {
 pub struct Tables {
     pub plan: Plan,
     pub clustered: Clustered,
+    /// Clusters and triangle groups of each chunk.
+    boxes: Vec<[Vec<Cluster>; 2]>,
     /// Surfaces and texture coordinates of each chunk, as in [`KernelInputs`].
     surfaces: Vec<SurfaceTables>,
     pub appearance: Appearance,
@@ -139,6 +141,11 @@ fn surface_tables(clustered: &Clustered, mesh: &Mesh) -> Vec<SurfaceTables> {
     clustered.chunks.iter().map(|chunk| (chunk.surfaces(mesh), uvs(chunk))).collect()
 }
 
+fn boxes(clustered: &Clustered) -> Vec<[Vec<Cluster>; 2]> {
+    let of_chunk = |chunk: &Chunk| [chunk.clusters(clustered.anchor), chunk.triangle_groups(clustered.anchor)];
+    clustered.chunks.iter().map(of_chunk).collect()
+}
+
 impl Tables {
     /// Bands and chunks are split so that no table exceeds `binding_limit` bytes.
     pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: AdapterFeatures, binding_limit: u64) -> Tables {
@@ -150,6 +157,7 @@ impl Tables {
         let clustered = cluster(&*scene.mesh, extent.anchor, plan.variant.surfaces(), binding_limit);
         Tables {
             optics: Optics::new(scene, camera, &plan),
+            boxes: boxes(&clustered),
             surfaces: surface_tables(&clustered, &scene.mesh),
             clustered: clustered.with_vertices(&scene.mesh),
             plan,
@@ -159,18 +167,20 @@ impl Tables {
 
     /// Returns these tables with other clusters of the triangles of `mesh`.
     pub fn with_clusters(self, clustered: Clustered, mesh: &Mesh) -> Tables {
-        Tables { surfaces: surface_tables(&clustered, mesh), clustered: clustered.with_vertices(mesh), ..self }
+        let (boxes, surfaces) = (boxes(&clustered), surface_tables(&clustered, mesh));
+        Tables { boxes, surfaces, clustered: clustered.with_vertices(mesh), ..self }
     }
 
     /// All clusters of a chunk over a band, for the camera's own rays.
     pub fn input(&self, camera: &Camera, band: usize, chunk: usize, capacities: Capacities) -> KernelInputs<'_> {
-        let (band, surfaces, chunk) = (&self.plan.bands[band], &self.surfaces[chunk], &self.clustered.chunks[chunk]);
+        let ([clusters, triangle_groups], surfaces) = (&self.boxes[chunk], &self.surfaces[chunk]);
+        let (band, chunk) = (&self.plan.bands[band], &self.clustered.chunks[chunk]);
         let ids = Span { first: chunk.id_first, count: chunk.id_count };
-        let clusters = Span { first: 0, count: chunk.clusters.len() as u32 };
+        let all = Span { first: 0, count: clusters.len() as u32 };
         KernelInputs {
-            params: params(camera, &self.plan, band, ids, clusters, capacities, f32::MAX),
-            clusters: &chunk.clusters,
-            triangle_groups: &chunk.triangle_groups,
+            params: params(camera, &self.plan, band, ids, all, capacities, f32::MAX),
+            clusters,
+            triangle_groups,
             nodes: &band.nodes.nodes,
             cull_steps: band.nodes.cull_steps(),
             tile_start: &band.tiles.start,

@@ -31,12 +31,9 @@ pub struct Chunk {
     pub triangles: Arc<Vec<[u32; 4]>>,
     /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit, and for spheres that are out of view.
     pub slot_of_id: Arc<Vec<u32>>,
-    pub clusters: Vec<Cluster>,
-    /// One for each triangle group of each cluster; the last cluster's may be empty.
-    pub triangle_groups: Vec<Cluster>,
     /// Time steps of each vertex; 1 if nothing moves during a frame.
     pub steps: u32,
-    /// The boxes of clusters, and of their triangle groups, in the world.
+    /// The boxes of clusters, and of their triangle groups, in the world. The last cluster's groups may be empty.
     boxes: Arc<[Vec<Bounds>; 2]>,
     /// The scene's vertices that it has, ascending; `None`: all.
     used: Option<Arc<Vec<u32>>>,
@@ -110,7 +107,7 @@ fn clustered(
         .step_by(per_chunk.max(1) as usize)
         .map(|first| {
             let ids = first as u32..(first + per_chunk).min(count) as u32;
-            chunk(all, anchor, ids, (whole, has_spheres))
+            chunk(all, ids, (whole, has_spheres))
         })
         .collect();
     if chunks.is_empty() {
@@ -124,7 +121,7 @@ fn clustered(
     Clustered { chunks, anchor, places, slots, moved: None, surfaces, without_area }
 }
 
-fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, has_spheres): (bool, bool)) -> Chunk {
+fn chunk(all: MovingMesh, ids: std::ops::Range<u32>, (whole, has_spheres): (bool, bool)) -> Chunk {
     let mesh = all.mesh;
     let mut order = morton_order(all, ids.clone());
     if !has_spheres {
@@ -140,7 +137,7 @@ fn chunk(all: MovingMesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, has_
     }
     chunk.slot_of_id = Arc::new(slot_of_id);
     chunk.triangles = Arc::new(parallel::map(&order, |&id| [0, 0, 0, id | side(mesh, id)]));
-    chunk.place(all, anchor);
+    chunk.place(all);
     chunk.clustered_size = chunk.size();
     chunk
 }
@@ -157,7 +154,7 @@ impl Clustered {
         (self.places, self.moved) = (Arc::default(), None);
         self.chunks.iter_mut().all(|chunk| {
             (self.without_area == 0 || lies_flat(chunk))
-                && chunk.place(mesh.into(), self.anchor)
+                && chunk.place(mesh.into())
                 && chunk.size() <= GROWN_MAX * chunk.clustered_size
         })
     }
@@ -166,9 +163,7 @@ impl Clustered {
 impl Clustered {
     /// Returns a copy of the triangles about another anchor.
     pub fn anchored(&self, anchor: DVec3) -> Clustered {
-        let chunks = self.chunks.iter().map(|chunk| chunk.anchored(anchor)).collect();
-        let (places, slots) = (self.places.clone(), self.slots.clone());
-        Clustered { chunks, anchor, places, slots, moved: None, ..*self }
+        Clustered { anchor, moved: None, ..self.clone() }
     }
 
     /// Returns a copy whose chunks have their vertices.
@@ -189,7 +184,7 @@ const GROWN_MAX: f64 = 1.5;
 
 impl Chunk {
     /// All that depends on positions, of the triangles in their slots; whether each has an area.
-    fn place(&mut self, all: MovingMesh, anchor: DVec3) -> bool {
+    fn place(&mut self, all: MovingMesh) -> bool {
         let (first, indices) = self.used.as_ref().map_or((0, Vec::new()), |used| vertex_indices(used));
         // every vertex of the chunk is in the list, if there is one
         let index_of = |v: u32| if indices.is_empty() { v } else { indices[(v - first) as usize] };
@@ -204,7 +199,6 @@ impl Chunk {
             *cluster = groups.iter().fold(Bounds::NONE, |whole, group| whole.joined(*group));
             all_have_area.fetch_and(have_area, Ordering::Relaxed);
         });
-        *self = self.anchored(anchor);
         all_have_area.into_inner()
     }
 
@@ -218,38 +212,37 @@ impl Chunk {
         })
     }
 
-    /// Returns a copy that has its vertices, relative to the anchor of its boxes.
+    /// Returns a copy that has its vertices, relative to an anchor.
     pub fn with_vertices(&self, all: MovingMesh, anchor: DVec3) -> Chunk {
         Chunk { vertices: self.vertices(all, anchor), ..self.clone() }
     }
 
-    /// Returns a copy of the triangles about another anchor.
-    fn anchored(&self, anchor: DVec3) -> Chunk {
-        let packed = |boxes: &[Bounds], each: usize| {
-            parallel::map(0..boxes.len(), |k| {
-                let slots = self.triangles.len().min((k + 1) * each).saturating_sub(k * each);
-                if slots == 0 { EMPTY } else { boxes[k].packed(anchor, k * each, slots) }
-            })
-        };
-        let [clusters, groups] = &*self.boxes;
-        Chunk {
-            vertices: Vec::new(),
-            clusters: packed(clusters, CLUSTER as usize),
-            triangle_groups: packed(groups, TRIANGLE_GROUP as usize),
-            id_first: self.id_first,
-            id_count: self.id_count,
-            triangles: self.triangles.clone(),
-            slot_of_id: self.slot_of_id.clone(),
-            steps: self.steps,
-            boxes: self.boxes.clone(),
-            used: self.used.clone(),
-            clustered_size: self.clustered_size,
-        }
+    /// Returns the number of clusters.
+    pub fn cluster_count(&self) -> usize {
+        self.boxes[0].len()
+    }
+
+    /// Returns the clusters, relative to an anchor. They are made when they are uploaded, and not kept.
+    pub fn clusters(&self, anchor: DVec3) -> Vec<Cluster> {
+        self.packed(&self.boxes[0], CLUSTER as usize, anchor)
+    }
+
+    /// Returns the triangle groups of each cluster in the same way.
+    pub fn triangle_groups(&self, anchor: DVec3) -> Vec<Cluster> {
+        self.packed(&self.boxes[1], TRIANGLE_GROUP as usize, anchor)
+    }
+
+    /// Returns boxes of so many slots each, relative to an anchor.
+    fn packed(&self, boxes: &[Bounds], each: usize, anchor: DVec3) -> Vec<Cluster> {
+        parallel::map(0..boxes.len(), |k| {
+            let slots = self.triangles.len().min((k + 1) * each).saturating_sub(k * each);
+            if slots == 0 { EMPTY } else { boxes[k].packed(anchor, k * each, slots) }
+        })
     }
 
     /// Of all boxes together.
     fn size(&self) -> f64 {
-        self.clusters.iter().map(|c| c.half.iter().map(|h| f64::from(*h)).sum::<f64>()).sum()
+        self.boxes[0].iter().map(|cluster| (cluster.hi - cluster.lo).element_sum()).sum()
     }
 }
 

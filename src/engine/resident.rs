@@ -91,6 +91,8 @@ pub struct ChunkOnDevice {
     pub clusters: u32,
     /// Length of `triangles`.
     pub slots: u32,
+    /// As [`Params::surface_rows`].
+    surface_rows: u32,
     /// The hierarchy that trace follows, kept from the first move of triangles on.
     moving_bvh: Option<MovingBvh>,
 }
@@ -422,7 +424,9 @@ impl Resident {
                         Ok(buffers)
                     };
                     let budget = self.raster_budget(plan, band, chunk);
+                    let surface_rows = chunk.surface_rows;
                     let own = params(camera, plan, band, ids, clusters, self.capacities, budget);
+                    let own = Params { surface_rows, ..own };
                     self.params.push(uniform(own)?);
                     if self.bounce_tables.is_some() {
                         self.bounced_params.push(uniform(after_bounce(own))?);

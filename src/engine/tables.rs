@@ -222,7 +222,8 @@ pub fn params(
         level_start: level(|l| l.start),
         level_width: level(|l| l.width),
         level_height: level(|l| l.height),
-        bvh_offset: (plan.anchor - plan.origin).as_vec3().extend(0.0).to_array(),
+        bvh_offset: (plan.anchor - plan.origin).as_vec3().to_array(),
+        surface_rows: 1,
     }
 }
 

@@ -180,7 +180,8 @@ pub struct Params {
     pub level_start: [u32; 8],
     pub level_width: [u32; 8],
     pub level_height: [u32; 8],
-    pub bvh_offset: [f32; 4],
+    pub bvh_offset: [f32; 3],
+    pub surface_rows: u32,
 }
 
 /// Offsets of samples from their pixel's centre, px right and down: two per vec4.

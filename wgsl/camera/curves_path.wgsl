@@ -34,7 +34,7 @@ fn path_of(layer: u32, x: u32, y: u32) -> Path {
     var reach = 0.0;
     for (var k = 0u; k < 4u; k++) {
         reach = max(reach, largest_of(net[k]));
-        net[k] += params.bvh_offset.xyz;
+        net[k] += params.bvh_offset;
     }
     let tile = (layer * params.spans * params.slab_rows + y / TILE) * params.tiles_x + x / TILE;
     return Path(net, reach, (tile << 6u) | ((y % TILE) * TILE + x % TILE), start_of(y * params.width + x));

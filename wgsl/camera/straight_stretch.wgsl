@@ -47,7 +47,7 @@ fn last_of(stretch: Stretch, seen: Seen) -> f32 {
 // (1 + |P|) / (1/2 - error_d). Then 24 units of the largest distance, 29 where corners move: those of corners, 8 for the grid of boxes, which is computed in
 // f32; here 1 for the way to its origin, 5 for 1 / d, and 7 for two products and two sums of twice that distance at most.
 fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
-    let p = (path.p + params.bvh_offset.xyz) * scale;
+    let p = (path.p + params.bvh_offset) * scale;
     let exponent = clamp(bitcast<u32>(largest_of(path.d)) >> 23u, 1u, 252u);
     // a power of two that brings d under 1, and its inverse
     let share = bitcast<f32>((253u - exponent) << 23u);

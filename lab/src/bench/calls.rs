@@ -15,8 +15,7 @@ use anamorph::Error as Failure;
 use anamorph::{Camera, Channel, RenderOptions, Rendered, Renderer, Result};
 use city::City;
 pub use city::Motion;
-pub use path::Lens;
-use path::Pose;
+pub use path::{Lens, Pose};
 use std::path::Path;
 use std::time::Instant;
 

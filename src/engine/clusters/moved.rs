@@ -1,8 +1,8 @@
 //! Triangles whose vertices have moved, in the slots where they were. Only clusters with such vertices are placed again.
 
-use super::{Bounds, Chunk, Clustered, EMPTY, GROWN_MAX, NONE, TRIANGLE_GROUPS, has_area, vertex_indices};
+use super::{Bounds, Chunk, Clustered, GROWN_MAX, NONE, TRIANGLE_GROUPS, has_area, vertex_indices};
 use crate::geometry::mesh::Mesh;
-use crate::gpu::layout::{CLUSTER, ID_MASK, TRIANGLE_GROUP};
+use crate::gpu::layout::{CLUSTER, ID_MASK};
 use crate::parallel;
 use std::ops::Range;
 use std::sync::Arc;
@@ -82,7 +82,7 @@ impl Chunk {
         let each = CLUSTER as usize;
         let slots = |cluster: usize| cluster * each..((cluster + 1) * each).min(self.triangles.len());
         let is_changed = |cluster: usize| self.triangles[slots(cluster)].iter().any(|t| moves(t[3] & ID_MASK));
-        let clusters = ranges(&parallel::map(0..self.clusters.len(), is_changed));
+        let clusters = ranges(&parallel::map(0..self.cluster_count(), is_changed));
         let used = self.used.as_ref().map(|used| used.as_slice());
         let moved_vertices = match used {
             Some(used) => parallel::map(used, |v| has_moved[*v as usize]),
@@ -108,13 +108,6 @@ impl Chunk {
             triangles[slots(k)].copy_from_slice(&new);
             group_boxes[k * TRIANGLE_GROUPS..(k + 1) * TRIANGLE_GROUPS].copy_from_slice(&groups);
             cluster_boxes[k] = whole;
-            own.clusters[k] = whole.packed(all.anchor, k * each, slots(k).len());
-            for (n, group) in groups.iter().enumerate() {
-                let at = k * TRIANGLE_GROUPS + n;
-                let [start, end] = [at, at + 1].map(|at| (at * TRIANGLE_GROUP as usize).min(self.triangles.len()));
-                own.triangle_groups[at] =
-                    if start == end { EMPTY } else { group.packed(all.anchor, start, end - start) };
-            }
         }
         (own.size() <= GROWN_MAX * self.clustered_size).then_some((own, MovedChunk { vertices, clusters }))
     }

@@ -14,6 +14,14 @@ impl Chunk {
         })
     }
 
+    /// Rows of a table of surfaces without texture coordinates, and how many each triangle has: none where the first row is that of all.
+    pub fn plain_surfaces(&self, mesh: &Mesh) -> (Vec<[u32; 4]>, u32) {
+        match mesh.corner_normals.is_empty() && mesh.materials.len() <= 1 {
+            true => (vec![[NO_NORMAL, NO_NORMAL, NO_NORMAL, 0]], 0),
+            false => (self.surfaces(mesh), 1),
+        }
+    }
+
     /// Texture coordinates, six numbers a slot: of the corners in file order, v downwards; NaN where a triangle has none.
     pub fn uvs(&self, mesh: &Mesh) -> Vec<[f32; 6]> {
         self.per_slot(|id| {

@@ -63,6 +63,6 @@ fn move_chunk(
 ) -> Result<()> {
     buffers.update_texels(gpu, "triangles", &chunk.triangles, &moved.slots())?;
     buffers.update_texels(gpu, "vertices", &chunk.vertices(all, clustered.anchor), &moved.vertices)?;
-    buffers.update_texels(gpu, "clusters", &chunk.clusters, &moved.clusters)?;
-    buffers.update(gpu, "triangle_groups", &chunk.triangle_groups, &moved.groups())
+    buffers.update_texels(gpu, "clusters", &chunk.clusters(clustered.anchor), &moved.clusters)?;
+    buffers.update(gpu, "triangle_groups", &chunk.triangle_groups(clustered.anchor), &moved.groups())
 }

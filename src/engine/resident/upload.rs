@@ -20,22 +20,28 @@ pub(super) fn chunk_on_device(
     let (clustered, MovingMesh { mesh, .. }) = triangles;
     place(gpu, &mut buffers, chunk, triangles)?;
     buffers.upload_texels(gpu, "triangles", &chunk.triangles)?;
+    let mut surface_rows = 1;
     match clustered.surfaces {
-        SurfaceKind::Plain => buffers.upload_texels(gpu, "surfaces", &chunk.surfaces(mesh))?,
+        SurfaceKind::Plain => {
+            let (rows, each) = chunk.plain_surfaces(mesh);
+            surface_rows = each;
+            buffers.upload_texels(gpu, "surfaces", &rows)?;
+        }
         SurfaceKind::Mapped => buffers.upload_texels(gpu, "surfaces", &chunk.mapped_surfaces(mesh))?,
         SurfaceKind::Colored => buffers.upload_texels(gpu, "surfaces", &chunk.colored_surfaces(mesh))?,
     }
     buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
-    let clusters = chunk.clusters.len() as u32;
+    let clusters = chunk.cluster_count() as u32;
     let slots = chunk.triangles.len() as u32;
-    Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters, slots, moving_bvh: None })
+    let Chunk { id_first, id_count, .. } = *chunk;
+    Ok(ChunkOnDevice { buffers, id_first, id_count, clusters, slots, surface_rows, moving_bvh: None })
 }
 
 /// Uploads the tables of a chunk that are relative to the anchor.
 pub(super) fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk, (clustered, all): Triangles) -> Result<()> {
     buffers.upload_texels(gpu, "vertices", &chunk.vertices(all, clustered.anchor))?;
-    buffers.upload_texels(gpu, "clusters", &chunk.clusters)?;
-    buffers.upload(gpu, "triangle_groups", &chunk.triangle_groups)
+    buffers.upload_texels(gpu, "clusters", &chunk.clusters(clustered.anchor))?;
+    buffers.upload(gpu, "triangle_groups", &chunk.triangle_groups(clustered.anchor))
 }
 
 /// Bytes of a ray in each of its two tables.
