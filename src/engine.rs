@@ -294,6 +294,7 @@ impl Engine {
             slots: clustered.slots.clone(),
             places: clustered.places.clone(),
             saved_by_tracing: 0,
+            trial: Default::default(),
             shown: Arc::downgrade(&clustered),
             moving: run.moving.then(|| Arc::unwrap_or_clone(clustered)),
             bind_groups: Mutex::default(),

@@ -11,7 +11,7 @@ use super::pages::PageStore;
 use super::planned::Planned;
 use super::readback::{FrameLayout, PendingReads, RawFrame, Readback};
 use super::resident::{BvhState, Resident};
-use super::running::Running;
+use super::running::{RasterTrial, Running};
 use super::{Counts, MethodUsed, Rendered, RunOptions};
 use crate::camera::Camera;
 use crate::engine::clusters::{Clustered, cluster_shown};
@@ -71,6 +71,8 @@ pub struct Frames {
     pub(super) is_partly_uploaded: bool,
     /// Sum of the costs that tracing would have saved since the triangles came, in the units of costs; counted until hierarchies are built.
     pub(super) saved_by_tracing: u64,
+    /// When raster is tried again in frames that are traced.
+    pub(super) trial: RasterTrial,
     /// Trace could not follow all paths of a frame.
     pub(super) is_lost: bool,
     /// The camera is not that of the first frame any more.
@@ -307,7 +309,7 @@ impl Frames {
         let changes = if is_partly_uploaded { Changes::ALL } else { Changes::between(&shown, planned) };
         let triangles = (&**clustered, scene.moving_mesh());
         if changes.triangles {
-            self.saved_by_tracing = 0;
+            (self.saved_by_tracing, self.trial) = Default::default();
             self.resident.upload_scene(&self.gpu, triangles, plan.origin)?;
         } else if changes.places {
             let moved = clustered.moved.as_ref().filter(|moved| Arc::ptr_eq(&moved.from, &self.places));
@@ -321,9 +323,10 @@ impl Frames {
         }
         self.shown = Arc::downgrade(clustered);
         (self.slots, self.places) = (clustered.slots.clone(), clustered.places.clone());
+        let is_other_method = self.choose_method();
         if changes.plan {
             self.resident.aim(&self.gpu, scene, camera, plan)?;
-        } else if changes.triangles {
+        } else if changes.triangles || is_other_method {
             self.resident.write_params(&self.gpu, camera, plan)?;
         }
         let casts_itself = scene.casters.is_none() && self.scene.casters.is_none();
@@ -365,6 +368,10 @@ impl Frames {
         let raster = self.resident.raster_cost(self.timed.raster_cost.max(counts.raster_cost()));
         let raster = format!("raster is rated {:.2} ms", milliseconds(raster));
         let (name, why) = match (plan.variant.method, counts.taken_over > 0) {
+            (Method::Auto, _) if self.trial.was_in_vain() => (
+                "trace",
+                format!("{trace}; what raster would still take is rated higher, in this frame or those before"),
+            ),
             (Method::Auto, _) if self.resident.bvh == BvhState::Preferred => {
                 ("trace", format!("{raster} in the first frame, {trace}"))
             }

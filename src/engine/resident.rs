@@ -257,10 +257,6 @@ impl Resident {
             tables.aim(gpu, scene, camera, optics, plan, &self.bounces)?;
             self.facets = optics.facets().map_or(0, |f| f.triangles.len());
         }
-        // what was cheaper for another camera
-        if self.bvh == BvhState::Preferred {
-            self.bvh = BvhState::Built;
-        }
         self.upload_bands(gpu, plan)?;
         // another camera may have more tiles
         self.allocate_lists(gpu, camera, plan)

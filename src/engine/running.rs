@@ -68,6 +68,7 @@ impl Frames {
             let raw = reads.finish(&self.gpu, &running)?;
             call.read_back += ms_since(reading);
             let Some(short) = self.shortage(&raw.status, &running, frame_layout.plan.variant.by_tile) else {
+                self.note_method(running.bvh, &Counts::of(&raw.status));
                 let (frame_ms, stages) = (vec![running.ms()], raw.stages.clone());
                 let rest =
                     Rendered { frame_ms, call, stages, grown, ..self.statistics(&frame_layout.plan, &running, &raw) };
@@ -75,6 +76,8 @@ impl Frames {
                 return Ok(Readback { frame_layout, raw, rest });
             };
             let growing = Instant::now();
+            // raster that was in vain is paid for, too
+            self.weigh_tracing(&planned.plan, &Counts::of(&raw.status))?;
             // the lists are to hold this frame
             if !self.show(&planned)? {
                 return Err(Error::work("a frame cannot be shown again"));
@@ -84,6 +87,24 @@ impl Frames {
             grown += 1;
             in_flight = self.start(planned)?;
         }
+    }
+
+    /// Notes whether trace took a frame over from raster.
+    fn note_method(&mut self, bvh: BvhState, counts: &Counts) {
+        // without raster nothing is learnt of it
+        if bvh != BvhState::Preferred {
+            self.trial.note(counts.taken_over > 0);
+        }
+    }
+
+    /// Leaves raster out of the next frame, or tries it again. Returns whether that is new.
+    pub(super) fn choose_method(&mut self) -> bool {
+        let is_built = matches!(self.resident.bvh, BvhState::Built | BvhState::Preferred);
+        if self.plan.variant.method != Method::Auto || !is_built {
+            return false;
+        }
+        let next = if self.trial.is_left_out() { BvhState::Preferred } else { BvhState::Built };
+        std::mem::replace(&mut self.resident.bvh, next) != next
     }
 
     /// Builds the hierarchies that trace follows, once tracing would have saved as much in the frames so far as building them costs.
@@ -175,6 +196,38 @@ impl Frames {
         // they hold the lists that are to be replaced
         self.bind_groups = Default::default();
         self.resident.grow(&self.gpu, &self.camera, &self.plan, short.need)
+    }
+}
+
+/// When raster is tried again in frames that trace took over: after one frame, then after twice as many as the last time.
+#[derive(Debug, Default)]
+pub struct RasterTrial {
+    /// Frames until then.
+    left: u32,
+    /// The same at the last trial.
+    frames: u32,
+}
+
+/// Frames of a path that are traced between two trials of raster, at most.
+const TRACED_MAX: u32 = 16;
+
+impl RasterTrial {
+    /// Notes a frame in which raster was tried.
+    fn note(&mut self, is_traced: bool) {
+        self.frames = if is_traced { (2 * self.frames).clamp(1, TRACED_MAX) } else { 0 };
+        self.left = self.frames;
+    }
+
+    /// Whether the next frame leaves raster out.
+    fn is_left_out(&mut self) -> bool {
+        let is_left_out = self.left > 0;
+        self.left = self.left.saturating_sub(1);
+        is_left_out
+    }
+
+    /// Whether the last trial was one in vain.
+    pub fn was_in_vain(&self) -> bool {
+        self.frames > 0
     }
 }
 

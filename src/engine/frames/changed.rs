@@ -4,6 +4,7 @@ use super::super::changes::Changes;
 use super::super::combinations::{Asked, Feature};
 use super::super::in_view::{InView, SceneFacts};
 use super::super::planned::{Whole, outlined_by};
+use super::super::resident::BvhState;
 use super::super::{RunOptions, setup};
 use super::{Frames, moved};
 use crate::camera::Camera;
@@ -41,6 +42,10 @@ impl Frames {
         }
         // until all is there nothing is drawn
         let was_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
+        // what was cheaper for another camera
+        if self.resident.bvh == BvhState::Preferred {
+            self.resident.bvh = BvhState::Built;
+        }
         self.resident.aim(&self.gpu, &self.scene, &camera, &plan)?;
         if let Some(volume) = self.scene.volume.as_ref().filter(|_| plan.variant.volume.is_some()) {
             self.resident.upload_medium(&self.gpu, volume, &self.scene, &plan)?;

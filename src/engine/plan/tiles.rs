@@ -28,6 +28,8 @@ pub struct Tiles {
     pub cell_samples: Vec<[u32; 2]>,
     /// The pieces of the band, in order of first use; each carries its number in the camera.
     pub pieces: Vec<layout::Piece>,
+    /// Pixels that have a ray; of several layers the sum over these.
+    pub rays: u64,
 }
 
 impl Tiles {
@@ -185,6 +187,8 @@ impl Tiler<'_> {
             }
             tiles.start.push(tiles.cells.len() as u32);
         }
+        let pixels = |cell: &layout::Cell| u64::from(cell.mask_lo.count_ones() + cell.mask_hi.count_ones());
+        tiles.rays = tiles.cells.iter().map(pixels).sum();
         (tiles, bounds)
     }
 
