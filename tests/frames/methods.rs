@@ -147,7 +147,9 @@ fn trace_takes_over_where_raster_costs_more() {
     // each triangle covers the image
     let heavy = scene(soup(&mut Rng(7), 3000, 30.0));
     let light = scene(soup(&mut Rng(7), 300, 0.1));
-    let camera = Arc::new(camera(pinhole(DVec3::new(0.1, 0.2, 9.0), DVec3::ZERO, 40.0), SIZE, FORWARD));
+    // so large that the tiles of a triangle cost more than building a hierarchy with it
+    let size = (2 * SIZE.0, 2 * SIZE.1);
+    let camera = Arc::new(camera(pinhole(DVec3::new(0.1, 0.2, 9.0), DVec3::ZERO, 40.0), size, FORWARD));
     let Some(mut engine) = rated_as_software() else { return };
     let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
     let mut run = |scene: &Scene, method, repeat| {
@@ -190,6 +192,37 @@ fn what_takes_pairs_is_rastered_and_says_so() {
     ] {
         let seen = engine.render(&all, camera.clone(), &wanted, &by(Method::Trace)).unwrap();
         assert!(seen.method.name == "raster" && seen.method.why.contains("pairs"), "{:?}", seen.method);
+    }
+}
+
+/// Poses of a path that trace took over are traced from the start, until raster is tried again.
+#[test]
+fn a_path_that_was_traced_leaves_raster_out() {
+    let heavy = scene(soup(&mut Rng(7), 3000, 30.0));
+    let light = scene(soup(&mut Rng(7), 300, 0.1));
+    let Some(mut engine) = rated_as_software() else { return };
+    let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
+    let (run, mut sequence, mut last) = (RunOptions::default(), Sequence::default(), None);
+    let mut render = |scene: &Scene, k: u32| {
+        let eye = DVec3::new(0.1, 0.01 * f64::from(k), 9.0);
+        let camera = camera(pinhole(eye, DVec3::ZERO, 40.0), (2 * SIZE.0, 2 * SIZE.1), FORWARD);
+        let planned = engine.planner().plan(scene, Arc::new(camera), &wanted, &run, last.as_ref()).unwrap();
+        last = Some(planned.clone());
+        let rendered = sequence.render(&mut engine, planned, &run).unwrap().rendered();
+        (rendered.method.name, rendered.counts.cull_items > 0)
+    };
+    let is_tried: Vec<bool> = (0..9)
+        .map(|k| {
+            let (name, is_tried) = render(&heavy, k);
+            assert_eq!(name, "trace", "pose {k}");
+            is_tried
+        })
+        .collect();
+    // after one frame, two and four
+    assert_eq!(is_tried, [true, false, true, false, false, true, false, false, false]);
+    // other triangles are new
+    for k in 0..3 {
+        assert_eq!(render(&light, k), ("raster", true), "pose {k}");
     }
 }
 
