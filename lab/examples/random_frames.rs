@@ -1,7 +1,8 @@
-//! Random small scenes against the reference: `cargo run --release -p anamorph-lab --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving] [spheres] [on-the-mesh]`.
+//! Random small scenes against the reference: `cargo run --release -p anamorph-lab --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving] [spheres] [on-the-mesh] [kept]`.
 //! Each is one of `any`'s scenes in 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end. Without 64-bit
 //! atomics, raster bounds t in f32 as it does on GPUs without f64. With `moving` everything moves while the frame is taken, and with `spheres`
-//! there are spheres between the triangles. With `on-the-mesh` the camera lies on the triangles, and all are on a lattice.
+//! there are spheres between the triangles. With `on-the-mesh` the camera lies on the triangles, and all are on a lattice. With `kept` a device
+//! that keeps all that it can shows a few poses of a camera in each scene, some of whose triangles move in between.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
@@ -10,6 +11,8 @@ use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::combinations::at_once;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::plan::samples::sample_offsets;
+use anamorph::internals::engine::planned::Planned;
+use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::gpu::kernels::Method;
 use anamorph::internals::gpu::{Gpu, GpuOptions};
@@ -44,7 +47,7 @@ fn main() -> ExitCode {
     let options = GpuOptions { no_int64: less("no-int64"), no_f64: less("no-f64"), ..GpuOptions::default() };
     let mut numbers = std::env::args()
         .skip(1)
-        .filter(|a| !a.starts_with("no-") && !["moving", "spheres", "on-the-mesh"].contains(&a.as_str()))
+        .filter(|a| !a.starts_with("no-") && !["moving", "spheres", "on-the-mesh", "kept"].contains(&a.as_str()))
         .map(|n| n.parse::<u64>());
     let (Some(Ok(count)), first) = (numbers.next(), numbers.next().transpose().unwrap_or(None).unwrap_or(0)) else {
         eprintln!("error: give how many scenes, and the first one's number; as in random_frames 1000 0");
@@ -61,85 +64,126 @@ fn main() -> ExitCode {
     let channels: Vec<Channel> = [Channel::T, Channel::TriangleId].into_iter().chain(certified).collect();
     let wanted = Wanted::of(channels);
     let mut all = Seen::default();
+    let (mut sequence, mut last) = Default::default();
     for number in first..first + count {
         let rng = &mut common::rng::Rng(number);
+        if less("kept") {
+            let mut path = common::any::Path::new(rng, SIZE);
+            let certified = if path.is_reflected() { None } else { certified };
+            let wanted = Wanted::of([Channel::T, Channel::TriangleId].into_iter().chain(certified).collect());
+            for _ in 0..POSES {
+                let camera = path.step(rng);
+                let frame = kept_frame(&mut engine, &path.scene, &camera, &wanted, (&mut sequence, &mut last));
+                check(&mut engine, (number, count), (&path.scene, &camera), path.is_reflected(), frame, &mut all);
+            }
+            continue;
+        }
         let (scene, camera) = match (less("moving"), less("spheres")) {
             (true, _) => common::any::any_moving(rng, SIZE),
             (false, true) => common::any::any_with_spheres(rng, SIZE),
             (false, false) if less("on-the-mesh") => common::any::any_on_the_mesh(rng, SIZE),
             (false, false) => common::any::any(rng, SIZE),
         };
-        let frame = match engine.render(&scene, &camera, &wanted, &RunOptions::default()) {
-            Ok(rendered) => rendered.frame,
-            Err(e) => {
-                println!("scene {number}: {e}");
-                all.not_near += 1;
-                continue;
-            }
-        };
-        let judged = judge(&scene, &camera, &frame);
-        let seen = match compare(&frame, &judged.truth, Some(&judged.safe), Some(&judged.scales)) {
-            Ok(seen) => seen,
-            Err(e) => {
-                println!("scene {number}: {e}");
-                continue;
-            }
-        };
-        let ids =
-            |f: &anamorph::internals::image::frame::Frame| f.u32(Channel::TriangleId).unwrap_or_default().to_vec();
-        let proven = frame.u32(Channel::Certified).unwrap_or_default();
-        let same: Vec<bool> = ids(&frame).iter().zip(ids(&judged.truth)).map(|(a, b)| *a == b).collect();
-        let certified_wrong = proven.iter().zip(&same).filter(|(p, same)| **p > 0 && !**same).count() as u64;
-        let wrong_safe = seen.wrong_safe.unwrap_or(0);
-        if wrong_safe + judged.not_near + certified_wrong > 0 {
-            let faults =
-                format!("{wrong_safe} safe pixels wrong, {} not near, {certified_wrong} proven wrong", judged.not_near);
-            println!("scene {number}, {}: {faults}", camera.kind);
-            // of one scene alone, why
-            let wrong = (0..same.len()).filter(|k| count == 1 && !same[*k] && (judged.safe[*k] || judged.not_near > 0));
-            for k in wrong.take(3) {
-                let (x, y) = (k as u32 % SIZE.0, k as u32 / SIZE.0);
-                println!("pixel {x},{y} shows {:?}, proven {:?}", ids(&frame)[k], proven.get(k));
-                println!("{}", explain(&scene, &camera, x, y).text);
-            }
-        }
-        let has = engine.gpu.has;
-        // where raster finds t in f64, by a formula of its own, it may take another of two triangles that are level to within rounding, and
-        // t may be rounded to the f32 beside
-        let own_t = has.f64 && (!has.by_tile() || has.software && has.atomics64);
-        let counts = (0..judged.safe.len()).map(|k| judged.safe[k] || !own_t).collect();
-        let rounding = judged.scales.iter().map(|scale| T_ROUNDING * f64::from(*scale)).collect();
-        let allowed = Allowed { counts, gap: u32::from(own_t), rounding };
-        let ways: &[Method] = if is_traced { &[Method::Trace] } else { &[Method::Raster, Method::Trace] };
-        let differ: u64 = ways.iter().map(|m| differing(&mut engine, &scene, &camera, *m, &frame, &allowed)).sum();
-        if differ > 0 {
-            println!("scene {number}, {}: {differ} pixels differ by raster with small, or by trace", camera.kind);
-        }
-        all.by_other_ways += differ;
-        let wrong = wrong_samples(&mut engine, &scene, &camera);
-        if let Some(Err(e)) = &wrong {
-            println!("scene {number}, {}: {e}", camera.kind);
-        }
-        if let Some(wrong) = wrong {
-            let wrong = wrong.unwrap_or(1);
-            if wrong > 0 {
-                println!("scene {number}, {}: {wrong} samples wrong", camera.kind);
-            }
-            all.samples += u64::from(SAMPLES) * seen.pixels;
-            all.samples_wrong += wrong;
-        }
-        all.pixels += seen.pixels;
-        all.unsafe_pixels += seen.unsafe_pixels.unwrap_or(0);
-        all.wrong_safe += wrong_safe;
-        all.not_near += judged.not_near;
-        all.by_f32 += proven.iter().filter(|p| **p == 2).count() as u64;
-        all.by_recheck += proven.iter().filter(|p| **p == 1).count() as u64;
-        all.certified_wrong += certified_wrong;
+        let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).map(|rendered| rendered.frame);
+        check(&mut engine, (number, count), (&scene, &camera), is_traced, frame, &mut all);
     }
     println!("{count} scenes from {first}: {all:?}");
     ExitCode::from(u8::from(
         all.wrong_safe + all.not_near + all.certified_wrong + all.by_other_ways + all.samples_wrong > 0,
     ))
+}
+
+/// Poses of a path.
+const POSES: u32 = 4;
+
+/// A frame of a device that shows other ones before.
+fn kept_frame(
+    engine: &mut Engine,
+    scene: &Scene,
+    camera: &Camera,
+    wanted: &Wanted,
+    (sequence, last): (&mut Sequence, &mut Option<Planned>),
+) -> Result<Frame> {
+    let run = RunOptions::default();
+    let planned = engine.planner().plan(scene, camera, wanted, &run, last.as_ref())?;
+    *last = Some(planned.clone());
+    Ok(sequence.render(engine, planned, &run)?.rendered().frame)
+}
+
+/// Compares a frame with the reference, and with frames by other ways. What is traced is so by any way.
+fn check(
+    engine: &mut Engine,
+    (number, count): (u64, u64),
+    (scene, camera): (&Scene, &Camera),
+    is_traced: bool,
+    frame: Result<Frame>,
+    all: &mut Seen,
+) {
+    let frame = match frame {
+        Ok(frame) => frame,
+        Err(e) => {
+            println!("scene {number}: {e}");
+            all.not_near += 1;
+            return;
+        }
+    };
+    let judged = judge(scene, camera, &frame);
+    let seen = match compare(&frame, &judged.truth, Some(&judged.safe), Some(&judged.scales)) {
+        Ok(seen) => seen,
+        Err(e) => {
+            println!("scene {number}: {e}");
+            return;
+        }
+    };
+    let ids = |f: &anamorph::internals::image::frame::Frame| f.u32(Channel::TriangleId).unwrap_or_default().to_vec();
+    let proven = frame.u32(Channel::Certified).unwrap_or_default();
+    let same: Vec<bool> = ids(&frame).iter().zip(ids(&judged.truth)).map(|(a, b)| *a == b).collect();
+    let certified_wrong = proven.iter().zip(&same).filter(|(p, same)| **p > 0 && !**same).count() as u64;
+    let wrong_safe = seen.wrong_safe.unwrap_or(0);
+    if wrong_safe + judged.not_near + certified_wrong > 0 {
+        let faults =
+            format!("{wrong_safe} safe pixels wrong, {} not near, {certified_wrong} proven wrong", judged.not_near);
+        println!("scene {number}, {}: {faults}", camera.kind);
+        // of one scene alone, why
+        let wrong = (0..same.len()).filter(|k| count == 1 && !same[*k] && (judged.safe[*k] || judged.not_near > 0));
+        for k in wrong.take(3) {
+            let (x, y) = (k as u32 % SIZE.0, k as u32 / SIZE.0);
+            println!("pixel {x},{y} shows {:?}, proven {:?}", ids(&frame)[k], proven.get(k));
+            println!("{}", explain(scene, camera, x, y).text);
+        }
+    }
+    let has = engine.gpu.has;
+    // where raster finds t in f64, by a formula of its own, it may take another of two triangles that are level to within rounding, and
+    // t may be rounded to the f32 beside
+    let own_t = has.f64 && (!has.by_tile() || has.software && has.atomics64);
+    let counts = (0..judged.safe.len()).map(|k| judged.safe[k] || !own_t).collect();
+    let rounding = judged.scales.iter().map(|scale| T_ROUNDING * f64::from(*scale)).collect();
+    let allowed = Allowed { counts, gap: u32::from(own_t), rounding };
+    let ways: &[Method] = if is_traced { &[Method::Trace] } else { &[Method::Raster, Method::Trace] };
+    let differ: u64 = ways.iter().map(|m| differing(engine, scene, camera, *m, &frame, &allowed)).sum();
+    if differ > 0 {
+        println!("scene {number}, {}: {differ} pixels differ by raster with small, or by trace", camera.kind);
+    }
+    all.by_other_ways += differ;
+    let wrong = wrong_samples(engine, scene, camera);
+    if let Some(Err(e)) = &wrong {
+        println!("scene {number}, {}: {e}", camera.kind);
+    }
+    if let Some(wrong) = wrong {
+        let wrong = wrong.unwrap_or(1);
+        if wrong > 0 {
+            println!("scene {number}, {}: {wrong} samples wrong", camera.kind);
+        }
+        all.samples += u64::from(SAMPLES) * seen.pixels;
+        all.samples_wrong += wrong;
+    }
+    all.pixels += seen.pixels;
+    all.unsafe_pixels += seen.unsafe_pixels.unwrap_or(0);
+    all.wrong_safe += wrong_safe;
+    all.not_near += judged.not_near;
+    all.by_f32 += proven.iter().filter(|p| **p == 2).count() as u64;
+    all.by_recheck += proven.iter().filter(|p| **p == 1).count() as u64;
+    all.certified_wrong += certified_wrong;
 }
 
 /// Share of a pixel's scale of t that two ways to compute t may differ by where t is near 0: 16 roundings of a stored number (2^-48).

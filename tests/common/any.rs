@@ -54,6 +54,66 @@ pub fn any_moving(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
     (scene, camera)
 }
 
+/// A random scene whose objects move from frame to frame, and a camera of one kind that goes along a path.
+#[allow(dead_code)] // not of all programs that have this module
+pub struct Path {
+    pub scene: Scene,
+    size: (u32, u32),
+    /// Of the camera, with `POSE` in place of the keys of its pose.
+    keys: String,
+    /// So far from the origin are its poses.
+    far: f64,
+}
+
+#[allow(dead_code)] // not of all programs that have this module
+impl Path {
+    pub fn new(rng: &mut Rng, size: (u32, u32)) -> Path {
+        let eye = "eye = { kind = \"pinhole\", vfov = 60, POSE }";
+        let keys = match rng.below(9) {
+            0 => format!("kind = \"pinhole\"\nvfov = {}\nPOSE", 10.0 + 120.0 * rng.unit()),
+            1 => format!("kind = \"fisheye\"\nfov = {}\nPOSE", 30.0 + 320.0 * rng.unit()),
+            2 => format!("kind = \"fisheye\"\nfov = 150\npieces = {}\nPOSE", 200 + rng.below(200)),
+            3 => format!("kind = \"cylinder\"\nvfov = {}\nPOSE", 20.0 + 140.0 * rng.unit()),
+            4 => format!("kind = \"cylinder\"\nfov = 250\nstrips = {}\nPOSE", 2 + rng.below(6)),
+            5 => format!("kind = \"ods\"\nipd = {}\nPOSE", 0.5 * rng.unit()),
+            6 => format!(
+                "kind = \"cross_slit\"\nheight = 2\nslits = [{{ distance = 3, angle = {} }}, {{ distance = 2, angle = 0 }}]\nPOSE",
+                20.0 + 140.0 * rng.unit()
+            ),
+            7 => format!(
+                "kind = \"reflection\"\ndepth = 2\nmirror = {{ shape = \"sphere\", center = [0.2, 0.1, -0.3], radius = 0.7 }}\n{eye}"
+            ),
+            _ => format!(
+                "kind = \"reflection\"\nfacets = \"normals\"\nmirror = {{ shape = \"sphere\", center = [0.2, 0.1, -0.3], radius = 0.7, count = 40 }}\n{eye}"
+            ),
+        };
+        let far = if rng.below(4) == 0 { 10f64.powi(1 + rng.below(3) as i32) } else { 1.0 };
+        Path { scene: scene(any_mesh(rng)), size, keys, far }
+    }
+
+    /// Whether a mirror reflects the camera's rays.
+    pub fn is_reflected(&self) -> bool {
+        self.keys.contains("mirror")
+    }
+
+    /// Moves some of the triangles, or none, and returns the camera at its next pose.
+    pub fn step(&mut self, rng: &mut Rng) -> Camera {
+        let mesh = Arc::make_mut(&mut self.scene.mesh);
+        let triangles = mesh.triangles.len();
+        if rng.below(2) == 0 {
+            let first = rng.below(triangles);
+            let (last, by) = (first + rng.below(triangles - first) + 1, 0.5 * rng.vector());
+            mesh.positions[3 * first..3 * last].iter_mut().for_each(|p| *p += by);
+        }
+        let target = 0.3 * rng.vector();
+        let eye = target + self.far * (2.0 * rng.direction() + 0.3 * rng.vector());
+        let up = if (target - eye).normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
+        let pose = [("eye", eye), ("target", target), ("up", up)].map(|(key, v)| format!("{key} = {:?}", v.to_array()));
+        let separator = if self.keys.contains('{') && self.is_reflected() { ", " } else { "\n" };
+        camera_of("", self.size, &self.keys.replace("POSE", &pose.join(separator))).unwrap()
+    }
+}
+
 /// Such a scene with spheres between its triangles.
 #[allow(dead_code)] // not of all programs that have this module
 pub fn any_with_spheres(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {

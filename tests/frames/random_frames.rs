@@ -2,8 +2,11 @@
 
 use crate::common;
 
-use common::any::{any, any_on_the_mesh};
-use common::gpu::check;
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::planned::Planned;
+use anamorph::internals::engine::sequence::Sequence;
+use common::any::{Path, any, any_on_the_mesh};
+use common::gpu::{assert_right, check, engine_on, wanted};
 use common::rng::Rng;
 
 const SIZE: (u32, u32) = (32, 32);
@@ -27,6 +30,25 @@ fn every_safe_pixel_is_right_where_the_camera_lies_on_the_mesh() {
         let (scene, camera) = any_on_the_mesh(&mut Rng(number), SIZE);
         if check(&format!("scene {number}, {}", camera.kind), &scene, &camera).is_none() {
             return;
+        }
+    }
+}
+
+/// Poses of cameras of all kept kinds, and triangles that move between them, on a device that has shown all that went before.
+#[test]
+fn every_safe_pixel_of_a_path_is_right_on_a_device_that_keeps_what_it_can() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let (mut sequence, mut last): (Sequence, Option<Planned>) = Default::default();
+    let (wanted, run) = (wanted(), RunOptions::default());
+    for number in 0..25 {
+        let rng = &mut Rng(number);
+        let mut path = Path::new(rng, SIZE);
+        for pose in 0..4 {
+            let camera = path.step(rng);
+            let planned = engine.planner().plan(&path.scene, &camera, &wanted, &run, last.as_ref()).unwrap();
+            last = Some(planned.clone());
+            let frame = sequence.render(&mut engine, planned, &run).unwrap().rendered().frame;
+            assert_right(&format!("scene {number}, {}, pose {pose}", camera.kind), &path.scene, &camera, &frame);
         }
     }
 }
