@@ -1,5 +1,5 @@
-//! Times of a path of poses by raster, by trace, and by the method that the engine chooses, with builds of hierarchies and uploads, without
-//! compiling kernels; and the last over the better of the others. It prints a line for each case. Arguments: the number of poses (100), and a part of the names of cases.
+//! Times paths of poses by raster, by trace and by `auto`, including uploads and hierarchy builds but not kernel compilation. It prints for each
+//! case the three times, and the ratio of `auto` to the faster of the other two. Arguments: the number of poses (100), and a part of the names of cases.
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
@@ -19,7 +19,7 @@ const SIZES: [(u32, u32); 3] = [(160, 120), (640, 480), (1920, 1080)];
 const LENSES: [Lens; 3] = [Lens::Pinhole, Lens::Fisheye, Lens::Pieces];
 const METHODS: [Method; 3] = [Method::Raster, Method::Trace, Method::Auto];
 
-/// Seconds of a path by one method; the poses after it are left out for all methods.
+/// A path ends after this many seconds by one method; its later poses are then not counted for any method.
 const SECONDS_MAX: f64 = 20.0;
 
 fn main() -> Result<()> {

@@ -1,8 +1,8 @@
 //! Random small scenes against the reference: `cargo run --release -p anamorph-lab --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving] [spheres] [on-the-mesh] [kept]`.
 //! Each is one of `any`'s scenes in 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end. Without 64-bit
 //! atomics, raster bounds t in f32 as it does on GPUs without f64. With `moving` everything moves while the frame is taken, and with `spheres`
-//! there are spheres between the triangles. With `on-the-mesh` the camera lies on the triangles, and all are on a lattice. With `kept` a device
-//! that keeps all that it can shows a few poses of a camera in each scene, some of whose triangles move in between.
+//! there are spheres between the triangles. With `on-the-mesh` the camera lies on the triangles, and all are on a lattice. With `kept` each
+//! scene is rendered from a few poses, on one device that keeps what it can, and some triangles move between the poses.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
@@ -96,7 +96,7 @@ fn main() -> ExitCode {
 /// Poses of a path.
 const POSES: u32 = 4;
 
-/// A frame of a device that shows other ones before.
+/// Renders a frame in a sequence, so that the device uses what it holds of earlier frames.
 fn kept_frame(
     engine: &mut Engine,
     scene: &Scene,
@@ -110,7 +110,7 @@ fn kept_frame(
     Ok(sequence.render(engine, planned, &run)?.rendered().frame)
 }
 
-/// Compares a frame with the reference, and with frames by other ways. What is traced is so by any way.
+/// Compares a frame with the reference and with frames by other methods; `is_traced`: not with raster.
 fn check(
     engine: &mut Engine,
     (number, count): (u64, u64),

@@ -46,7 +46,7 @@ pub trait RayMap: Debug + Send + Sync {
         None
     }
 
-    /// The viewer whose rays these are, if they are those of a lens at a pose.
+    /// The viewer, if this map is a lens at a pose.
     fn viewer(&self) -> Option<Viewer> {
         None
     }
@@ -62,9 +62,9 @@ pub trait RayMap: Debug + Send + Sync {
 pub struct Field {
     pub width: u32,
     pub height: u32,
-    /// Empty if a formula is evaluated for each ray when needed, or rays are those of a lens at a pose.
+    /// Empty if a formula is evaluated for each ray when needed, or if the field is a lens at a pose.
     rays: Arc<Vec<Option<(DVec3, DVec3)>>>,
-    /// The rays of a viewer's lens, and the viewer, where the rays are these, turned.
+    /// The rays of the lens and the viewer, if this field is a lens at a pose.
     turned: Option<(Arc<LensRays>, Viewer)>,
     /// The formula of the rays, if any.
     map: Option<Sampled>,
@@ -180,7 +180,7 @@ impl Field {
         }
     }
 
-    /// The rays of a viewer's lens, and the viewer, where the rays are these, turned.
+    /// The rays of the lens and the viewer, if this field is a lens at a pose.
     pub fn turned(&self) -> Option<(&Arc<LensRays>, &Viewer)> {
         self.turned.as_ref().map(|(rays, viewer)| (rays, viewer))
     }

@@ -55,7 +55,7 @@ pub struct LensRays {
     sample: DVec2,
     /// Directions row by row; zero for a pixel without a ray.
     directions: Vec<DVec3>,
-    /// Origins row by row, relative to the eye; none of a lens whose rays all start in the eye.
+    /// Origins row by row, relative to the eye; empty if all rays start in the eye.
     origins: Vec<DVec3>,
 }
 
@@ -79,13 +79,14 @@ impl LensRays {
             let place = place(k);
             lens.origin(place.x, place.y)
         };
-        let direction = |k: u64| {
-            let place = place(k);
-            let usable = |d: &DVec3| d.is_finite() && *d != DVec3::ZERO && origin(k).is_finite();
-            lens.direction(place.x, place.y).filter(usable).unwrap_or(DVec3::ZERO)
-        };
         let pixels = 0..u64::from(size.0) * u64::from(size.1);
         let origins = if lens.is_central() { Vec::new() } else { parallel::map(pixels.clone(), origin) };
+        let direction = |k: u64| {
+            let place = place(k);
+            let has_origin = origins.get(k as usize).is_none_or(|origin| origin.is_finite());
+            let usable = |d: &DVec3| d.is_finite() && *d != DVec3::ZERO && has_origin;
+            lens.direction(place.x, place.y).filter(usable).unwrap_or(DVec3::ZERO)
+        };
         let directions = parallel::map(pixels, direction);
         let made = Arc::new(LensRays { lens, size, sample, directions, origins });
         let mut known = known();
@@ -138,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_lenses_share_their_rays_while_one_is_there() {
+    fn equal_lenses_share_rays_while_a_camera_holds_them() {
         let of = |number: f64, size: (u32, u32), sample: f64| {
             LensRays::of(Arc::new(Flat(number)), size, DVec2::splat(sample))
         };

@@ -199,11 +199,13 @@ impl Pieces {
         Some(Boxes::new(near.iter().map(|k| bounds(k).unwrap_or((DVec2::NEG_INFINITY, DVec2::INFINITY))), RUN))
     }
 
-    /// Whether each piece owns the same image places as the piece of its number in `other`.
+    /// Whether the pieces have the same image triangles as those of `other`, in the same order, so that they own the same pixels. `false` for
+    /// stacked images.
     pub fn own_alike(&self, other: &Pieces) -> bool {
-        let corners = |pieces: &Pieces| pieces.pieces.iter().map(|piece| piece.corners_px).collect::<Vec<_>>();
         let is_one = self.stacked.is_none() && other.stacked.is_none();
-        is_one && self.sample == other.sample && corners(self) == corners(other)
+        is_one
+            && self.sample == other.sample
+            && self.pieces.iter().map(|piece| piece.corners_px).eq(other.pieces.iter().map(|piece| piece.corners_px))
     }
 
     /// The image place (px) of the ray of pixel `(i, j)`.

@@ -18,7 +18,7 @@ impl View {
         right * self.right + up * self.up + forward * self.forward
     }
 
-    /// The ray of a viewer at `eye` in the world, of one in the viewer's frame.
+    /// Transforms a ray from the frame of a viewer at `eye` to the world.
     pub fn ray(&self, eye: DVec3, Ray { origin: p, direction: d }: Ray) -> Ray {
         Ray { origin: eye + self.vector(p.x, p.y, p.z), direction: self.vector(d.x, d.y, d.z) }
     }

@@ -3,7 +3,7 @@
 use super::bounces::Bounce;
 use super::surface::OpticsSurface;
 use super::tables;
-use crate::camera::optics::Optics;
+use crate::camera::optics::{Optics, Surface};
 use crate::camera::{Camera, TILE};
 use crate::engine::plan::nodes::above_cells;
 use crate::engine::plan::{Band, Plan};
@@ -33,7 +33,7 @@ pub struct BounceTables {
     bands: Vec<Buffers>,
     /// As [`OpticsSurface::upload`] says; written by the host.
     surface: Buffers,
-    /// The surface and the anchor that it is relative to.
+    /// The optics whose surface is uploaded, and the anchor that the surface is relative to.
     surface_of: (Arc<Optics>, DVec3),
 }
 
@@ -101,7 +101,7 @@ impl BounceTables {
         })
     }
 
-    /// Puts the optics of another camera on the device, which bounce rays as often, in a plan whose bands are as large.
+    /// Uploads the optics of another camera with the same bounces, for a plan whose bands have the same sizes.
     pub fn aim(
         &mut self,
         gpu: &Gpu,
@@ -111,8 +111,8 @@ impl BounceTables {
         plan: &Plan,
         bounces: &[Bounce],
     ) -> Result<()> {
-        let (there, anchor) = &self.surface_of;
-        if there.surface != optics.surface || *anchor != plan.anchor {
+        let (uploaded, anchor) = &self.surface_of;
+        if !is_same_surface(&uploaded.surface, &optics.surface) || *anchor != plan.anchor {
             OpticsSurface::new(&optics.surface, plan.anchor).upload(gpu, &mut self.surface)?;
         }
         self.surface_of = (optics.clone(), plan.anchor);
@@ -144,6 +144,14 @@ impl BounceTables {
     pub fn bytes(&self) -> u64 {
         let own = [&self.untouched, &self.surface];
         self.bounces.iter().chain(&self.tables).chain(&self.bands).chain(own).map(Buffers::bytes).sum()
+    }
+}
+
+/// Whether two surfaces have the same tables. The law by which facets bounce rays is no part of them.
+fn is_same_surface(a: &Surface, b: &Surface) -> bool {
+    match (a, b) {
+        (Surface::Facets { facets: a, .. }, Surface::Facets { facets: b, .. }) => a == b,
+        _ => a == b,
     }
 }
 

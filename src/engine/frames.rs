@@ -289,6 +289,12 @@ impl Frames {
     /// From the next frame on, renders another planned frame; uploads only what differs. Returns false, with nothing changed, if a new
     /// `Frames` is needed instead.
     pub(super) fn show(&mut self, planned: &Planned) -> Result<bool> {
+        let is_other_method = self.choose_method();
+        self.show_by(planned, is_other_method)
+    }
+
+    /// The same without choosing whether raster is tried; `is_other_method`: that choice has changed.
+    pub(super) fn show_by(&mut self, planned: &Planned, is_other_method: bool) -> Result<bool> {
         let Planned { scene, camera, plan, clustered, wanted, .. } = planned;
         let is_plain = self.atlas.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
         let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.slabs.count(), camera.width, plan.rows_max());
@@ -323,7 +329,6 @@ impl Frames {
         }
         self.shown = Arc::downgrade(clustered);
         (self.slots, self.places) = (clustered.slots.clone(), clustered.places.clone());
-        let is_other_method = self.choose_method();
         if changes.plan {
             self.resident.aim(&self.gpu, scene, camera, plan)?;
         } else if changes.triangles || is_other_method {
@@ -370,7 +375,9 @@ impl Frames {
         let (name, why) = match (plan.variant.method, counts.taken_over > 0) {
             (Method::Auto, _) if self.trial.was_in_vain() => (
                 "trace",
-                format!("{trace}; what raster would still take is rated higher, in this frame or those before"),
+                format!(
+                    "{trace}; raster was stopped in this frame or an earlier one, as the rest of it was rated higher"
+                ),
             ),
             (Method::Auto, _) if self.resident.bvh == BvhState::Preferred => {
                 ("trace", format!("{raster} in the first frame, {trace}"))

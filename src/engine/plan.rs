@@ -268,18 +268,18 @@ pub struct PlanTarget<'a> {
     pub binding_limit: u64,
     /// A kernel makes the rays of a lens at a pose, instead of the host.
     pub aims: bool,
-    /// An earlier plan and its camera, from which is taken over what no pose changes.
+    /// An earlier plan and its camera; parts that do not depend on the pose are used again.
     pub last: Option<(&'a Plan, &'a Camera)>,
 }
 
 impl PlanTarget<'_> {
-    /// The same rows in the earlier plan.
+    /// The band of the earlier plan with these rows.
     fn last_band(&self, of: Rows) -> Option<&Band> {
         let (plan, _) = self.last?;
         plan.bands.iter().find(|band| (band.row, band.rows) == (of.first, of.count))
     }
 
-    /// The pieces of a camera, and the tiles of these rows in the earlier plan, if its pieces own the same places.
+    /// The camera's pieces, and the earlier plan's tiles for these rows, if the pieces of both cameras own the same pixels.
     fn known_tiles<'a>(
         &'a self,
         camera: &'a Camera,
@@ -294,7 +294,6 @@ impl PlanTarget<'_> {
         let own_alike = size(camera) == size(last)
             && plan.slabs.count() == 1
             && plan.sample_offsets == sample_offsets
-            && [camera, last].iter().all(|camera| slabs::kind(camera) == RaysKind::Pieces)
             && pieces.own_alike(last_pieces);
         self.last_band(of).filter(|_| own_alike).map(|band| (pieces, &*band.tiles))
     }

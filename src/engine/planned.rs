@@ -88,9 +88,9 @@ impl Whole {
     /// Takes over from `last` what follows from the triangles alone, where these are the same.
     fn of(scene: &Scene, camera: Arc<Camera>, shape: SceneShape, last: Option<&Planned>) -> Whole {
         let has_same_beams = |last: &&Planned| last.whole.scene.projector_lights == scene.projector_lights;
-        let same = last.filter(|last| same_triangles(last, scene)).filter(has_same_beams);
-        let facts = same.map_or_else(Arc::default, |last| last.whole.facts.clone());
-        let with_facets = WithFacets::of(scene, &camera, last.filter(|last| same_triangles(last, scene)));
+        let same = last.filter(|last| same_triangles(last, scene));
+        let facts = same.filter(has_same_beams).map_or_else(Arc::default, |last| last.whole.facts.clone());
+        let with_facets = WithFacets::of(scene, &camera, same);
         Whole { scene: Arc::new(scene.clone()), shape, facts, camera, with_facets }
     }
 

@@ -12,7 +12,6 @@ use super::medium::{medium, voxels};
 use super::pages::PageStore;
 use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
-use crate::camera::optics::Optics;
 use crate::engine::clusters::Clustered;
 use crate::engine::plan::hierarchy::moving::MovingBvh;
 use crate::engine::plan::hierarchy::{Hierarchy, PackedBvh, TracedBvh};
@@ -245,13 +244,12 @@ impl Resident {
         }
     }
 
-    /// Whether rays of the camera bounce as often as those whose tables are there.
+    /// Whether the camera has the bounces that the tables on the device were made for. Rays of an atlas do not bounce.
     pub fn bounces_like(&self, camera: &Camera) -> bool {
-        let has_atlas = |optics: &Arc<Optics>| optics.atlas.is_some();
-        self.bounces == bounces(camera.optics.as_deref()) && !camera.optics.as_ref().is_some_and(has_atlas)
+        self.bounces == bounces(camera.optics.as_deref())
     }
 
-    /// Puts the tables of another camera on the device, whose rays bounce as often, of a plan whose bands are as large.
+    /// Uploads the tables of another camera with the same bounces, for a plan whose bands are as large.
     pub fn aim(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, plan: &Plan) -> Result<()> {
         if let (Some(tables), Some(optics)) = (&mut self.bounce_tables, &camera.optics) {
             tables.aim(gpu, scene, camera, optics, plan, &self.bounces)?;

@@ -68,7 +68,7 @@ impl Frames {
             let raw = reads.finish(&self.gpu, &running)?;
             call.read_back += ms_since(reading);
             let Some(short) = self.shortage(&raw.status, &running, frame_layout.plan.variant.by_tile) else {
-                self.note_method(running.bvh, &Counts::of(&raw.status));
+                self.note_method(&frame_layout.plan, running.bvh, &Counts::of(&raw.status));
                 let (frame_ms, stages) = (vec![running.ms()], raw.stages.clone());
                 let rest =
                     Rendered { frame_ms, call, stages, grown, ..self.statistics(&frame_layout.plan, &running, &raw) };
@@ -76,10 +76,10 @@ impl Frames {
                 return Ok(Readback { frame_layout, raw, rest });
             };
             let growing = Instant::now();
-            // raster that was in vain is paid for, too
+            // raster that was stopped counts as a cost, too
             self.weigh_tracing(&planned.plan, &Counts::of(&raw.status))?;
             // the lists are to hold this frame
-            if !self.show(&planned)? {
+            if !self.show_by(&planned, false)? {
                 return Err(Error::work("a frame cannot be shown again"));
             }
             self.grow_lists(short)?;
@@ -90,20 +90,22 @@ impl Frames {
     }
 
     /// Notes whether trace took a frame over from raster.
-    fn note_method(&mut self, bvh: BvhState, counts: &Counts) {
-        // without raster nothing is learnt of it
+    fn note_method(&mut self, plan: &Plan, bvh: BvhState, counts: &Counts) {
+        // a frame that was traced from the start says nothing about raster
         if bvh != BvhState::Preferred {
-            self.trial.note(counts.taken_over > 0);
+            let pixels: u64 = plan.bands.iter().map(|band| u64::from(band.rows) * u64::from(plan.width)).sum();
+            // of several chunks and bands, trace may take over few
+            self.trial.note(2 * counts.taken_over > pixels * self.resident.chunks.len() as u64);
         }
     }
 
-    /// Leaves raster out of the next frame, or tries it again. Returns whether that is new.
+    /// Decides whether the next frame tries raster or is traced from the start. Returns whether the decision changed.
     pub(super) fn choose_method(&mut self) -> bool {
         let is_built = matches!(self.resident.bvh, BvhState::Built | BvhState::Preferred);
         if self.plan.variant.method != Method::Auto || !is_built {
             return false;
         }
-        let next = if self.trial.is_left_out() { BvhState::Preferred } else { BvhState::Built };
+        let next = if self.trial.take_traced() { BvhState::Preferred } else { BvhState::Built };
         std::mem::replace(&mut self.resident.bvh, next) != next
     }
 
@@ -202,10 +204,10 @@ impl Frames {
 /// When raster is tried again in frames that trace took over: after one frame, then after twice as many as the last time.
 #[derive(Debug, Default)]
 pub struct RasterTrial {
-    /// Frames until then.
+    /// Frames still to be traced before the next trial.
     left: u32,
-    /// The same at the last trial.
-    frames: u32,
+    /// Frames to trace after the last trial; 0 if raster was not stopped in it.
+    traced: u32,
 }
 
 /// Frames of a path that are traced between two trials of raster, at most.
@@ -214,20 +216,20 @@ const TRACED_MAX: u32 = 16;
 impl RasterTrial {
     /// Notes a frame in which raster was tried.
     fn note(&mut self, is_traced: bool) {
-        self.frames = if is_traced { (2 * self.frames).clamp(1, TRACED_MAX) } else { 0 };
-        self.left = self.frames;
+        self.traced = if is_traced { (2 * self.traced).clamp(1, TRACED_MAX) } else { 0 };
+        self.left = self.traced;
     }
 
-    /// Whether the next frame leaves raster out.
-    fn is_left_out(&mut self) -> bool {
-        let is_left_out = self.left > 0;
+    /// Takes one of the frames to trace before the next trial, if there is one.
+    fn take_traced(&mut self) -> bool {
+        let is_traced = self.left > 0;
         self.left = self.left.saturating_sub(1);
-        is_left_out
+        is_traced
     }
 
-    /// Whether the last trial was one in vain.
+    /// Whether raster was stopped in the last trial.
     pub fn was_in_vain(&self) -> bool {
-        self.frames > 0
+        self.traced > 0
     }
 }
 

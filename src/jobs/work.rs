@@ -64,8 +64,8 @@ pub struct Seen {
     rendered: Rendered,
     /// An extra, untimed frame for counts and checks.
     extra: Option<Rendered>,
-    /// Time of the extra frame and of repeated ones, ms, which are not part of the call.
-    beside_ms: f64,
+    /// Time of the extra frame and of repeated frames, ms; not counted in the call.
+    excluded_ms: f64,
     mattes: Vec<Matte>,
     gradients: Option<gradients::Gradients>,
     /// The image file is already written.
@@ -268,7 +268,7 @@ impl Work {
             return Ok(Seen {
                 rendered,
                 extra: None,
-                beside_ms: 0.0,
+                excluded_ms: 0.0,
                 mattes: Vec::new(),
                 gradients: None,
                 is_written: true,
@@ -284,9 +284,9 @@ impl Work {
         let started = Instant::now();
         let extra = judged::render(job, backend, scene, camera)?;
         let repeated_ms = if repeat > 0 { rendered.frame_ms.iter().sum() } else { 0.0 };
-        let beside_ms = ms_since(started) + repeated_ms;
+        let excluded_ms = ms_since(started) + repeated_ms;
         let gradients = self.gradients(backend, &rendered)?;
-        Ok(Seen { rendered, extra, beside_ms, mattes, gradients, is_written: false })
+        Ok(Seen { rendered, extra, excluded_ms, mattes, gradients, is_written: false })
     }
 
     /// The gradients of a frame, if they are asked for.
@@ -319,13 +319,13 @@ impl Work {
     pub fn seen(&self, mut rendered: Rendered) -> Seen {
         let mut mattes = self.mattes();
         samples::count(&mut rendered, &mut mattes);
-        Seen { rendered, extra: None, beside_ms: 0.0, mattes, gradients: None, is_written: false }
+        Seen { rendered, extra: None, excluded_ms: 0.0, mattes, gradients: None, is_written: false }
     }
 
     /// Writes all files; `say` receives progress messages.
     pub fn write(&self, seen: Seen, device: &Device, started: Instant, say: impl Fn(&str)) -> Result<Written> {
         let Work { job, scene, camera, files, .. } = self;
-        let Seen { mut rendered, extra, mut beside_ms, mattes, gradients, is_written } = seen;
+        let Seen { mut rendered, extra, mut excluded_ms, mattes, gradients, is_written } = seen;
         let checking = Instant::now();
         let error = match &extra {
             Some(extra) if job.check => {
@@ -334,7 +334,7 @@ impl Work {
             }
             _ => None,
         };
-        beside_ms += ms_since(checking);
+        excluded_ms += ms_since(checking);
         let mut more = Vec::new();
         if let Some((next_scene, next_camera)) = &self.next {
             say("finding where all of it is in the next frame");
@@ -351,7 +351,7 @@ impl Work {
         }
         let CallMs { encode, .. } = rendered.call;
         let encode = encode + ms_since(writing);
-        let total = ms_since(started) - beside_ms;
+        let total = ms_since(started) - excluded_ms;
         rendered.call = CallMs { read: self.read_ms, encode, total, ..rendered.call };
         if let Some(path) = &files.report {
             if extra.is_some() {

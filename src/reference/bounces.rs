@@ -127,6 +127,9 @@ impl Reference<'_> {
     /// All hits that may be the first: of the eye's segments, or of the last bounced ray.
     fn meetings(&self, optics: &Optics, outcome: &Outcome, last: Option<u32>) -> Vec<Meeting> {
         let bounced = outcome.bounces > 0;
+        // rays that have bounced are not perturbed, and have no tolerance at the ends of their range
+        let scene_size = if bounced { 0.0 } else { self.scene_size };
+        let reference = Reference { scene_size, ..self.clone() };
         let segments = &outcome.path.segments;
         let from = if bounced { segments.len() - 1 } else { 0 };
         let (first, sees) = (optics.first_id(self.mesh), !bounced || optics.sees_itself());
@@ -149,7 +152,7 @@ impl Reference<'_> {
                 limit - base
             };
             match segment {
-                Segment::Straight(bundle) => self.each_hit_of_ray(bundle, range, take),
+                Segment::Straight(bundle) => reference.each_hit_of_ray(bundle, range, take),
                 Segment::Curved(curve) => self.each_hit_of_curves(&[*curve], &[range], |_, hit| take(hit)),
             }
             let (Segment::Straight(bundle), Surface::Smooth(smooth), true) = (segment, &optics.surface, sees) else {

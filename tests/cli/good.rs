@@ -82,7 +82,7 @@ fn renders_with(place: &Place, engine: &str) {
     let parts = ["read", "camera", "place", "plan", "upload", "compile", "wait", "read_back", "encode"].map(call);
     assert!(["read", "wait", "encode"].iter().all(|part| call(part) > 0.0), "{}", report["call_ms"]);
     assert!(parts.iter().sum::<f64>() <= call("total"), "{}", report["call_ms"]);
-    // the repeated frames, and at least the rays of the check, are not in it
+    // the total leaves out the repeated frames and the check
     assert!(call("total") + 3.0 * ms("min") < program_ms, "{} of {program_ms}", report["call_ms"]);
     assert_eq!((&report["error"]["wrong_safe"], &report["error"]["not_near"]), (&0.into(), &0.into()));
     let count = |key: &str| report[key].as_u64();

@@ -59,10 +59,10 @@ pub fn any_moving(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
 pub struct Path {
     pub scene: Scene,
     size: (u32, u32),
-    /// Of the camera, with `POSE` in place of the keys of its pose.
+    /// Keys of the camera, with `POSE` in place of those of its pose.
     keys: String,
-    /// So far from the origin are its poses.
-    far: f64,
+    /// Scale of the distance from the eye to its target.
+    distance: f64,
 }
 
 #[allow(dead_code)] // not of all programs that have this module
@@ -87,8 +87,8 @@ impl Path {
                 "kind = \"reflection\"\nfacets = \"normals\"\nmirror = {{ shape = \"sphere\", center = [0.2, 0.1, -0.3], radius = 0.7, count = 40 }}\n{eye}"
             ),
         };
-        let far = if rng.below(4) == 0 { 10f64.powi(1 + rng.below(3) as i32) } else { 1.0 };
-        Path { scene: scene(any_mesh(rng)), size, keys, far }
+        let distance = if rng.below(4) == 0 { 10f64.powi(1 + rng.below(3) as i32) } else { 1.0 };
+        Path { scene: scene(any_mesh(rng)), size, keys, distance }
     }
 
     /// Whether a mirror reflects the camera's rays.
@@ -106,10 +106,10 @@ impl Path {
             mesh.positions[3 * first..3 * last].iter_mut().for_each(|p| *p += by);
         }
         let target = 0.3 * rng.vector();
-        let eye = target + self.far * (2.0 * rng.direction() + 0.3 * rng.vector());
+        let eye = target + self.distance * (2.0 * rng.direction() + 0.3 * rng.vector());
         let up = if (target - eye).normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
         let pose = [("eye", eye), ("target", target), ("up", up)].map(|(key, v)| format!("{key} = {:?}", v.to_array()));
-        let separator = if self.keys.contains('{') && self.is_reflected() { ", " } else { "\n" };
+        let separator = if self.is_reflected() { ", " } else { "\n" };
         camera_of("", self.size, &self.keys.replace("POSE", &pose.join(separator))).unwrap()
     }
 }

@@ -117,7 +117,7 @@ const LENSES: [(&str, &str, [&str; 3]); 8] = [
     ),
 ];
 
-/// What a device shows that has shown other poses before, in frames that one that has shown nothing sees alike, and that are right.
+/// Renders the cameras one after another in one sequence. Each frame must equal a fresh frame bit for bit, and be right.
 fn assert_poses_alike(name: &str, less: Less, scene: &Scene, wanted: &Wanted, cameras: impl Iterator<Item = Camera>) {
     let (Some(mut engine), Some(mut fresh)) = (engine_on(less), engine_on(less)) else { return };
     let (mut sequence, mut last): (Sequence, Option<Planned>) = Default::default();
@@ -172,7 +172,7 @@ fn a_camera_of_pieces_that_moves_sees_what_a_new_one_sees() {
 /// A mirror or lens, and the triangles with its facets, stay on the device while the eye in front of it moves.
 #[test]
 fn an_eye_that_moves_before_a_mirror_sees_what_a_new_one_sees() {
-    let things = scene(icosphere(3));
+    let scene = scene(icosphere(3));
     let optics = [
         "kind = \"reflection\"\ndepth = 2\nmirror = { shape = \"sphere\", center = [1.5, 0, 0], radius = 0.8 }",
         "kind = \"reflection\"\nfacets = \"flat\"\nmirror = { shape = \"sphere\", center = [1.5, 0, 0], radius = 0.8, count = 200 }",
@@ -185,6 +185,6 @@ fn an_eye_that_moves_before_a_mirror_sees_what_a_new_one_sees() {
     ];
     for keys in optics {
         let camera = |eye: &&str| camera_of("", SIZE, &format!("{keys}\neye = {eye}")).unwrap();
-        assert_poses_alike(keys, |_| {}, &things, &wanted(), eyes.iter().map(camera));
+        assert_poses_alike(keys, |_| {}, &scene, &wanted(), eyes.iter().map(camera));
     }
 }

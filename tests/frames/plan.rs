@@ -10,7 +10,7 @@ use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::left_out::LeftOut;
 use anamorph::internals::engine::plan::slabs::Slabs;
 use anamorph::internals::engine::plan::variant::variant;
-use anamorph::internals::engine::plan::{Band, Plan, SceneContents, SceneExtent, SceneShape, Wanted};
+use anamorph::internals::engine::plan::{Band, Plan, PlanTarget, SceneContents, SceneExtent, SceneShape, Wanted};
 use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::gpu::layout::{self, BRANCH};
 use anamorph::internals::image::frame::Channel;
@@ -463,6 +463,37 @@ fn the_anchor_is_near_the_rays_and_in_the_scene() {
             assert_eq!(moved, if grain > 0.0 { own } else { origin });
             // the way between both is stored as f32
             assert_eq!((anchor - origin).as_vec3().as_dvec3(), anchor - origin);
+        }
+    }
+}
+
+/// The plan of a pose that takes over tiles of an earlier one is the plan made anew.
+#[test]
+fn tiles_that_are_taken_over_are_those_of_a_plan_made_anew() {
+    let poses = ["eye = [0, 0.2, 2.5]\ntarget = [0, 0, 0]", "eye = [-3, 1, 0]\ntarget = [0.2, 0, 0]\nup = [1, 0, 0]"];
+    // the strips of a width of 61 pixels end 0.4 px behind the border of a tile: samples lie in a strip that owns no centre there
+    for (keys, size) in [
+        ("kind = \"pinhole\"\nvfov = 60", SIZE),
+        ("kind = \"fisheye\"\nfov = 150\npieces = 60", SIZE),
+        ("kind = \"cylinder\"\nfov = 250\nstrips = 5", (61, 45)),
+    ] {
+        for samples in [1, 4] {
+            let wanted = Wanted { samples, srgb8: true, ..Wanted::of(vec![Channel::T]) };
+            let [first, second] = poses.map(|pose| camera_of("", size, &format!("{keys}\n{pose}")).unwrap());
+            let plan = |camera: &Camera, last| {
+                let variant = variant(camera, SceneContents::default(), &wanted, HAS_ALL, &RunOptions::default());
+                let target = PlanTarget { has: HAS_ALL, binding_limit: LAVAPIPE_BINDING, aims: true, last };
+                let extent = SceneExtent::point(DVec3::ZERO);
+                Plan::on(target, variant, camera, SceneContents::default(), extent, &wanted)
+            };
+            let before = plan(&first, None);
+            let [kept, anew] = [plan(&second, Some((&before, &first))), plan(&second, None)];
+            for (a, b) in kept.bands.iter().zip(&anew.bands) {
+                let name = format!("{keys}, {samples} samples");
+                assert_eq!((&a.tiles.start, &a.tiles.cell_samples), (&b.tiles.start, &b.tiles.cell_samples), "{name}");
+                assert_eq!((&a.tiles.cells, &a.tiles.pieces), (&b.tiles.cells, &b.tiles.pieces), "{name}");
+                assert_eq!((&a.nodes.nodes, a.nodes.exact), (&b.nodes.nodes, b.nodes.exact), "{name}");
+            }
         }
     }
 }

@@ -77,7 +77,7 @@ struct Params {
     level_width: array<vec4<u32>, 2>,   // nodes a row
     level_height: array<vec4<u32>, 2>,  // rows
     bvh_offset: vec3<f32>,  // from the origin of the hierarchies that trace follows to the anchor, exact
-    surface_rows: u32,      // of a triangle without texture coordinates in the table of surfaces: 1; 0 if all share the first row
+    surface_rows: u32,      // rows a triangle in a table of surfaces without texture coordinates: 1; 0 if all share the only row
 }
 
 // A perturbation (perturb.wgsl) moves origins by at most 2^-42 of the scene's size, and directions by 2^-42 of their own. This is twice

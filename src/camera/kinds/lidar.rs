@@ -203,7 +203,7 @@ impl Lens for Beams {
 }
 
 impl Beams {
-    /// The part of the sweep that is over in the middle of the column at an image coordinate.
+    /// The part of the sweep that is done at the middle of the column at image coordinate `a`.
     fn part(&self, a: f64) -> f64 {
         (index(a, self.columns) as f64 + 0.5) / f64::from(self.columns)
     }

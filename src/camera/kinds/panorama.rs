@@ -36,8 +36,8 @@ struct Keys {
     inward: f64,
 }
 
-/// The exact limit, in the frame of the circle: to the right of the middle column's viewer if they look inward, along the axis, and from the
-/// centre to that column's eye.
+/// The exact limit as a lens in the circle's frame. Its axes: x to the right of a viewer who looks inward in the middle column, y along the
+/// circle's axis, z from the centre to that column's eye.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Ring {
     radius: f64,

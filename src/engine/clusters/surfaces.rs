@@ -14,7 +14,7 @@ impl Chunk {
         })
     }
 
-    /// Rows of a table of surfaces without texture coordinates, and how many each triangle has: none where the first row is that of all.
+    /// The table of surfaces without texture coordinates, and its rows per triangle: 1, or 0 if all triangles share the only row.
     pub fn plain_surfaces(&self, mesh: &Mesh) -> (Vec<[u32; 4]>, u32) {
         match mesh.corner_normals.is_empty() && mesh.materials.len() <= 1 {
             true => (vec![[NO_NORMAL, NO_NORMAL, NO_NORMAL, 0]], 0),

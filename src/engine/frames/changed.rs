@@ -42,7 +42,7 @@ impl Frames {
         }
         // until all is there nothing is drawn
         let was_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
-        // what was cheaper for another camera
+        // tracing may have been cheaper only for the earlier camera
         if self.resident.bvh == BvhState::Preferred {
             self.resident.bvh = BvhState::Built;
         }

@@ -75,7 +75,12 @@ impl Fit {
         Fit { p: over(p), d: over(d), r_p: 0.0, r_d: 0.0, rays: RAYS_AFFINE }
     }
 
-    /// The same affine rays over a square of `times` the size, of which this one's is the upper left part.
+    /// Whether the rays are those of a bundle of constant weight, with nothing beside it.
+    pub fn is_of_bundle(&self) -> bool {
+        self.rays == RAYS_AFFINE && self.r_p == 0.0 && self.r_d == 0.0
+    }
+
+    /// Extends affine rays to a square `times` as large with the same upper left corner.
     pub fn extended(&self, times: f64) -> Fit {
         let over = |[c, x, y]: [DVec3; 3]| [c + (times - 1.0) * (x + y), times * x, times * y];
         Fit { p: over(self.p), d: over(self.d), ..*self }

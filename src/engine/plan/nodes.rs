@@ -40,7 +40,7 @@ struct NodeFit {
 }
 
 impl NodeFit {
-    /// Of a tile.
+    /// Returns the node of a tile.
     fn of_tile(tile: &TileFits, measure: WidthMeasure) -> NodeFit {
         let node = measure.node_fit(tile.whole, tile.each.iter().map(|cell| measure.width(cell)));
         NodeFit { sole_piece: tile.sole_piece, ..node }
@@ -61,14 +61,14 @@ impl NodeFit {
 #[derive(Default)]
 struct NodeRow {
     fits: Vec<NodeFit>,
-    /// The nodes of the cells below, where a tile has several.
+    /// Nodes of the cells of all tiles below that have several cells.
     of_cells: Vec<layout::Node>,
-    /// The rays of each tile are one affine bundle.
+    /// Each tile below has one affine bundle of rays, or no ray.
     exact: bool,
 }
 
 impl NodeRow {
-    /// Above some rows of tiles; writes the nodes of these.
+    /// Returns the row of nodes above up to four rows of tiles, and writes the tiles' own nodes to `nodes`.
     fn of_tiles<T: Borrow<TileFits>>(
         nodes: &mut [layout::Node],
         tile: impl Fn(usize) -> T,
@@ -141,7 +141,8 @@ impl WidthMeasure {
 pub const DISCONTINUOUS_WIDTH: f64 = 0.5;
 
 impl Nodes {
-    /// From what bounds the rays of each tile, row by row. At least two levels; the top one at most 2 x 2 nodes.
+    /// Builds the tree; `tile` returns the bounds of a tile, counted row by row. There are at least two levels, and the top one has at most 2 x 2
+    /// nodes.
     pub fn new<T: Borrow<TileFits>>(
         tile: impl Fn(usize) -> T + Sync,
         (tiles_x, tiles_y): (u32, u32),
@@ -149,7 +150,7 @@ impl Nodes {
     ) -> Nodes {
         let levels = levels(tiles_x, tiles_y);
         let mut nodes = vec![layout::Node::zeroed(); above_cells(tiles_x, tiles_y) as usize];
-        // bounds in f64 take several times the memory of nodes: those of tiles are forgotten as soon as the nodes above them are there
+        // bounds in f64 take several times the memory of nodes: the bounds of tiles are dropped once the node above is made
         let mut rows: Vec<NodeRow> = (0..levels[1].height).map(|_| NodeRow::default()).collect();
         let of_tiles = nodes[..levels[1].start as usize].chunks_mut((BRANCH * tiles_x) as usize);
         parallel::for_each(of_tiles.zip(&mut rows).enumerate(), |(y, (nodes, row))| {
@@ -205,14 +206,14 @@ pub fn above_cells(tiles_x: u32, tiles_y: u32) -> u32 {
 /// Nodes a side at most on the top level.
 const TOP: u32 = 2;
 
-/// A node from its children, of which so many columns and rows are left: their rays are those at the corners of their own fits, give or take
-/// their radii; or those of the piece that owns all of them, where its rays are affine.
+/// A node from its children; `left` is the number of columns and rows of children from `child(0, 0)` to the border. It bounds the rays at the
+/// corners of the children's fits, plus their radii. If one affine piece owns all children, it takes that piece's rays instead.
 fn parent<'a>(child: impl Fn(u32, u32) -> &'a NodeFit, left: [u32; 2], measure: WidthMeasure) -> NodeFit {
     let [columns, rows] = left.map_each(|left| left.min(BRANCH));
     let first = child(0, 0);
     let mut all = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
     let sole_piece = first.sole_piece.filter(|piece| all.all(|(i, j)| child(i, j).sole_piece == Some(*piece)));
-    if sole_piece.is_some() && first.fit.rays == RAYS_AFFINE {
+    if sole_piece.is_some() && first.fit.is_of_bundle() {
         let fit = first.fit.extended(BRANCH.into());
         return NodeFit { fit, sole_piece, width: measure.width(&fit) };
     }

@@ -28,7 +28,7 @@ pub struct Tiles {
     pub cell_samples: Vec<[u32; 2]>,
     /// The pieces of the band, in order of first use; each carries its number in the camera.
     pub pieces: Vec<layout::Piece>,
-    /// Pixels that have a ray; of several layers the sum over these.
+    /// Pixels that have a ray, summed over all slabs.
     pub rays: u64,
 }
 
@@ -107,7 +107,7 @@ pub struct TileFits {
 }
 
 impl From<Fit> for TileFits {
-    /// Of one cell.
+    /// The bounds of a tile with one cell at most.
     fn from(whole: Fit) -> TileFits {
         TileFits { whole, each: Vec::new(), sole_piece: None }
     }
@@ -177,7 +177,7 @@ impl Tiler<'_> {
                 let node = if bounds.each.is_empty() { k } else { node_of_cell };
                 node_of_cell += u32::from(node != k);
                 tiles.cells.push(layout::Cell { tile: k, node, ..self.cell_at(share, index, *place) });
-                if is_sole_layer && share.mask == self.all_pixels(*place) {
+                if is_sole_layer && owned.len() == 1 && share.mask == self.all_pixels(*place) {
                     bounds.sole_piece = Some(index);
                 }
                 if !self.sample_offsets.is_empty() {
@@ -192,7 +192,7 @@ impl Tiler<'_> {
         (tiles, bounds)
     }
 
-    /// The tiles of pieces that own the places that they own in `known`, the tiles of these rows in another pose.
+    /// Returns `known`, the tiles of an earlier pose, with the bundles of this pose. Each piece must own the same image places in both.
     pub fn moved(&self, pieces: &Pieces, known: &Tiles) -> Tiles {
         let number = |cell: &layout::Cell| known.pieces[cell.piece as usize].number;
         let cell = |cell: &layout::Cell| {
@@ -211,7 +211,7 @@ impl Tiler<'_> {
         }
     }
 
-    /// What bounds the rays of one of the tiles of a layer of pieces.
+    /// Returns the bounds of the rays of a tile, for a camera that is one layer of pieces.
     pub fn fits(&self, pieces: &Pieces, tiles: &Tiles, tile: usize) -> TileFits {
         let at = self.place(tile as u32, tiles.tiles_x);
         let cells = tiles.start[tile] as usize..tiles.start[tile + 1] as usize;
@@ -223,7 +223,7 @@ impl Tiler<'_> {
         TileFits { sole_piece, ..self.fits_of_pieces(at, pieces, &owned) }
     }
 
-    /// A tile of the only slab.
+    /// The place of a tile, by its number, for a camera with one slab.
     fn place(&self, tile: u32, tiles_x: u32) -> Place {
         Place { layer: 0, span: self.slabs.of_slab(0).1, x: tile % tiles_x, y: self.row / TILE + tile / tiles_x }
     }
@@ -294,9 +294,9 @@ impl Tiler<'_> {
         let fit = |owned: &[CellPixels]| Fit::of(&self.rays_of_pieces(at, pieces, owned));
         let of_cell = |share: &CellPixels| {
             let bundle = self.bundle(pieces, share.piece, at);
-            // the rays of pixels on one line fix no bundle: bounds of theirs are narrower than the piece's
-            let is_line = share.any().count_ones() <= TILE && owned.len() > 1;
-            match has_one_weight(&bundle) && !is_line {
+            // a few pixels, as along a border, have tighter bounds than their piece has over the whole tile
+            let is_narrow = share.any().count_ones() <= TILE && owned.len() > 1;
+            match has_one_weight(&bundle) && !is_narrow {
                 true => Fit::of_bundle(&bundle, TILE as f64 / 2.0),
                 false => fit(std::slice::from_ref(share)),
             }
@@ -416,7 +416,8 @@ impl Tiler<'_> {
         TileRays { rays: all.filter_map(ray).collect(), ..TileRays::default() }
     }
 
-    /// The same of pieces; without samples, of one whose rays are affine only the outermost pixels of each row.
+    /// The ray of each pixel of some cells of pieces, and the rays of its samples. An affine cell without samples needs only the outermost pixels of
+    /// each row: the others lie between them.
     fn rays_of_pieces(&self, at: Place, pieces: &Pieces, owned: &[CellPixels]) -> TileRays {
         let mut rays = Vec::new();
         for share in owned {
@@ -441,7 +442,7 @@ impl Tiler<'_> {
 
     /// The rays of a piece about the centre of a tile, relative to the anchor.
     fn bundle(&self, pieces: &Pieces, piece: u32, at: Place) -> Bundle {
-        // the mean of the sample places of its pixels
+        // the mean of the tile's sample places
         let centre = pieces.place(at.x * TILE, at.y * TILE) + TILE_REACH;
         rebased(&pieces.bundle_at_place(piece, centre), self.anchor)
     }
@@ -497,7 +498,7 @@ fn with_bundle(cell: layout::Cell, b: &Bundle) -> layout::Cell {
     layout::Cell { p: b.p[0].as_vec3().to_array(), h: b.h[0] as f32, d: b.d[0].as_vec3().to_array(), ..cell }
 }
 
-/// The rays of a bundle are affine over the image.
+/// Whether the rays of a bundle are affine over the image: its weight is constant.
 fn has_one_weight(b: &Bundle) -> bool {
     b.h[1] == 0.0 && b.h[2] == 0.0
 }

@@ -20,7 +20,7 @@ pub struct LensBand {
     rows: Rows,
     pub tiles: Arc<Tiles>,
     fits: Vec<TileFits>,
-    /// Rays in the order of [`RayTable::of_field`], six numbers each; of a lens whose rays all start in the eye only the directions.
+    /// Rays in the order of [`RayTable::of_field`]: six numbers each, or only the direction's three if all rays start in the eye.
     pub table: RayTable,
 }
 

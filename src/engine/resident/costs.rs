@@ -15,9 +15,9 @@ pub(super) struct Costs {
 }
 
 impl Costs {
-    /// Two cores: medians over 27 paths of `lab/examples/methods.rs`.
+    /// Two cores: medians over the paths of `lab/examples/methods.rs` through up to a million triangles.
     pub const SOFTWARE: Costs = Costs { stages: 0, pixel: 28, triangle: 46, millisecond: 70_000 };
-    /// An NVIDIA H200.
+    /// An NVIDIA H200, by its suites of `anamorph bench`.
     pub const GPU: Costs = Costs { stages: 1_900_000, pixel: 2, triangle: 15_000, millisecond: 10_000_000 };
 
     /// Tracing the rays of a band.
