@@ -293,7 +293,8 @@ impl Frames {
         self.show_by(planned, is_other_method)
     }
 
-    /// The same without choosing whether raster is tried; `is_other_method`: that choice has changed.
+    /// Shows another planned frame as [`Frames::show`] does, without choosing whether raster is tried. `is_other_method`: that choice has
+    /// changed since the last frame.
     pub(super) fn show_by(&mut self, planned: &Planned, is_other_method: bool) -> Result<bool> {
         let Planned { scene, camera, plan, clustered, wanted, .. } = planned;
         let is_plain = self.atlas.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();

@@ -4,7 +4,7 @@
 //! [`small`] and [`sort`] are left out where raster goes pair by pair. [`trace`] takes the place of cull to raster, or of what is left of them
 //! where it costs less; [`choose`] decides that before each dispatch of raster.
 //!
-//! Where rays are those of a lens at a pose, [`aim`] comes first, once for a pose.
+//! The stage [`aim`] comes first if the camera is a lens at a pose, once for each pose.
 //!
 //! Where the camera has a mirror or a lens, [`reach`] comes first, [`meet`] beside raster, and after shade `forget -> bounce -> fit` and all
 //! of it again, or [`paste`] from an atlas that was rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow

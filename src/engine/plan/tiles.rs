@@ -289,7 +289,7 @@ impl Tiler<'_> {
         }
     }
 
-    /// What bounds the rays of a tile of pieces, and of each cell where they are several.
+    /// Returns the bounds of the rays of a tile of pieces, and of the rays of each cell if the tile has several.
     fn fits_of_pieces(&self, at: Place, pieces: &Pieces, owned: &[CellPixels]) -> TileFits {
         let fit = |owned: &[CellPixels]| Fit::of(&self.rays_of_pieces(at, pieces, owned));
         let of_cell = |share: &CellPixels| {
