@@ -140,11 +140,17 @@ pub mod geometry {
     pub mod load {
         pub use crate::geometry::load::Object;
     }
+    pub mod instances {
+        pub use crate::geometry::instances::{Instance, Instances};
+    }
     pub mod mesh {
         pub use crate::geometry::mesh::{DIELECTRIC, Material, Mesh, NO_COLOR, NO_UV};
     }
     pub mod pattern {
         pub use crate::geometry::pattern::{Pattern, PatternKind};
+    }
+    pub mod scene_mesh {
+        pub use crate::geometry::scene_mesh::SceneMesh;
     }
     pub mod spheres {
         pub use crate::geometry::spheres::spheres_of;

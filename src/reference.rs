@@ -37,6 +37,7 @@ mod margin;
 mod path;
 mod pictures;
 mod sphere;
+mod tree;
 mod verdict;
 pub mod volume;
 
@@ -58,6 +59,7 @@ use crate::camera::Camera;
 use crate::camera::bundle::Bundle;
 use crate::camera::exposure::Sample;
 use crate::camera::perturb::scene_size;
+use crate::geometry::instances::Instances;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::opacity::Threshold;
 use crate::geometry::time_steps::{Moment, MovingMesh, TimeSteps};
@@ -70,6 +72,7 @@ use intersect::{Aim, Corners, T_ROUNDING};
 use pictures::Pictures;
 use sphere::Sphere;
 use std::sync::Arc;
+use tree::{PlacedMeshes, Tree};
 
 /// The first hit of a ray on the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,12 +89,14 @@ pub struct Hit {
 #[derive(Debug, Clone)]
 pub struct Reference<'a> {
     mesh: &'a Mesh,
+    /// The places of its meshes, if they stand in several; then a hit's triangle is not that of `mesh`, but [`Reference::own`] is.
+    instances: Option<&'a Instances>,
     /// Where it moves, and the moment.
     moving: Option<(&'a TimeSteps, Moment)>,
     /// The sample whose rays are asked for, and its pixel: blended surfaces differ from sample to sample.
     sample: Option<((u32, u32), Sample)>,
     /// Boxes of all moments.
-    bvh: Arc<Bvh>,
+    tree: Arc<Tree>,
     /// The mesh's size, by which rays are perturbed: [`crate::camera::perturb`].
     scene_size: f64,
     /// Those that are thrown onto it.
@@ -107,27 +112,28 @@ impl<'a> Reference<'a> {
 
     /// The same for the mesh of a scene, at its first moment if it moves.
     pub fn of_scene(scene: &'a Scene) -> Reference<'a> {
-        Reference { pictures: Arc::new(Pictures::of(scene)), ..Reference::of_moving(scene.moving_mesh()) }
+        let pictures = Arc::new(Pictures::of(scene));
+        match (scene.mesh.instances(), &scene.steps) {
+            (Some(instances), None) => Reference { pictures, ..Reference::of_instances(instances) },
+            _ => Reference { pictures, ..Reference::of_moving(scene.moving_mesh()) },
+        }
+    }
+
+    fn of_instances(instances: &'a Instances) -> Reference<'a> {
+        let base = MovingMesh::from(&*instances.base);
+        let tree = Arc::new(Tree::Placed(PlacedMeshes::new(instances, |id| item(base, id))));
+        let scene_size = scene_size(instances.bounds());
+        let mesh = &instances.base;
+        let instances = Some(instances);
+        Reference { mesh, instances, moving: None, sample: None, tree, scene_size, pictures: Arc::default() }
     }
 
     fn of_moving(all: MovingMesh<'a>) -> Reference<'a> {
-        let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
-        let item = |id: u32| {
-            if let Some(radius) = all.mesh.radius(id) {
-                let at = |step| Sphere { centre: all.corners(id, step)[0], radius }.bounds();
-                let (lo, hi) = (0..all.count()).map(at).reduce(join)?;
-                return Some(Item { lo, hi, id });
-            }
-            let corners = (0..all.count()).map(|step| Corners::new(all.corners(id, step)));
-            let (lo, hi) = corners.clone().map(|corners| corners.bounds()).reduce(join)?;
-            let is_there = all.count() > 1 || corners.clone().any(|corners| !corners.is_degenerate());
-            is_there.then_some(Item { lo, hi, id })
-        };
-        let items = parallel::flat_map(0..all.mesh.triangles.len() as u32, item);
+        let items = parallel::flat_map(0..all.mesh.triangles.len() as u32, |id| item(all, id));
         let moving = all.steps.map(|steps| (steps, Moment::default()));
-        let bvh = Arc::new(Bvh::build(items));
+        let tree = Arc::new(Tree::Whole(Bvh::build(items)));
         let scene_size = scene_size(all.bounds());
-        Reference { mesh: all.mesh, moving, sample: None, bvh, scene_size, pictures: Arc::default() }
+        Reference { mesh: all.mesh, instances: None, moving, sample: None, tree, scene_size, pictures: Arc::default() }
     }
 
     /// The mesh as it is at a moment.
@@ -159,7 +165,7 @@ impl<'a> Reference<'a> {
         let beam = Beam::over(&bundle, 0.0)?;
         let mut nearest = far;
         let mut is_met = false;
-        self.bvh.walk(&beam, [0.0, far], |id| {
+        self.tree.walk(self.instances, &beam, [0.0, far], |id| {
             let met: Vec<f64> = match self.sphere(id) {
                 _ if id >= count => Vec::new(),
                 Some(sphere) => sphere.meetings(&bundle).into_iter().flatten().collect(),
@@ -187,7 +193,7 @@ impl<'a> Reference<'a> {
         };
         let Some((aim, beam)) = upright(bundle).and_then(aimed) else { return };
         let mut limit = f64::INFINITY;
-        self.bvh.walk(&beam, self.walk_range(&aim.centre, t_range), |id| {
+        self.tree.walk(self.instances, &beam, self.walk_range(&aim.centre, t_range), |id| {
             if let Some(hit) = self.hit_of(&aim, id, t_range) {
                 limit = limit.min(visit(hit));
             }
@@ -225,7 +231,7 @@ impl<'a> Reference<'a> {
 
     /// As it is at the moment; `None` of a triangle.
     fn sphere(&self, id: u32) -> Option<Sphere> {
-        let radius = self.mesh.radius(id)?;
+        let radius = self.mesh.radius(self.own(id))?;
         Some(Sphere { centre: self.positions(id)[0], radius })
     }
 
@@ -236,38 +242,58 @@ impl<'a> Reference<'a> {
 
     /// The corners of a triangle about a hit at `p`, as the surface there; of a sphere that place.
     fn surface(&self, id: u32, p: DVec3) -> [DVec3; 3] {
-        if self.mesh.radius(id).is_some() { [p; 3] } else { self.positions(id) }
+        if self.mesh.radius(self.own(id)).is_some() { [p; 3] } else { self.positions(id) }
     }
 
     /// The corners of a triangle, in the order of its file.
     fn positions(&self, id: u32) -> [DVec3; 3] {
         let mesh = self.mesh;
-        let at = |v: u32| match self.moving {
-            Some((steps, moment)) => steps.position_at(mesh, v, moment),
-            None => mesh.positions[v as usize],
-        };
-        mesh.triangles[id as usize].map_each(at)
+        match (self.moving, self.instances) {
+            (Some((steps, moment)), _) => mesh.triangles[id as usize].map_each(|v| steps.position_at(mesh, v, moment)),
+            (None, Some(instances)) => instances.corners(id),
+            (None, None) => mesh.triangles[id as usize].map_each(|v| mesh.positions[v as usize]),
+        }
     }
 
-    /// A normal of the mesh.
-    fn normal(&self, n: u32) -> DVec3 {
-        match self.moving {
-            Some((steps, moment)) => steps.normal_at(self.mesh, n, moment),
-            None => self.mesh.normals[n as usize].as_dvec3(),
+    /// A normal of a triangle.
+    fn normal(&self, id: u32, n: u32) -> DVec3 {
+        match (self.moving, self.instances) {
+            (Some((steps, moment)), _) => steps.normal_at(self.mesh, n, moment),
+            (None, Some(instances)) => instances.find(id).0.placed_normal(self.mesh.normals[n as usize]).as_dvec3(),
+            (None, None) => self.mesh.normals[n as usize].as_dvec3(),
         }
+    }
+
+    /// The triangle of `mesh` that has the surface of this one.
+    fn own(&self, id: u32) -> u32 {
+        self.instances.map_or(id, |instances| instances.find(id).1)
     }
 
     /// A triangle without a material shows both faces.
     fn two_sided(&self, id: u32) -> bool {
-        self.mesh.material(id).is_none_or(|m| m.two_sided)
+        self.mesh.material(self.own(id)).is_none_or(|m| m.two_sided)
     }
 
     /// Whether the triangle has a surface at a place, seen by the sample.
     fn is_there(&self, id: u32, bary: [f64; 2]) -> bool {
         let threshold =
             self.sample.map_or(Threshold::HALF, |(pixel, s)| Threshold::of_sample(pixel, id, (s.number, s.count)));
-        self.mesh.is_there(id, bary, threshold)
+        self.mesh.is_there(self.own(id), bary, threshold)
     }
+}
+
+/// The box of a triangle or sphere at all moments; `None` if it is never hit.
+fn item(all: MovingMesh, id: u32) -> Option<Item> {
+    let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+    if let Some(radius) = all.mesh.radius(id) {
+        let at = |step| Sphere { centre: all.corners(id, step)[0], radius }.bounds();
+        let (lo, hi) = (0..all.count()).map(at).reduce(join)?;
+        return Some(Item { lo, hi, id });
+    }
+    let corners = (0..all.count()).map(|step| Corners::new(all.corners(id, step)));
+    let (lo, hi) = corners.clone().map(|corners| corners.bounds()).reduce(join)?;
+    let is_there = all.count() > 1 || corners.clone().any(|corners| !corners.is_degenerate());
+    is_there.then_some(Item { lo, hi, id })
 }
 
 /// The nearer hit; the lower id among equals.

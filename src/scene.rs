@@ -26,11 +26,12 @@ use crate::camera::exposure::Exposure;
 use crate::camera::kinds::pinhole::Pinhole;
 use crate::camera::moving::Moving;
 use crate::camera::optics::Surface;
-use crate::camera::recipe::Surroundings;
+use crate::camera::recipe::{Surroundings, Triangles};
 use crate::camera::spec::CameraSpec;
 use crate::geometry::load::Object;
-use crate::geometry::mesh::{Mesh, joined};
+use crate::geometry::mesh::joined;
 use crate::geometry::place;
+use crate::geometry::scene_mesh::SceneMesh;
 use crate::geometry::texture::ImagesRead;
 use crate::geometry::time_steps::{Moment, MovingMesh, TimeSteps};
 use crate::image::frame::Channel;
@@ -53,8 +54,8 @@ use volume::Volume;
 /// A loaded scene: everything that a frame needs.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// All meshes placed in the world, one after the other.
-    pub mesh: Arc<Mesh>,
+    /// The triangles of all meshes in the world, one mesh after the other.
+    pub mesh: Arc<SceneMesh>,
     /// Name and triangle count of each object, in id order.
     pub objects: Vec<Object>,
     /// If empty, a headlight shines along each pixel's ray.
@@ -87,7 +88,7 @@ pub struct Scene {
     /// Where the mesh is at the times of a frame, if it moves; [`Scene::mesh`] is at the frame's own time, 0.
     pub steps: Option<Arc<TimeSteps>>,
     /// What casts shadows and hides light, if that is not [`Scene::mesh`]: the same triangles with those that a camera does not see.
-    pub casters: Option<Arc<Mesh>>,
+    pub casters: Option<Arc<SceneMesh>>,
     /// The camera at the times of a frame, if it moves.
     pub camera_steps: Vec<(f64, CameraSpec)>,
     pub output: file::OutputSpec,
@@ -157,7 +158,7 @@ impl Scene {
     pub fn channels(&self, camera: &Camera) -> Vec<Channel> {
         let is_available = |c: &Channel| match c {
             Channel::Certified => false,
-            Channel::TextureU | Channel::TextureV => !self.mesh.corner_uvs.is_empty(),
+            Channel::TextureU | Channel::TextureV => !self.mesh.base().corner_uvs.is_empty(),
             Channel::DepthLinear | Channel::DepthPerspective => self.depth_range.is_some(),
             _ => true,
         };
@@ -171,7 +172,7 @@ impl Scene {
         };
         let base = camera.optics.as_ref().map_or([0.0; 3], |o| o.base);
         let mut scene = self.clone();
-        place::append(Arc::make_mut(&mut scene.mesh), facets.mesh(base));
+        place::append(&mut **Arc::make_mut(&mut scene.mesh), facets.mesh(base));
         Cow::Owned(scene)
     }
 
@@ -205,7 +206,7 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`] for shadows together with alpha masks.
     pub fn check_shadows(&self) -> Result<()> {
-        if self.has_shadows() && self.mesh.has_alpha_masks() {
+        if self.has_shadows() && self.mesh.base().has_alpha_masks() {
             return Err(Error::input(SHADOWS_AND_ALPHA_MASKS.join("; ")));
         }
         Ok(())
@@ -214,7 +215,7 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`] for spheres together with caustics.
     pub fn check_spheres(&self) -> Result<()> {
-        if self.mesh.has_spheres() && self.caustics.is_some() {
+        if self.mesh.base().has_spheres() && self.caustics.is_some() {
             return Err(Error::input(SPHERES_AND_CAUSTICS.join("; ")));
         }
         Ok(())
@@ -231,7 +232,10 @@ impl Scene {
 
     /// Least and greatest corner of the bounding box of all vertices and spheres at all times of the frame, world units; `None` without vertices.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        self.moving_mesh().bounds()
+        match &self.steps {
+            Some(steps) => steps.bounds(&self.mesh),
+            None => self.mesh.bounds(),
+        }
     }
 
     /// What its cameras look at.
@@ -239,12 +243,17 @@ impl Scene {
         let of_steps = self.steps.as_ref().and_then(|_| self.bounds());
         let beside = of_steps.into_iter().chain(self.volume.as_ref().map(|v| v.grid.bounds())).reduce(joined);
         let is_endless = self.sky.as_ref().is_some_and(|sky| sky.is_seen);
-        Surroundings { mesh: &self.mesh, beside, is_endless }
+        Surroundings { triangles: Triangles::OfScene(&self.mesh), beside, is_endless }
     }
 
     /// The mesh with its time steps.
     pub fn moving_mesh(&self) -> MovingMesh<'_> {
         MovingMesh { mesh: &self.mesh, steps: self.steps.as_deref() }
+    }
+
+    /// Time steps of each vertex; 1 if nothing moves during a frame.
+    pub fn step_count(&self) -> u32 {
+        self.steps.as_ref().map_or(1, |steps| steps.count())
     }
 
     /// When a pixel of the camera sees the mesh. If that stands still, any moment is the same.
@@ -265,11 +274,10 @@ impl Scene {
 
     /// The corners of a triangle at a moment, in the order of its file.
     pub fn corners_at(&self, id: u32, moment: Moment) -> [DVec3; 3] {
-        let at = |v: u32| match &self.steps {
-            Some(steps) => steps.position_at(&self.mesh, v, moment),
-            None => self.mesh.positions[v as usize],
-        };
-        self.mesh.triangles[id as usize].map_each(at)
+        match &self.steps {
+            Some(steps) => self.mesh.triangles[id as usize].map_each(|v| steps.position_at(&self.mesh, v, moment)),
+            None => self.mesh.corners(id),
+        }
     }
 }
 

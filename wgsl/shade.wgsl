@@ -5,9 +5,9 @@
 // Needs: Bundle, Lit, NONE, PICTURES, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, by_thread, colour_of, drawn,
 //   ends_on_smooth, first_piece, first_surface, goes_on, has_corners, has_path, in_file_order, key_id, key_layer, key_t, light_before,
 //   light_left, painted, path_length, pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential,
-//   reach_of, reached, real3, says_what_is_seen, segment_length, sent_back, surface_albedo, surface_normal, surface_uv, take_moment,
+//   reach_of, reached, real3, says_what_is_seen, segment_length, sent_back, slot_of, surface_albedo, surface_normal, surface_uv, take_moment,
 //   take_surface, triangle_at, vertex_real
-// Binds: params, planes, shading, slot_of_id
+// Binds: params, planes, shading
 
 // Some plane shows more than the key says.
 override FOLLOWS_RAYS: bool = true;
@@ -159,7 +159,7 @@ fn hit_of_triangle(at: Place, id: u32, layer: u32, t: f32) -> Seen {
     // what the key does not say: the ray and the triangle
     let x = at.pixel % params.width;
     let y = at.pixel / params.width;
-    let slot = slot_of_id[id - params.id_first];
+    let slot = slot_of(id);
     let triangle = triangle_at(slot);
     let ray = pixel_ray(layer, x, y, t);
     seen.z = 0.0;

@@ -161,7 +161,7 @@ impl Tables {
             surfaces: surface_tables(&clustered, &scene.mesh),
             clustered: clustered.with_vertices(&scene.mesh),
             plan,
-            appearance: Appearance::new(scene, extent.anchor, &Pages::default(), Shadows::NONE, None),
+            appearance: Appearance::new((scene, false), extent.anchor, &Pages::default(), Shadows::NONE, None),
         }
     }
 

@@ -45,7 +45,7 @@ pub struct RayHit {
 impl Caster {
     /// Indexes the triangles and spheres of a scene as it is now.
     pub fn new(scene: &Scene) -> Caster {
-        let mesh = scene.scene.mesh.clone();
+        let mesh = scene.scene.mesh.mesh().clone();
         let ends = scene.scene.objects.iter().scan(0, |end, object| {
             *end += object.triangles as u32;
             Some(*end)

@@ -1,11 +1,13 @@
 //! Objects of a scene that move or change their shape.
 
 use super::Scene;
+use crate::geometry::instances::{Instance, Instances};
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
 use crate::geometry::place::{STRETCH_MAX, keeps_spheres, size_of, transformed_normal, world_normal_from_object};
 use crate::geometry::time_steps::TimeSteps;
 use crate::input::{Error, Result};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -28,17 +30,8 @@ impl Rest {
     }
 
     fn of(scene: &crate::scene::Scene, name: &str) -> Result<Rest> {
-        let mut first = 0;
-        let triangles = scene.objects.iter().find_map(|object| {
-            let own = first..first + object.triangles;
-            first = own.end;
-            (object.name == name).then_some(own)
-        });
-        let triangles = triangles.ok_or_else(|| {
-            let names: Vec<&str> = scene.objects.iter().map(|object| object.name.as_str()).take(20).collect();
-            Error::input(format!("the scene has no object {name:?}; it has {}", names.join(", ")))
-        })?;
-        let Mesh { positions, normals, triangles: corners, corner_normals, .. } = &*scene.mesh;
+        let triangles = triangles_of(scene, name)?;
+        let Mesh { positions, normals, triangles: corners, corner_normals, .. } = &**scene.mesh;
         // each object's lie together: from the first to the last that it uses
         let own = |corners: &[[u32; 3]]| {
             let used = corners.get(triangles.clone()).unwrap_or_default().iter().flatten().filter(|v| **v != NO_NORMAL);
@@ -57,6 +50,20 @@ impl Rest {
     }
 }
 
+/// The triangles of an object.
+fn triangles_of(scene: &crate::scene::Scene, name: &str) -> Result<Range<usize>> {
+    let mut first = 0;
+    let triangles = scene.objects.iter().find_map(|object| {
+        let own = first..first + object.triangles;
+        first = own.end;
+        (object.name == name).then_some(own)
+    });
+    triangles.ok_or_else(|| {
+        let names: Vec<&str> = scene.objects.iter().map(|object| object.name.as_str()).take(20).collect();
+        Error::input(format!("the scene has no object {name:?}; it has {}", names.join(", ")))
+    })
+}
+
 impl Scene {
     /// Places an object: each of its vertices p, as last added or set, comes to lie at M p. `matrix` has the rows of M, which is affine, in world
     /// units; the identity takes the object back. Cameras that depend on the scene, such as `track`, must be created again.
@@ -67,6 +74,9 @@ impl Scene {
     pub fn move_object(&mut self, name: &str, matrix: [[f64; 4]; 3]) -> Result<()> {
         let column = |k: usize| DVec3::new(matrix[0][k], matrix[1][k], matrix[2][k]);
         let place = DAffine3::from_mat3_translation(DMat3::from_cols(column(0), column(1), column(2)), column(3));
+        if let Some(instance) = self.instance_of(name)? {
+            return self.move_instance(name, instance, place);
+        }
         let rest = self.rest(name)?;
         let triangles = rest.triangles.clone();
         let is_sphere = |id: usize| self.scene.mesh.radius(id as u32).is_some();
@@ -107,11 +117,83 @@ impl Scene {
         Ok(())
     }
 
+    /// The instance that is an object, where objects can move by a matrix alone: no vertex was set or moves while images are taken, and there are
+    /// no spheres. From the first such move on the scene is made of instances.
+    fn instance_of(&mut self, name: &str) -> Result<Option<usize>> {
+        let ids = triangles_of(&self.scene, name)?;
+        let has_other_moves = !self.rests.is_empty() || self.scene.steps.is_some();
+        if has_other_moves || self.scene.caustics.is_some() || self.scene.mesh.base().has_spheres() {
+            return Ok(None);
+        }
+        if self.at_rest.is_none() {
+            let counts = self.scene.objects.iter().map(|object| object.triangles);
+            self.at_rest = match self.scene.mesh.instances() {
+                Some(instances) => Some(instances.clone()),
+                None => Instances::of_runs(self.scene.mesh.mesh(), counts).map(Arc::new),
+            };
+            let Some(at_rest) = &self.at_rest else { return Ok(None) };
+            self.scene.mesh = Arc::new(at_rest.clone().into());
+        }
+        Ok(self.at_rest.as_ref().and_then(|at_rest| at_rest.exactly(&ids)))
+    }
+
+    /// Moves an object that is an instance.
+    fn move_instance(&mut self, name: &str, instance: usize, place: DAffine3) -> Result<()> {
+        let Some(at_rest) = &self.at_rest else { return Ok(()) };
+        let Instance { matrix: own, bounds, .. } = &at_rest.list[instance];
+        let matrix = match own {
+            _ if place == DAffine3::IDENTITY => *own,
+            Some(own) => Some(place * *own),
+            None => Some(place),
+        };
+        let (lo, hi) = Instance { matrix, ..at_rest.list[instance].clone() }.placed_box(*bounds);
+        if let Some(v) = [lo, hi].into_iter().find(|p| !p.is_finite()) {
+            return Err(Error::input(format!("{name}: a vertex would lie at {v}; use finite numbers")));
+        }
+        Arc::make_mut(&mut self.scene.mesh).place(instance, matrix);
+        Ok(())
+    }
+
+    /// Makes one mesh of the scene, with each object that has moved where it is, and keeps where it was.
+    pub(super) fn copy_places(&mut self) -> Result<()> {
+        let Some(at_rest) = &self.at_rest else { return Ok(()) };
+        self.scene.mesh.check_copies(self.scene.limits)?;
+        let Some(now) = self.scene.mesh.instances().cloned() else { return Ok(()) };
+        let mesh = self.scene.mesh.mesh().clone();
+        let moved = crate::scene::Scene { mesh: Arc::new(mesh.into()), ..self.scene.clone() };
+        let ends = moved.objects.iter().scan(0, |end, object| {
+            *end += object.triangles;
+            Some((*end - object.triangles..*end, object.name.as_str()))
+        });
+        let names: HashMap<Range<usize>, &str> = ends.filter(|(ids, _)| !ids.is_empty()).collect();
+        let (mut rests, mut first_vertex, mut first_normal) = (Vec::new(), 0, 0);
+        for (was, is) in at_rest.list.iter().zip(&now.list) {
+            let ids = was.first_id as usize..was.first_id as usize + was.triangles.len();
+            if let Some(name) = names.get(&ids).filter(|_| was.matrix != is.matrix) {
+                let mut rest = Rest::of(&moved, name)?;
+                // the object as it was, where the copies have it now
+                let own = |k: usize, first: usize, range: &Range<u32>| k - first + range.start as usize;
+                for (k, p) in rest.vertices.clone().zip(&mut rest.positions) {
+                    *p = was.placed(at_rest.base.positions[own(k, first_vertex, &was.vertices)]);
+                }
+                for (k, n) in rest.normals.clone().zip(&mut rest.directions) {
+                    *n = was.placed_normal(at_rest.base.normals[own(k, first_normal, &was.normals)]);
+                }
+                rests.push(rest);
+            }
+            first_vertex += was.vertices.len();
+            first_normal += was.normals.len();
+        }
+        (self.scene, self.rests, self.at_rest) = (moved, rests, None);
+        Ok(())
+    }
+
     /// The object as it was last added or set, kept from its first move on.
     pub(super) fn rest(&mut self, name: &str) -> Result<&Rest> {
         if self.scene.caustics.is_some() {
             return Err(Error::input("a scene with caustics takes its meshes from its file; move them there"));
         }
+        self.copy_places()?;
         if let Some(known) = self.rests.iter().position(|rest| rest.name == name) {
             return Ok(&self.rests[known]);
         }

@@ -2,7 +2,8 @@
 
 use super::objects::Rest;
 use super::{Camera, Mesh};
-use crate::geometry::load::{Object, load_dressed, load_unplaced, placed, with_unique_names};
+use crate::geometry::instances::Instances;
+use crate::geometry::load::{Object, copied, load_dressed, load_unplaced, placed, with_unique_names};
 use crate::geometry::place;
 use crate::geometry::spec::MeshSpec;
 use crate::geometry::texture::{Images, ImagesRead};
@@ -23,6 +24,8 @@ pub struct Scene {
     has_camera: bool,
     /// Objects that were moved.
     pub(super) rests: Vec<Rest>,
+    /// The scene before objects moved, while each moves by a matrix alone.
+    pub(super) at_rest: Option<Arc<Instances>>,
     /// The last cameras that were compiled for it and its clones.
     pub(super) cameras: Arc<Cameras>,
 }
@@ -52,8 +55,7 @@ impl Placed {
         let (loading, mut images) = (Loading::new(limits), Images::of(ImagesRead::All));
         let spec = file::look_of(table, folder.as_ref(), &loading)?;
         let own = MeshSpec { name: spec.name.clone().or(Some(mesh.name)), ..spec };
-        let (mesh, objects) = placed(load_dressed(&own, mesh.mesh, &mut images, &loading)?, &own, &loading)?;
-        Ok(Placed { mesh, objects })
+        Placed::of(load_dressed(&own, mesh.mesh, &mut images, &loading)?, &own, &loading)
     }
 
     /// The mesh of a scene file's `[[mesh]]`, given as in [`Placed::of_mesh`].
@@ -71,8 +73,12 @@ impl Placed {
     pub fn of_table_within(table: &str, folder: impl AsRef<Path>, limits: Limits) -> Result<Placed> {
         let (loading, mut images) = (Loading::new(limits), Images::of(ImagesRead::All));
         let spec = file::mesh_of(table, folder.as_ref(), &loading)?;
-        let (mesh, objects) = placed(load_unplaced(&spec, &mut images, &loading)?, &spec, &loading)?;
-        Ok(Placed { mesh, objects })
+        Placed::of(load_unplaced(&spec, &mut images, &loading)?, &spec, &loading)
+    }
+
+    fn of(mesh: crate::geometry::mesh::Mesh, spec: &MeshSpec, loading: &Loading) -> Result<Placed> {
+        let (part, objects) = placed(mesh, spec, loading)?;
+        Ok(Placed { mesh: copied(part, loading.limits())?, objects })
     }
 }
 
@@ -89,7 +95,7 @@ impl Scene {
     }
 
     fn of(scene: crate::scene::Scene, has_camera: bool) -> Scene {
-        Scene { scene, has_camera, rests: Vec::new(), cameras: Arc::default() }
+        Scene { scene, has_camera, rests: Vec::new(), at_rest: None, cameras: Arc::default() }
     }
 
     /// Loads a scene file, .toml or .json, and all files that it names. `overrides` change values, as in `camera.vfov=40`; keyframed
@@ -174,8 +180,9 @@ impl Scene {
         if let Some(v) = mesh.positions.iter().find(|p| !p.is_finite()) {
             return Err(Error::input(format!("mesh: a vertex lies at {v} after its transform; use finite numbers")));
         }
-        place::check_counts([&*self.scene.mesh, &mesh])?;
-        place::append_with_all(Arc::make_mut(&mut self.scene.mesh), mesh);
+        self.copy_places()?;
+        place::check_counts([&**self.scene.mesh, &mesh])?;
+        place::append_with_all(&mut **Arc::make_mut(&mut self.scene.mesh), mesh);
         let objects = std::mem::take(&mut self.scene.objects);
         self.scene.objects = with_unique_names(objects.into_iter().chain(added));
         Ok(())
@@ -216,7 +223,7 @@ impl Scene {
 
     /// The number of triangles and spheres.
     pub fn triangle_count(&self) -> usize {
-        self.scene.mesh.triangles.len()
+        self.scene.mesh.triangle_count()
     }
 
     /// Least and greatest corner of the bounding box of all vertices, world units; `None` without vertices.
@@ -231,6 +238,6 @@ impl Scene {
 
     /// Missing files and attributes that mesh files refer to, one line each. The scene was loaded without them.
     pub fn missing(&self) -> impl Iterator<Item = String> {
-        self.scene.mesh.missing.iter().map(|missing| format!("{}: {}", missing.what, missing.why))
+        self.scene.mesh.base().missing.iter().map(|missing| format!("{}: {}", missing.what, missing.why))
     }
 }

@@ -5,6 +5,7 @@ use super::exposure::Lines;
 use crate::camera::composition::Composition;
 use crate::camera::optics::Optics;
 use crate::geometry::mesh::{Mesh, joined};
+use crate::geometry::scene_mesh::SceneMesh;
 use crate::input::reader::Table;
 use crate::input::{Error, Limits, Loading, Result};
 use glam::DVec3;
@@ -72,10 +73,34 @@ impl<T: Any + PartialEq> Equal for T {
     }
 }
 
+/// The triangles that a camera looks at.
+#[derive(Debug, Clone, Copy)]
+pub enum Triangles<'a> {
+    Mesh(&'a Mesh),
+    /// One mesh is made of them only for a camera that reads it.
+    OfScene(&'a SceneMesh),
+}
+
+impl<'a> Triangles<'a> {
+    fn mesh(self) -> &'a Mesh {
+        match self {
+            Triangles::Mesh(mesh) => mesh,
+            Triangles::OfScene(mesh) => mesh,
+        }
+    }
+
+    fn bounds(self) -> Option<(DVec3, DVec3)> {
+        match self {
+            Triangles::Mesh(mesh) => mesh.bounds(),
+            Triangles::OfScene(mesh) => mesh.bounds(),
+        }
+    }
+}
+
 /// What a camera looks at.
 #[derive(Debug, Clone, Copy)]
 pub struct Surroundings<'a> {
-    pub mesh: &'a Mesh,
+    pub triangles: Triangles<'a>,
     /// The corners of a box around all else that has a place: a volume, and the mesh at other times.
     pub beside: Option<(DVec3, DVec3)>,
     /// Rays that miss all of it show something, too: an environment.
@@ -84,12 +109,18 @@ pub struct Surroundings<'a> {
 
 impl<'a> From<&'a Mesh> for Surroundings<'a> {
     fn from(mesh: &'a Mesh) -> Surroundings<'a> {
-        Surroundings { mesh, beside: None, is_endless: false }
+        Surroundings { triangles: Triangles::Mesh(mesh), beside: None, is_endless: false }
     }
 }
 
-impl<'a> From<&'a Arc<Mesh>> for Surroundings<'a> {
-    fn from(mesh: &'a Arc<Mesh>) -> Surroundings<'a> {
+impl<'a> From<&'a SceneMesh> for Surroundings<'a> {
+    fn from(mesh: &'a SceneMesh) -> Surroundings<'a> {
+        Surroundings { triangles: Triangles::OfScene(mesh), beside: None, is_endless: false }
+    }
+}
+
+impl<'a> From<&'a Arc<SceneMesh>> for Surroundings<'a> {
+    fn from(mesh: &'a Arc<SceneMesh>) -> Surroundings<'a> {
         mesh.as_ref().into()
     }
 }
@@ -162,14 +193,14 @@ impl<'a> Setting<'a> {
     /// The scene's triangles, world units.
     pub fn mesh(&self) -> &'a Mesh {
         self.note_use(SceneUse::Mesh);
-        self.surroundings.mesh
+        self.surroundings.triangles.mesh()
     }
 
     /// The corners of the box around all that has a place; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.note_use(SceneUse::Bounds);
-        let Surroundings { mesh, beside, .. } = self.surroundings;
-        mesh.bounds().into_iter().chain(beside).reduce(joined)
+        let Surroundings { triangles, beside, .. } = self.surroundings;
+        triangles.bounds().into_iter().chain(beside).reduce(joined)
     }
 
     /// Rays that miss all that has a place show something, too.

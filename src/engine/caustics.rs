@@ -5,7 +5,7 @@ use super::{Engine, RunOptions};
 use crate::arrays::MapEach;
 use crate::engine::plan::Wanted;
 use crate::engine::stage::deposit::{CausticTriangles, Deposit};
-use crate::geometry::mesh::Mesh;
+use crate::geometry::scene_mesh::SceneMesh;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::layout::{self, NONE};
@@ -19,7 +19,7 @@ use std::time::Instant;
 /// The maps of a scene's receivers, on the device and here.
 pub struct DeviceCaustics {
     caustics: Arc<Caustics>,
-    mesh: Arc<Mesh>,
+    mesh: Arc<SceneMesh>,
     /// `sums` and `receivers` as deposit left them; `receiver_triangle_of`, 4 bytes a triangle, and `receiver_triangles`, 48 bytes for each
     /// on a receiver. Read by gather.
     pub buffers: Buffers,

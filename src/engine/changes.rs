@@ -64,7 +64,7 @@ impl Changes {
 
     /// What the device has of lights and materials follows from something that changed.
     pub fn needs_appearance(self) -> bool {
-        self.plan || self.positions || self.appearance
+        self.positions || self.appearance
     }
 
     /// Which stages are to run again.
@@ -104,7 +104,7 @@ impl PlannedBy<'_> {
 
 /// The clusters of `last` hold the triangles of this scene for this plan, relative to this anchor or another one.
 pub(super) fn same_places(last: &Planned, scene: &Scene, plan: &Plan) -> bool {
-    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.spheres);
+    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.spheres, plan.variant.instanced);
     same_mesh(&last.scene, scene) && by(&last.plan) == by(plan)
 }
 

@@ -3,10 +3,12 @@
 //! Positions are rebased to an anchor in f64 and stored as f32 pairs. Every triangle names its corners in the
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
+pub mod instances;
 pub mod moved;
 pub mod surfaces;
 
 use crate::arrays::MapEach;
+use crate::geometry::instances::Instances;
 use crate::geometry::mesh::{self, Mesh};
 use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::kernels::{SurfaceKind, Variant};
@@ -14,7 +16,9 @@ use crate::gpu::layout::{
     CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, SPHERE, TRIANGLE_GROUP, Vertex, split2,
 };
 use crate::parallel;
+use crate::scene::Scene;
 use glam::DVec3;
+use instances::PlacedMeshes;
 use moved::Moved;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -57,6 +61,9 @@ pub struct Clustered {
     pub surfaces: SurfaceKind,
     /// Triangles without area, left out.
     pub without_area: usize,
+    /// The meshes and their places, where the triangles are those of meshes that stand in several places. Positions are then not relative to
+    /// the anchor.
+    pub placed: Option<Arc<PlacedMeshes>>,
 }
 
 /// Bytes of a triangle and of a vertex in the largest table that holds them: where images lie, or what trace tests; with colours that of
@@ -76,6 +83,14 @@ pub fn cluster<'a>(
     clustered(all.into(), anchor, (surfaces, true), table_limit)
 }
 
+/// The triangles of a scene for kernels of a variant: each mesh once where they know of places, or else as [`cluster_shown`].
+pub fn cluster_scene(scene: &Scene, anchor: DVec3, variant: Variant, table_limit: u64) -> Clustered {
+    match scene.mesh.instances().filter(|_| variant.instanced) {
+        Some(instances) => PlacedMeshes::clustered(instances, anchor, variant.surfaces()),
+        None => cluster_shown(scene.moving_mesh(), anchor, variant, table_limit),
+    }
+}
+
 /// Splits what kernels of a variant know of a mesh into such chunks. They leave spheres out where none is in view.
 pub fn cluster_shown<'a>(
     all: impl Into<MovingMesh<'a>>,
@@ -93,7 +108,7 @@ fn clustered(
     table_limit: u64,
 ) -> Clustered {
     let mesh = all.mesh;
-    let surface_bytes = if surfaces == SurfaceKind::Colored { COLORED_TRIANGLE_BYTES } else { TRIANGLE_BYTES };
+    let surface_bytes = bytes_a_triangle(surfaces);
     let steps = u64::from(all.count());
     // trace tests a triangle at the two ends of each of its ways
     let traced_bytes = if steps > 1 { 2 * (steps - 1) * TRIANGLE_BYTES } else { TRIANGLE_BYTES };
@@ -118,7 +133,12 @@ fn clustered(
     let hidden = if has_spheres { 0 } else { mesh.sphere_count() };
     let without_area = mesh.triangles.len() - hidden - slots;
     let [places, slots] = Default::default();
-    Clustered { chunks, anchor, places, slots, moved: None, surfaces, without_area }
+    Clustered { chunks, anchor, places, slots, moved: None, surfaces, without_area, placed: None }
+}
+
+/// Bytes of a triangle in the table of surfaces.
+fn bytes_a_triangle(surfaces: SurfaceKind) -> u64 {
+    if surfaces == SurfaceKind::Colored { COLORED_TRIANGLE_BYTES } else { TRIANGLE_BYTES }
 }
 
 fn chunk(all: MovingMesh, ids: std::ops::Range<u32>, (whole, has_spheres): (bool, bool)) -> Chunk {
@@ -164,6 +184,17 @@ impl Clustered {
     /// Returns a copy of the triangles about another anchor.
     pub fn anchored(&self, anchor: DVec3) -> Clustered {
         Clustered { anchor, moved: None, ..self.clone() }
+    }
+
+    /// The same meshes at other places; `None` if `instances` are of other meshes.
+    pub fn placed_at(&self, instances: &Arc<Instances>) -> Option<Clustered> {
+        let placed = self.placed.as_ref()?.moved(instances)?;
+        Some(Clustered { placed: Some(Arc::new(placed)), places: Arc::default(), moved: None, ..self.clone() })
+    }
+
+    /// The mesh that the tables are made of.
+    pub fn mesh<'a>(&'a self, scene: &'a Scene) -> MovingMesh<'a> {
+        self.placed.as_ref().map_or_else(|| scene.moving_mesh(), |placed| (&*placed.instances.base).into())
     }
 
     /// Returns a copy whose chunks have their vertices.

@@ -316,12 +316,12 @@ impl Feature {
             Feature::NoCull => *no_cull,
             Feature::Moving => *moving,
             Feature::Timed => scene.steps.is_some(),
-            Feature::Spheres => scene.mesh.has_spheres(),
+            Feature::Spheres => scene.mesh.base().has_spheres(),
             Feature::Volume => scene.volume.is_some(),
             Feature::MovingCamera => camera.moving.is_some() && scene.exposure.shutter > 0.0,
             Feature::Raster => *raster,
             Feature::Caustics => scene.caustics.is_some(),
-            Feature::AlphaMasks => scene.mesh.has_alpha_masks(),
+            Feature::AlphaMasks => scene.mesh.base().has_alpha_masks(),
             Feature::Shadows => {
                 scene.has_shadows() && wanted.has_colour() || scene.hides_pictures() && wanted.needs_appearance()
             }

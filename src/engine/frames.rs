@@ -14,7 +14,7 @@ use super::resident::{BvhState, Resident};
 use super::running::{RasterTrial, Running};
 use super::{Counts, MethodUsed, Rendered, RunOptions};
 use crate::camera::Camera;
-use crate::engine::clusters::{Clustered, cluster_shown};
+use crate::engine::clusters::{Clustered, cluster_scene, cluster_shown};
 use crate::engine::left_out::LeftOut;
 use crate::engine::plan::{Plan, Wanted};
 use crate::engine::rival::Rival;
@@ -174,9 +174,9 @@ impl Frames {
     pub(super) fn build_bvh(&mut self) -> Result<()> {
         let Plan { anchor, origin, variant, .. } = *self.plan;
         self.run.share.enter("building a hierarchy");
-        let anew = || Arc::new(cluster_shown(self.scene.moving_mesh(), anchor, variant, self.gpu.table_limit));
+        let anew = || Arc::new(cluster_scene(&self.scene, anchor, variant, self.gpu.table_limit));
         let clustered = self.shown.upgrade().unwrap_or_else(anew);
-        self.resident.build_bvh(&self.gpu, (&clustered, self.scene.moving_mesh()), origin)?;
+        self.resident.build_bvh(&self.gpu, (&clustered, clustered.mesh(&self.scene)), origin)?;
         self.run.share.enter("");
         Ok(())
     }
@@ -314,7 +314,7 @@ impl Frames {
         // until all is there nothing counts as the same
         let is_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
         let changes = if is_partly_uploaded { Changes::ALL } else { Changes::between(&shown, planned) };
-        let triangles = (&**clustered, scene.moving_mesh());
+        let triangles = (&**clustered, clustered.mesh(scene));
         if changes.triangles {
             (self.saved_by_tracing, self.trial) = Default::default();
             self.resident.upload_scene(&self.gpu, triangles, plan.origin)?;
@@ -343,6 +343,8 @@ impl Frames {
         }
         if changes.needs_appearance() {
             self.resident.upload_appearance(&self.gpu, &self.pages, scene, plan)?;
+        } else if let Some(volume) = scene.volume.as_ref().filter(|_| changes.plan && plan.variant.volume.is_some()) {
+            self.resident.upload_medium(&self.gpu, volume, scene, plan)?;
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
         #[cfg(feature = "internals")]

@@ -156,7 +156,7 @@ impl InView {
             has_positional_lights: !shown.lights.iter().all(Light::is_plain),
             has_shadows: shown.has_shadows(),
             has_pictures: !shown.projector_lights.is_empty(),
-            steps: shown.moving_mesh().count(),
+            steps: shown.step_count(),
             volume: whole.volume.filter(|_| self.volume),
             ..whole
         }
@@ -202,6 +202,10 @@ fn seen_kinds(
         alpha_masks: whole.has_alpha_masks,
     };
     let mut found = needed & all;
+    if scene.mesh.instances().is_some() {
+        // boxes are of the objects of one mesh
+        return all;
+    }
     if found == all {
         return found;
     }

@@ -78,11 +78,13 @@ pub struct SceneContents {
     /// Rays pass through a volume.
     pub volume: Option<VolumeKind>,
     pub has_caustics: bool,
+    /// Meshes stand in several places.
+    pub has_instances: bool,
 }
 
 impl SceneContents {
     pub fn of(scene: &Scene) -> SceneContents {
-        let mesh = &scene.mesh;
+        let mesh = scene.mesh.base();
         SceneContents {
             has_sky: scene.sky.is_some(),
             has_positional_lights: !scene.lights.iter().all(Light::is_plain),
@@ -90,13 +92,13 @@ impl SceneContents {
             has_pictures: !scene.projector_lights.is_empty(),
             has_style: scene.style.is_on_surfaces() || mesh.has_patterns(),
             has_outlines: scene.style.is_between_pixels(),
-            steps: scene.moving_mesh().count(),
+            steps: scene.step_count(),
             volume: scene.volume.as_ref().map(|volume| match (volume.mode, volume.is_lit) {
                 (Mode::Maximum, _) => VolumeKind::Maximum,
                 (Mode::Composite, true) => VolumeKind::Lit,
                 (Mode::Composite, false) => VolumeKind::Plain,
             }),
-            triangles: mesh.triangles.len(),
+            triangles: scene.mesh.triangle_count(),
             has_spheres: mesh.has_spheres(),
             has_normals: !mesh.normals.is_empty(),
             has_uvs: !mesh.corner_uvs.is_empty(),
@@ -105,6 +107,7 @@ impl SceneContents {
             has_alpha_masks: mesh.has_alpha_masks(),
             has_gloss: mesh.materials.iter().any(Material::is_glossy),
             has_caustics: scene.caustics.is_some(),
+            has_instances: scene.mesh.instances().is_some(),
         }
     }
 }

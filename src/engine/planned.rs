@@ -9,12 +9,14 @@ use crate::camera::optics::Facets;
 use crate::camera::ray_order::reordered;
 use crate::camera::{Camera, Rays};
 use crate::engine::call_ms::{CallMs, ms_since};
-use crate::engine::clusters::{Clustered, cluster_shown};
+use crate::engine::clusters::instances::PlacedMeshes;
+use crate::engine::clusters::{Clustered, cluster_scene};
 use crate::engine::plan::variant::{method, variant};
 use crate::engine::plan::{Plan, PlanTarget, SceneContents, SceneExtent, SceneShape, Wanted};
-use crate::geometry::mesh::Mesh;
+use crate::geometry::instances::Instances;
+use crate::geometry::scene_mesh::SceneMesh;
 use crate::gpu::device::AdapterFeatures;
-use crate::gpu::kernels::Method;
+use crate::gpu::kernels::{Method, SurfaceKind};
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -70,7 +72,7 @@ pub(super) struct Whole {
 /// The triangles of a scene, and the facets of a camera's optics as the last ones.
 #[derive(Clone)]
 pub(super) struct WithFacets {
-    mesh: Arc<Mesh>,
+    mesh: Arc<SceneMesh>,
     shape: SceneShape,
 }
 
@@ -217,15 +219,20 @@ impl Planner {
             ..Asked::new(scene, &camera, wanted)
         };
         asked_for.check()?;
+        let contents = self.contents(scene);
+        if !variant(&camera, contents, wanted, self.has, run).instanced {
+            // one mesh is made of all places
+            scene.mesh.check_copies(scene.limits)?;
+        }
         let whole = Whole::of(scene, camera.clone(), shape, last);
         let with_optics = whole.with_optics();
         let shape_of_all = whole.shape_with_optics();
         let extent = SceneExtent::of(&whole.camera, shape_of_all);
         check_size(shape_of_all, extent)?;
         scene.check_depth(&wanted.channels)?;
-        self.check_normals(&with_optics)?;
         self.check_volume(scene)?;
         let plan = self.plan_of(&whole, &with_optics, extent, wanted, run, last);
+        self.check_normals(&with_optics, plan.variant.instanced)?;
         let scene = match plan.in_view.optics && whole.with_facets.is_some() {
             true => Arc::new(plan.in_view.scene(&with_optics).into_owned()),
             false => match plan.in_view.scene(&whole.scene) {
@@ -242,7 +249,7 @@ impl Planner {
                 Some(moved) => moved,
                 None => {
                     run.share.enter("sorting triangles");
-                    cluster_shown(scene.moving_mesh(), plan.anchor, plan.variant, self.table_limit)
+                    cluster_scene(&scene, plan.anchor, plan.variant, self.table_limit)
                 }
             }),
         };
@@ -252,10 +259,19 @@ impl Planner {
         Ok(Planned { scene, camera: shown_camera, whole, asked, plan, clustered, wanted, call })
     }
 
+    /// The contents of a scene. It has instances if the tables of their meshes fit the adapter.
+    pub(super) fn contents(&self, scene: &Scene) -> SceneContents {
+        let contents = SceneContents::of(scene);
+        let fit =
+            |i: &Arc<Instances>| i.are_invertible() && PlacedMeshes::fit(i, SurfaceKind::Colored, self.table_limit);
+        SceneContents { has_instances: scene.mesh.instances().is_some_and(fit), ..contents }
+    }
+
     /// Refuses more normals than one binding holds, before any work on the triangles.
-    fn check_normals(&self, scene: &Scene) -> Result<()> {
-        let (normals, limit, name) = (scene.mesh.normals.len(), self.limit, &self.name);
-        let normals = normals * scene.moving_mesh().count() as usize;
+    fn check_normals(&self, scene: &Scene, instanced: bool) -> Result<()> {
+        let mesh = if instanced { scene.mesh.base() } else { scene.mesh.mesh() };
+        let (normals, limit, name) = (mesh.normals.len(), self.limit, &self.name);
+        let normals = normals * scene.step_count() as usize;
         if NORMAL_BYTES * normals as u64 <= limit {
             return Ok(());
         }
@@ -290,7 +306,7 @@ impl Planner {
         last: Option<&Planned>,
     ) -> Arc<Plan> {
         let Whole { scene, camera, .. } = whole;
-        let contents = SceneContents::of(with_optics);
+        let contents = self.contents(with_optics);
         let written = written(scene, camera, wanted);
         let variant = variant(camera, contents, &written, self.has, run);
         let by = PlannedBy { scene, camera, extent, wanted, whole: (contents, variant) };
@@ -365,7 +381,7 @@ pub(super) fn written(scene: &Scene, camera: &Camera, wanted: &Wanted) -> Wanted
     let mut channels = wanted.channels.clone();
     if scene.caustics.is_some() && wanted.has_colour() {
         channels.extend([Channel::BaryU, Channel::BaryV]);
-        if scene.mesh.has_changing_colors() {
+        if scene.mesh.base().has_changing_colors() {
             channels.extend([Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
         }
     }
@@ -393,11 +409,14 @@ pub(super) fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
 
 /// The triangles of `last` for this plan, where only some of their vertices have moved.
 fn moved(last: &Planned, scene: &Scene, plan: &Plan) -> Option<Clustered> {
-    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.spheres);
+    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.spheres, plan.variant.instanced);
     if scene.steps.is_some() || last.scene.steps.is_some() || by(&last.plan) != by(plan) {
         return None;
     }
-    let moved = last.clustered.moved(&last.scene.mesh, &scene.mesh)?;
+    let moved = match (scene.mesh.instances(), plan.variant.instanced) {
+        (Some(instances), true) => last.clustered.placed_at(instances)?,
+        _ => last.clustered.moved(&last.scene.mesh, &scene.mesh)?,
+    };
     Some(if moved.anchor == plan.anchor { moved } else { moved.anchored(plan.anchor) })
 }
 

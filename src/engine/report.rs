@@ -148,7 +148,7 @@ impl Report {
     /// only a device has.
     pub fn new(device: Device, scene: &Scene, camera: &Camera, rendered: &Rendered, counts: Option<Counts>) -> Report {
         let has_device = counts.is_some();
-        let missing = scene.mesh.missing.iter().cloned().map(LeftOut::Missing);
+        let missing = scene.mesh.base().missing.iter().cloned().map(LeftOut::Missing);
         Report {
             version: env!("CARGO_PKG_VERSION"),
             device,
@@ -156,7 +156,7 @@ impl Report {
             height: camera.height,
             views: None,
             samples: 1,
-            triangles: scene.mesh.triangles.len(),
+            triangles: scene.mesh.triangle_count(),
             pieces: camera.piece_count(),
             call_ms: rendered.call,
             frame_ms: FrameMs::of(&rendered.frame_ms),

@@ -14,6 +14,7 @@ use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, 
 use crate::camera::Camera;
 use crate::engine::clusters::Clustered;
 use crate::engine::plan::hierarchy::moving::MovingBvh;
+use crate::engine::plan::hierarchy::placed::PlacedBvh;
 use crate::engine::plan::hierarchy::{Hierarchy, PackedBvh, TracedBvh};
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::pictures::ScenePictures;
@@ -94,6 +95,8 @@ pub struct ChunkOnDevice {
     surface_rows: u32,
     /// The hierarchy that trace follows, kept from the first move of triangles on.
     moving_bvh: Option<MovingBvh>,
+    /// The hierarchies of meshes that stand in several places.
+    placed_bvh: Option<PlacedBvh>,
 }
 
 /// The clusters of one batch in one band, for one bounce.
@@ -147,7 +150,7 @@ impl Resident {
             grid: None,
         };
         resident.upload_bands(gpu, plan)?;
-        resident.upload_scene(gpu, (clustered, scene.moving_mesh()), plan.origin)?;
+        resident.upload_scene(gpu, (clustered, clustered.mesh(scene)), plan.origin)?;
         if plan.variant.samples_edges() {
             resident.shared.upload_uniform(gpu, "sample_offsets", &sample_offsets(&plan.sample_offsets))?;
         }
@@ -201,6 +204,9 @@ impl Resident {
         if !self.traces {
             return Ok(());
         }
+        if clustered.placed.is_some() {
+            return self.upload_placed_bvh(gpu, clustered, origin);
+        }
         let is_there = matches!(self.bvh, BvhState::Built | BvhState::Preferred);
         for (there, chunk) in self.chunks.iter_mut().zip(&clustered.chunks) {
             let of_chunk = || TracedBvh::new(&chunk.with_vertices(all, clustered.anchor), clustered.anchor - origin);
@@ -216,6 +222,29 @@ impl Resident {
         Ok(())
     }
 
+    /// The same of meshes that stand in several places: those of the meshes stay as they are.
+    pub(super) fn upload_placed_bvh(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
+        let (Some(placed), Some(there)) = (&clustered.placed, self.chunks.first_mut()) else { return Ok(()) };
+        let is_known = there.placed_bvh.is_some();
+        let bvh = match there.placed_bvh.take() {
+            Some(mut known) => known.place(placed, origin).then_some(known),
+            None => PlacedBvh::new(clustered, placed, origin),
+        };
+        let rows = bvh.as_ref().and_then(|bvh| bvh.rows(placed, clustered.anchor));
+        let (Some(bvh), Some(rows)) = (bvh, rows) else {
+            self.bvh = BvhState::GivenUp;
+            return Ok(());
+        };
+        if is_known {
+            there.buffers.update_texels(gpu, "bvh", &bvh.traced.nodes, &bvh.top_rows())?;
+        } else {
+            there.buffers.upload_texels(gpu, "bvh", &bvh.traced.nodes)?;
+            there.buffers.upload_texels(gpu, "bvh_triangles", &bvh.traced.triangles)?;
+        }
+        there.placed_bvh = Some(bvh);
+        there.buffers.upload_texels(gpu, "instances", &rows)
+    }
+
     /// Some rays are to be traced, and cannot be.
     pub fn cannot_trace(&self) -> bool {
         self.always_traces && self.bvh == BvhState::GivenUp
@@ -223,6 +252,10 @@ impl Resident {
 
     /// Puts the triangles that are there about another anchor. Hierarchies do not follow it.
     pub fn anchor_scene(&mut self, gpu: &Gpu, triangles: Triangles) -> Result<()> {
+        if let (Some(placed), Some(there)) = (&triangles.0.placed, self.chunks.first_mut()) {
+            let rows = there.placed_bvh.as_ref().and_then(|bvh| bvh.rows(placed, triangles.0.anchor));
+            return rows.map_or(Ok(()), |rows| there.buffers.upload_texels(gpu, "instances", &rows));
+        }
         let mut each = self.chunks.iter_mut().zip(&triangles.0.chunks);
         each.try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk, triangles))
     }
@@ -295,7 +328,7 @@ impl Resident {
             false => None,
         };
         let Appearance { mut shading, lights, materials, normals, style } =
-            Appearance::new(scene, plan.anchor, &pages, shadows, self.pictures.as_ref());
+            Appearance::new((scene, plan.variant.instanced), plan.anchor, &pages, shadows, self.pictures.as_ref());
         shading.filter_width = plan.filter_width;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         if plan.variant.styled || plan.variant.outlined {

@@ -42,15 +42,16 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// Positions are relative to `anchor` on the device, and images lie in `pages`.
+    /// Positions are relative to `anchor` on the device, and images lie in `pages`. `instanced`: kernels know where meshes stand, and normals are
+    /// those of the meshes.
     pub fn new(
-        scene: &Scene,
+        (scene, instanced): (&Scene, bool),
         anchor: DVec3,
         pages: &Pages,
         shadows: Shadows,
         pictures: Option<&ScenePictures>,
     ) -> Appearance {
-        let mesh = &scene.mesh;
+        let mesh = scene.mesh.base();
         let mut lights: Vec<[f32; 4]> = match shadows.kind {
             LightsKind::Plain => scene.lights.iter().map(|l| light(l, anchor)).collect(),
             _ => scene.lights.iter().flat_map(|l| [light(l, anchor), light_colour(l)]).collect(),
@@ -97,7 +98,7 @@ impl Appearance {
             },
             lights,
             materials: materials(scene).iter().enumerate().map(|(k, m)| pages.packed(k, m)).collect(),
-            normals: normals(scene.moving_mesh()),
+            normals: if instanced { normals((&**mesh).into()) } else { normals(scene.moving_mesh()) },
             style: style(&scene.style),
         }
     }
@@ -165,7 +166,7 @@ fn light_colour(light: &Light) -> [f32; 4] {
 /// All materials, then the one whose image is the sky, and those whose images are the pictures that are thrown onto surfaces.
 pub fn materials(scene: &Scene) -> Cow<'_, [Material]> {
     if scene.sky.is_none() && scene.projector_lights.is_empty() {
-        return Cow::Borrowed(&scene.mesh.materials);
+        return Cow::Borrowed(&scene.mesh.base().materials);
     }
     let shows = |name: &str, image: &Texture| {
         let (name, texture) = (name.into(), Some(image.clone()));
@@ -173,7 +174,7 @@ pub fn materials(scene: &Scene) -> Cow<'_, [Material]> {
     };
     let sky = scene.sky.iter().map(|sky| shows("environment", &sky.image));
     let pictures = scene.projector_lights.iter().map(|p| shows("projector_light", &p.picture));
-    Cow::Owned(scene.mesh.materials.iter().cloned().chain(sky).chain(pictures).collect())
+    Cow::Owned(scene.mesh.base().materials.iter().cloned().chain(sky).chain(pictures).collect())
 }
 
 /// The parameters of a job: `clusters` of the chunk whose triangles are `ids`, over `band`, for the camera's own rays.

@@ -3,8 +3,9 @@
 mod geometry;
 
 use super::lex::{Tokens, parse_f64};
+use super::load::copied;
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, Part};
-use super::place::{append_with_all, copies};
+use super::place::append_with_all;
 use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
 use geometry::read_geometry;
@@ -194,7 +195,7 @@ impl<'a> Scene<'a> {
         if triangles == 0 {
             return Ok(());
         }
-        let mut mesh = copies(mesh, &[world_from_node], self.limits)?;
+        let mut mesh = copied((mesh, Some([world_from_node].into())), self.limits)?;
         for material in &mut mesh.materials {
             let bound = instance
                 .descendants()

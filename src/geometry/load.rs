@@ -1,14 +1,15 @@
 //! Loading the meshes of a scene: read or generated, with their materials, and placed in the world.
 
-use super::mesh::{HALF, Material, Mesh, Missing, NO_COLOR, NO_UV, Part};
+use super::instances::{Instances, Part};
+use super::mesh::{self, HALF, Material, Mesh, Missing, NO_COLOR, NO_UV};
 use super::parts::separate;
-use super::place::STRETCHES;
+use super::place::{STRETCHES, keeps_spheres, size_of};
 use super::spec::{AnimationSpec, MeshSource, MeshSpec, TextureSpec};
 use super::spheres::check_radii;
 use super::texture::{Images, ImagesRead, Texture};
 use super::{dae, generate, gltf, heights, obj, off, place, ply, smooth, stl};
 use crate::arrays::MapEach;
-use crate::input::{Error, Loading, Result};
+use crate::input::{Error, Limits, Loading, Result};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -22,12 +23,12 @@ pub struct Object {
 
 /// The triangles of a mesh in the world; its images come from `images`.
 pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images, loading: &Loading) -> Result<Mesh> {
-    Ok(placed(load_unplaced(spec, images, loading)?, spec, loading)?.0)
+    copied(placed(load_unplaced(spec, images, loading)?, spec, loading)?.0, loading.limits())
 }
 
-/// A mesh in the world, and its objects: one, or one for each part with [`MeshSpec::has_parts`]. Each copy has objects of its own, whose names
-/// end in #0, #1 and so on.
-pub(crate) fn placed(mut mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Result<(Mesh, Vec<Object>)> {
+/// A mesh in the world, and its objects: one, or one for each part with [`MeshSpec::has_parts`]. A mesh with places is not at them yet; each
+/// copy has objects of its own, whose names end in #0, #1 and so on.
+pub(crate) fn placed(mut mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Result<(Part, Vec<Object>)> {
     let (name, triangles) = (spec.called(), mesh.triangles.len());
     if mesh.has_spheres() && !spec.keeps_spheres() {
         return Err(Error::input(format!("spheres {name}: the scale {STRETCHES}")));
@@ -41,20 +42,40 @@ pub(crate) fn placed(mut mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Resu
         false => vec![Object { name: format!("{name}{copy}"), triangles }],
     };
     let mesh = place::place(mesh, spec.scale, spec.rotate, spec.translate);
-    let check = |mesh: &Mesh| check_radii(&mesh.radii).map_err(|why| Error::input(format!("spheres {name}: {why}")));
+    let check = |scale: f64| {
+        let radii: Vec<f64> = mesh.radii.iter().map(|radius| radius * scale).collect();
+        check_radii(&radii).map_err(|why| Error::input(format!("spheres {name}: {why}")))
+    };
     let Some(places) = &spec.places else {
-        check(&mesh)?;
-        return Ok((mesh, objects(&name, "")));
+        check(1.0)?;
+        return Ok(((mesh, None), objects(&name, "")));
     };
     let places = places.load(loading)?;
-    let what = if mesh.has_spheres() { "spheres" } else { "mesh" };
-    let mesh = place::copies(mesh, &places, loading.limits()).map_err(|e| e.at(format_args!("{what} {name}")))?;
-    check(&mesh)?;
-    Ok((mesh, (0..places.len()).flat_map(|k| objects(&name, &format!("#{k}"))).collect()))
+    if mesh.has_spheres() {
+        if let Some(k) = places.iter().position(|place| !keeps_spheres(place)) {
+            return Err(Error::input(format!("spheres {name}: matrix {k} of places {STRETCHES}")));
+        }
+        places.iter().try_for_each(|place| check(size_of(place)))?;
+    }
+    let objects = (0..places.len()).flat_map(|k| objects(&name, &format!("#{k}"))).collect();
+    Ok(((mesh, Some(places)), objects))
+}
+
+/// A copy of a mesh at each of its places.
+///
+/// # Errors
+/// As [`Instances::new`] and [`Instances::check_copies`].
+pub(crate) fn copied((mesh, places): Part, limits: Limits) -> Result<Mesh> {
+    if places.is_none() {
+        return Ok(mesh);
+    }
+    let instances = Instances::new(vec![(mesh, places)])?;
+    instances.check_copies(limits)?;
+    Ok(instances.copies())
 }
 
 /// The object of a part, named after the part, or after the mesh if the part has no name.
-fn part_object(mesh: &str, copy: &str, part: &Part) -> Object {
+fn part_object(mesh: &str, copy: &str, part: &mesh::Part) -> Object {
     let name = if part.name.is_empty() { mesh } else { &part.name };
     Object { name: format!("{name}{copy}"), triangles: part.triangles }
 }

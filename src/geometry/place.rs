@@ -1,11 +1,10 @@
 //! Placing meshes in the world by scale, rotation and translation, and merging meshes.
 
 use crate::arrays::MapEach;
-use glam::{DAffine3, DMat3, DVec3, Vec3};
-
-use crate::geometry::mesh::{MAX_TRIANGLES, Mesh, NO_COLOR, NO_NORMAL, NO_UV, check_memory};
-use crate::input::{Error, Limits, Result};
+use crate::geometry::mesh::{MAX_TRIANGLES, Mesh, NO_COLOR, NO_NORMAL, NO_UV};
+use crate::input::{Error, Result};
 use crate::parallel;
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 /// Places `mesh`: world = R (scale * p) + translate with R = Rz Ry Rx, right-handed, `rotate_deg` in degrees about
 /// the world's x, y and z axes; multiples of 90 degrees are exact.
@@ -25,60 +24,6 @@ pub fn place(mut mesh: Mesh, scale: DVec3, rotate_deg: DVec3, translate: DVec3) 
         }
     }
     mesh
-}
-
-/// A copy of `mesh` at each of `places`, in order. Texture coordinates, colours and materials are shared. Where a matrix has no inverse, normals are
-/// not transformed.
-///
-/// # Errors
-/// [`Error::Input`] if a sphere would not stay one, if there are more than 2^28 triangles, or 2^32 - 1 or more vertices or normals; [`Error::Work`] if they do not fit the
-/// free memory.
-pub fn copies(mesh: Mesh, places: &[DAffine3], limits: Limits) -> Result<Mesh> {
-    let n = places.len();
-    let total = |count: usize| count.saturating_mul(n);
-    let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len().max(mesh.normals.len()));
-    if total(triangles) > MAX_TRIANGLES || total(vertices) >= u32::MAX as usize {
-        return Err(Error::input(format!(
-            "{n} places of {triangles} triangles and {vertices} vertices; at most 2^28 triangles and 2^32 - 2 vertices are possible: use fewer"
-        )));
-    }
-    if mesh.has_spheres()
-        && let Some(k) = places.iter().position(|place| !keeps_spheres(place))
-    {
-        return Err(Error::input(format!("matrix {k} of places {STRETCHES}")));
-    }
-    let what = format_args!("a mesh of {triangles} triangles in {n} places");
-    check_memory(limits, (total(triangles) as u64, total(vertices) as u64), what, "use fewer")?;
-    // indices fit by the first check
-    let shifted = |list: &[[u32; 3]], none: Option<u32>, by: usize| -> Vec<[u32; 3]> {
-        let of = |k: usize| {
-            list[k % list.len()].map_each(|i| if Some(i) == none { i } else { i + (k / list.len() * by) as u32 })
-        };
-        parallel::map(0..total(list.len()), of)
-    };
-    let position =
-        |k: usize| places[k / mesh.positions.len()].transform_point3(mesh.positions[k % mesh.positions.len()]);
-    let radius = |k: usize| mesh.radii[k % mesh.radii.len()] * size_of(&places[k / mesh.radii.len()]);
-    let normal_from: Vec<Option<DMat3>> = places.iter().map(|p| world_normal_from_object(p.matrix3)).collect();
-    let normal = |k: usize| {
-        let normal = mesh.normals[k % mesh.normals.len()];
-        normal_from[k / mesh.normals.len()].map_or(normal, |m| transformed_normal(m, normal))
-    };
-    Ok(Mesh {
-        positions: parallel::map(0..total(mesh.positions.len()), position),
-        triangles: shifted(&mesh.triangles, None, mesh.positions.len()),
-        radii: parallel::map(0..total(mesh.radii.len()), radius),
-        normals: parallel::map(0..total(mesh.normals.len()), normal),
-        corner_normals: shifted(&mesh.corner_normals, Some(NO_NORMAL), mesh.normals.len()),
-        corner_uvs: shifted(&mesh.corner_uvs, Some(NO_UV), 0),
-        corner_colors: shifted(&mesh.corner_colors, Some(NO_COLOR), 0),
-        material_of: mesh.material_of.repeat(n),
-        uvs: mesh.uvs,
-        colors: mesh.colors,
-        materials: mesh.materials,
-        missing: mesh.missing,
-        parts: Vec::new(),
-    })
 }
 
 /// What is wrong with a transform of spheres.
@@ -332,36 +277,6 @@ mod tests {
         assert_eq!(flat.triangles.len(), 1);
         let tiny = place(triangle(true), DVec3::splat(-1e-200), DVec3::ZERO, DVec3::ZERO);
         assert_eq!(tiny.normals, [-Vec3::Z]);
-    }
-
-    #[test]
-    fn copies_are_in_order_and_share_texture_coordinates_colours_and_materials() {
-        let rotated = DMat3::from_cols(DVec3::Y, -DVec3::X, 2.0 * DVec3::Z);
-        let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
-        let shear = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(1.0, 0.0, 1.0));
-        let places = [rotated, mirror, shear].map(|m| DAffine3 { matrix3: m, translation: DVec3::new(0.0, 0.0, 5.0) });
-        let slanted = Mesh { normals: vec![Vec3::X], ..triangle(true) };
-        let mesh = copies(slanted.clone(), &places, Limits::default()).unwrap();
-        let at = |x: f64, y: f64| DVec3::new(x, y, 5.0);
-        let corners = [[at(0.0, 0.0), at(0.0, 1.0), at(-1.0, 0.0)], [at(0.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0)]];
-        assert_eq!(mesh.positions[..6], corners.concat());
-        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
-        // a mirrored copy keeps the order of corners, so its front and back faces are swapped
-        let cross = |t: [u32; 3]| {
-            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
-            (b - a).cross(c - a).z
-        };
-        assert_eq!([cross(mesh.triangles[0]), cross(mesh.triangles[1])], [1.0, -1.0]);
-        // normals go by the inverse transpose: a shear of z along x turns the normal of the plane x = 0 towards -z
-        let third = Vec3::new(1.0, 0.0, -1.0).normalize();
-        assert_eq!(mesh.normals[..2], [Vec3::Y, Vec3::NEG_X]);
-        assert!((mesh.normals[2] - third).length() < 1e-7);
-        assert_eq!(mesh.corner_normals, [0, 1, 2].map(|k| [k, k, NO_NORMAL]));
-        assert_eq!((&mesh.uvs, &mesh.materials), (&slanted.uvs, &slanted.materials));
-        assert_eq!((mesh.corner_uvs, mesh.material_of), (vec![[0, NO_UV, 0]; 3], vec![0; 3]));
-        assert_eq!((mesh.colors, mesh.corner_colors), (slanted.colors, vec![[NO_COLOR, 0, 0]; 3]));
-        assert!(copies(triangle(true), &[], Limits::default()).unwrap().triangles.is_empty());
-        assert_eq!(copies(Mesh::default(), &places, Limits::default()).unwrap(), Mesh::default());
     }
 
     #[test]

@@ -169,7 +169,7 @@ fn described_camera(path: &Path, scene: &Scene, camera: &Camera) -> Result<Strin
 /// Attributes with the names of objects and materials, as JSON lists: number k in `object.id` or `material.id` is name k, from 0.
 fn names(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Result<Vec<(String, String)>> {
     let objects = || scene.objects.iter().map(|o| o.name.as_str()).collect::<Vec<_>>();
-    let materials = || scene.mesh.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>();
+    let materials = || scene.mesh.base().materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>();
     let optics = camera.optics.as_ref().map(|_| OPTICS);
     let list = |mut names: Vec<&str>| {
         names.extend(optics);

@@ -20,7 +20,7 @@ const FAR: f64 = 128.0;
 /// The line about a frame in which no pixel shows a surface, with the positions of scene and camera. `None` if a pixel shows a surface, the scene
 /// has none, or the frame does not tell: a picture without other channels that has several colors, as a sky has, or over [`PIXELS_MAX`] pixels.
 pub fn nothing_hit(scene: &Scene, camera: &Camera, frame: &Frame, srgb8: Option<&[u8]>) -> Option<String> {
-    if scene.volume.is_some() || scene.mesh.triangles.is_empty() {
+    if scene.volume.is_some() || scene.mesh.triangle_count() == 0 {
         return None;
     }
     let (lo, hi) = scene.mesh.drawn_bounds()?;
@@ -89,7 +89,7 @@ pub fn coarse_positions(scene: &Scene) -> Option<String> {
 /// The line about blended surfaces in a picture of one sample, which shows them as opaque or not at all.
 pub fn unblended(scene: &Scene, samples: u32) -> Option<String> {
     let line = "blend = true needs samples: one sample shows surfaces that are at least half opaque; add --samples 64";
-    (samples == 1 && scene.mesh.is_blended()).then(|| line.into())
+    (samples == 1 && scene.mesh.base().is_blended()).then(|| line.into())
 }
 
 /// A point to a thousandth.

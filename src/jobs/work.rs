@@ -169,7 +169,7 @@ impl Work {
         }
         let (size, channels) = ((camera.width, camera.height), wanted.channels.len() + 3);
         let more = sample_bytes(&camera, samples, !matte_kinds.is_empty());
-        let mesh = &scene.mesh;
+        let mesh = scene.mesh.base();
         let mut bytes = memory::need(size, channels, more);
         let is_plain = (files.exr.is_some() || files.color.is_some()) && files.points.is_none();
         let is_alone =
@@ -230,7 +230,7 @@ impl Work {
 
     /// Missing files and attributes that mesh files refer to.
     pub fn missing(&self) -> &[Missing] {
-        &self.scene.mesh.missing
+        &self.scene.mesh.base().missing
     }
 
     /// Refuses an image or a mesh that does not fit the free memory.
@@ -238,7 +238,7 @@ impl Work {
     /// # Errors
     /// [`Error::Work`] that names the limit.
     pub fn check_memory(&self) -> Result<()> {
-        let mesh = &self.scene.mesh;
+        let mesh = self.scene.mesh.base();
         let what = format_args!("rendering {} triangles and spheres", mesh.triangles.len());
         self.job.limits.check_memory(mesh_bytes(mesh), what, "simplify the meshes")?;
         if self.strips.is_some() { Ok(()) } else { self.check_whole() }
@@ -368,7 +368,7 @@ impl Work {
             frame_ms: FrameMs::of(&rendered.frame_ms),
             stages: rendered.stages,
             error,
-            triangles: scene.mesh.triangles.len(),
+            triangles: scene.mesh.triangle_count(),
             pieces: camera.piece_count(),
             adapter: device.adapter.clone(),
             left_out: rendered.left_out,
@@ -467,7 +467,7 @@ fn matte_kinds(job: &RenderJob) -> impl Iterator<Item = MatteKind> {
 
 /// `strict`: an error if mesh files lack something.
 pub fn refuse_missing(scene: &Scene) -> Result<()> {
-    match &scene.mesh.missing[..] {
+    match &scene.mesh.base().missing[..] {
         [] => Ok(()),
         [first, rest @ ..] => {
             let more = if rest.is_empty() { String::new() } else { format!(", and {} more", rest.len()) };
@@ -503,8 +503,8 @@ fn wanted(asked: &[Channel], files: &Files, has_no_matte: bool) -> Wanted {
 /// Triangles, spheres and pieces, in words.
 pub fn counted(scene: &Scene, camera: &Camera) -> String {
     let of = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
-    let spheres = scene.mesh.sphere_count();
-    let triangles = match (scene.mesh.triangles.len() - spheres, of(spheres, "sphere")) {
+    let spheres = scene.mesh.base().sphere_count();
+    let triangles = match (scene.mesh.triangle_count() - spheres, of(spheres, "sphere")) {
         (n, _) if spheres == 0 => of(n, "triangle"),
         (0, spheres) => spheres,
         (n, spheres) => format!("{}, {spheres}", of(n, "triangle")),

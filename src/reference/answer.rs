@@ -87,8 +87,8 @@ impl Reference<'_> {
 
     /// Both triangles have the same three corners, or both spheres are the same: wherever one is hit, so is the other.
     fn hides_twin(&self, seen: u32, other: u32) -> bool {
-        let same_size = self.mesh.radius(seen) == self.mesh.radius(other);
-        !self.mesh.has_alpha(seen) && same_size && self.corners(seen).v == self.corners(other).v
+        let same_size = self.mesh.radius(self.own(seen)) == self.mesh.radius(self.own(other));
+        !self.mesh.has_alpha(self.own(seen)) && same_size && self.corners(seen).v == self.corners(other).v
     }
 
     /// A curve crosses the surface of a hit at so small an angle that t is uncertain by more than [`super::GAP`].
@@ -115,7 +115,7 @@ impl Reference<'_> {
         let start = ranges.iter().fold(f64::INFINITY, |m, r| m.min(r[0]));
         let mut limits: Vec<f64> = ranges.iter().map(|r| r[1]).collect();
         let last = |limits: &[f64]| limits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        self.bvh.walk(&sweep, [start, last(&limits)], |id| {
+        self.tree.walk(self.instances, &sweep, [start, last(&limits)], |id| {
             let sphere = self.sphere(id);
             let corners = self.solid_corners(id);
             let Some((lo, hi)) = sphere.map(|s| s.bounds()).or(corners.map(|c| c.bounds())) else {

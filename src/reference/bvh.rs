@@ -58,11 +58,23 @@ impl Bvh {
 
     /// Visits every triangle whose box the probe meets at a `t` in `range`, mostly near to far. `visit` returns
     /// the largest `t` still of interest.
-    pub fn walk(&self, probe: &impl Probe, range: [f64; 2], mut visit: impl FnMut(u32) -> f64) {
+    pub fn walk(&self, probe: &impl Probe, range: [f64; 2], visit: impl FnMut(u32) -> f64) {
+        self.walk_boxes(probe, |corners| corners, range, visit);
+    }
+
+    /// The same with each box where `placed` puts it.
+    pub fn walk_boxes(
+        &self,
+        probe: &impl Probe,
+        placed: impl Fn((DVec3, DVec3)) -> (DVec3, DVec3),
+        range: [f64; 2],
+        mut visit: impl FnMut(u32) -> f64,
+    ) {
         let [t_min, mut t_max] = range;
         let enter = |k: usize, t_max: f64| {
             let node = self.nodes.get(k)?;
-            probe.span(node.lo, node.hi, [t_min, t_max]).map(|s| (k, s[0]))
+            let (lo, hi) = placed((node.lo, node.hi));
+            probe.span(lo, hi, [t_min, t_max]).map(|s| (k, s[0]))
         };
         let mut stack = [(0_usize, 0.0_f64); STACK];
         let mut top = 0;

@@ -33,7 +33,7 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
     let beams = Beam::over(bundle, MARGIN_PX).zip(Beam::over(bundle, MARGIN_PX * WIDER));
     let Some((beam, wide)) = beams else { return false };
     let mut nearby = Vec::new();
-    reference.bvh.walk(&wide, reference.walk_range(bundle, t_range), |id| {
+    reference.tree.walk(reference.instances, &wide, reference.walk_range(bundle, t_range), |id| {
         let Some(corners) = reference.solid_corners(id) else { return f64::INFINITY };
         let sides = Sides::over_box(bundle, &corners);
         nearby.push(BoxTriangle { id, corners, sides, may_hit: sides.may_hit() });
@@ -44,7 +44,7 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
         let mut depth = Depth::over_box(bundle, &beam, &n.corners, reference.scene_size);
         let in_range = depth.take_ends(bundle, &n.corners, t_range, reference.scene_size);
         let set = sets.root(k);
-        open[set] |= !in_range || reference.mesh.has_alpha(n.id);
+        open[set] |= !in_range || reference.mesh.has_alpha(reference.own(n.id));
     }
     let perturbed = bundle.perturbed(reference.scene_size).0;
     let mut count = vec![0_i32; nearby.len()];

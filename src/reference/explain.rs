@@ -35,8 +35,8 @@ pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> Explained {
     let shown = reference.shown_by(camera, &finding, path);
     let mut text = format!("pixel {i},{j}\n");
     // writing to a String cannot fail
-    let _ =
-        write_path(&mut text, &shown).and_then(|()| write_finding(&mut text, (&scene.mesh, camera), &shown, &finding));
+    let _ = write_path(&mut text, &shown)
+        .and_then(|()| write_finding(&mut text, (scene.mesh.base(), camera), &shown, &finding));
     let segment = |seen: &Seen| shown.path.segments.get(seen.layer).copied().flatten();
     let point = shown.seen.and_then(|seen| Some(segment(&seen)?.1.point(seen.hit.t)));
     Explained { text, triangle: shown.seen.map(|seen| seen.hit.triangle), point }

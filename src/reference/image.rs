@@ -228,9 +228,11 @@ fn pixel(
     };
     let (segment, id) = (shown.path.of(&seen), seen.hit.triangle);
     let z = shown.path.depth(&seen);
-    let is_triangle = (id as usize) < scene.mesh.triangles.len();
+    let is_triangle = (id as usize) < scene.mesh.triangle_count();
     let ends_on = camera.optics.as_ref().filter(|o| id >= o.first_id(&scene.mesh));
-    let uv = ends_on.map_or_else(|| scene.mesh.uv_at(id, seen.hit.bary), |_| None).unwrap_or_default();
+    let uv = ends_on
+        .map_or_else(|| scene.mesh.base().uv_at(scene.mesh.base_id(id), seen.hit.bary), |_| None)
+        .unwrap_or_default();
     let obstacles = obstacles(scene, camera, casters);
     let place = (segment.point(seen.hit.t), segment.view(seen.hit.t));
     PixelValues {
@@ -260,7 +262,7 @@ fn pixel(
 
 /// All triangles but those of the camera's own mirror or lens.
 fn obstacles<'a>(scene: &Scene, camera: &Camera, reference: &'a Reference<'a>) -> Obstacles<'a> {
-    let all = scene.mesh.triangles.len() as u32;
+    let all = scene.mesh.triangle_count() as u32;
     Obstacles { all: reference, count: camera.optics.as_ref().map_or(all, |o| o.first_id(&scene.mesh)) }
 }
 

@@ -30,12 +30,12 @@ fn flat_normal(reference: &Reference, hit: &Hit, (p, view): (DVec3, DVec3)) -> D
 /// The unit normal of a hit at `p` on the side opposite the unit vector `view`: from the file, or else the triangle's or sphere's.
 pub fn normal(reference: &Reference, hit: &Hit, (p, view): (DVec3, DVec3)) -> DVec3 {
     let mesh = reference.mesh;
-    let id = hit.triangle as usize;
+    let id = reference.own(hit.triangle) as usize;
     let seen = flat_normal(reference, hit, (p, view));
     let weights = [1.0 - hit.bary[0] - hit.bary[1], hit.bary[0], hit.bary[1]];
     let stored = mesh.corner_normals.get(id).filter(|c| !c.contains(&NO_NORMAL));
     let smooth = stored.map(|c| {
-        let n = c.map_each(|k| reference.normal(k));
+        let n = c.map_each(|k| reference.normal(hit.triangle, k));
         (0..3).map(|k| weights[k] * n[k]).sum::<DVec3>()
     });
     let n = smooth.and_then(DVec3::try_normalize).unwrap_or(seen);
@@ -61,10 +61,16 @@ pub fn albedo(mesh: &Mesh, [v0, v1, v2]: [DVec3; 3], hit: &Hit) -> [f32; 3] {
     [(dr * r * pr) as f32, (dg * g * pg) as f32, (db * b * pb) as f32]
 }
 
+/// The diffuse colour of a hit at `p`, as [`albedo`].
+fn own_albedo(reference: &Reference, hit: &Hit, p: DVec3) -> [f32; 3] {
+    let own = Hit { triangle: reference.own(hit.triangle), ..*hit };
+    albedo(reference.mesh, reference.surface(hit.triangle, p), &own)
+}
+
 /// The diffuse colour of a hit at `p` with all pictures that are thrown onto it.
 pub fn painted_albedo(obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3, DVec3)) -> [f32; 3] {
     let reference = obstacles.all;
-    let own = albedo(reference.mesh, reference.surface(hit.triangle, p), hit);
+    let own = own_albedo(reference, hit, p);
     let shown = reference.pictures.at(&obstacles.above(hit, p, view), p, normal(reference, hit, (p, view)));
     if shown.is_empty() {
         return own;
@@ -76,13 +82,13 @@ pub fn painted_albedo(obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3, DVec3
 /// The light that a hit at `p` reflects and emits towards the viewer, `view` being the unit direction of the ray: from all lights, or
 /// from a headlight and a small ambient term. `obstacles` cast shadows.
 pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3, DVec3)) -> [f32; 3] {
-    let mesh = &scene.mesh;
-    let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
     let reference = obstacles.all;
+    let mesh = reference.mesh;
+    let material = &mesh.materials[mesh.material_of[reference.own(hit.triangle) as usize] as usize];
     let n = normal(reference, hit, (p, view));
     let start = obstacles.above(hit, p, view);
     let pictures = reference.pictures.at(&start, p, n);
-    let own = DVec3::from(albedo(mesh, reference.surface(hit.triangle, p), hit).map_each(f64::from));
+    let own = DVec3::from(own_albedo(reference, hit, p).map_each(f64::from));
     let [colour, as_it_is] = painted(own, &pictures);
     let rgb = |c: [f32; 3]| DVec3::from(c.map_each(f64::from));
     let metallic = f64::from(material.metallic);

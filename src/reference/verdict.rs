@@ -87,7 +87,7 @@ impl Reference<'_> {
     fn candidates(&self, bundle: &Bundle, beam: &Beam, t_range: [f64; 2]) -> Vec<Candidate> {
         let mut found: Vec<Candidate> = Vec::new();
         let mut front: Option<Candidate> = None;
-        self.bvh.walk(beam, self.walk_range(bundle, t_range), |id| {
+        self.tree.walk(self.instances, beam, self.walk_range(bundle, t_range), |id| {
             if let Some(c) = self.candidate(bundle, beam, id, t_range) {
                 found.push(c);
                 let key = |c: &Candidate| (c.depth.span[1], c.id);
@@ -131,7 +131,7 @@ impl Reference<'_> {
 
     /// The opaque part of a triangle in the box. Holes are *sampled*, as curves are, see [`super::finding`].
     fn presence(&self, bundle: &Bundle, id: u32, corners: &Corners) -> Presence {
-        if !self.mesh.has_alpha(id) {
+        if !self.mesh.has_alpha(self.own(id)) {
             return Presence::Everywhere;
         }
         let is_there = |(x, y): &&(f64, f64)| {

@@ -5,7 +5,7 @@ use super::shelf::Shelf;
 use crate::camera::Camera;
 use crate::camera::recipe::{SceneUse, Surroundings};
 use crate::camera::spec::CameraSpec;
-use crate::geometry::mesh::Mesh;
+use crate::geometry::scene_mesh::SceneMesh;
 use crate::input::{Loading, Result};
 use glam::DVec3;
 use std::sync::{Arc, Weak};
@@ -24,7 +24,7 @@ pub type CameraKey = (CameraSpec, Option<(u32, u32)>);
 struct Around {
     scene_use: SceneUse,
     /// The mesh; only to recognize it.
-    mesh: Weak<Mesh>,
+    mesh: Weak<SceneMesh>,
     /// The bounds of the mesh, where the camera depends on no more of it.
     bounds: Option<(DVec3, DVec3)>,
     /// The field of [`Surroundings`].
@@ -33,14 +33,14 @@ struct Around {
 }
 
 impl Around {
-    fn of(scene_use: SceneUse, mesh: &Arc<Mesh>, seen: &Surroundings) -> Around {
+    fn of(scene_use: SceneUse, mesh: &Arc<SceneMesh>, seen: &Surroundings) -> Around {
         let bounds = if scene_use == SceneUse::Bounds { mesh.bounds() } else { None };
         let Surroundings { beside, is_endless, .. } = *seen;
         Around { scene_use, mesh: Arc::downgrade(mesh), bounds, beside, is_endless }
     }
 
     /// Whether a camera that was built here is the same in another scene.
-    fn is_like(&self, mesh: &Arc<Mesh>, seen: &Surroundings) -> bool {
+    fn is_like(&self, mesh: &Arc<SceneMesh>, seen: &Surroundings) -> bool {
         let is_same = (self.beside, self.is_endless) == (seen.beside, seen.is_endless);
         let is_same_mesh = || self.mesh.as_ptr() == Arc::as_ptr(mesh);
         match self.scene_use {
@@ -82,7 +82,7 @@ impl Cameras {
     pub fn get(
         &self,
         key: CameraKey,
-        mesh: &Arc<Mesh>,
+        mesh: &Arc<SceneMesh>,
         seen: Surroundings,
         keeps: bool,
         loading: &Loading,

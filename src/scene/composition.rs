@@ -4,7 +4,6 @@ use super::Scene;
 use crate::camera::composition::Composition;
 use crate::geometry::mesh::Mesh;
 use std::borrow::Cow;
-use std::sync::Arc;
 
 impl Scene {
     /// For each camera of a composite the scene with the objects that the camera shows. Other triangles keep their ids, and have no area;
@@ -15,7 +14,7 @@ impl Scene {
             if shows.iter().all(|is_shown| *is_shown) {
                 return Cow::Borrowed(self);
             }
-            let mut mesh = (*self.mesh).clone();
+            let mut mesh = Mesh::clone(&self.mesh);
             let mut first = 0;
             for (count, is_shown) in ends.clone().zip(shows) {
                 if !is_shown {
@@ -24,7 +23,7 @@ impl Scene {
                 first += count;
             }
             let casters = self.casters.clone().unwrap_or_else(|| self.mesh.clone());
-            Cow::Owned(Scene { mesh: Arc::new(mesh), casters: Some(casters), ..self.clone() })
+            Cow::Owned(Scene { mesh: mesh.into(), casters: Some(casters), ..self.clone() })
         };
         composition.shows(&self.objects).into_iter().map(seen).collect()
     }

@@ -40,10 +40,11 @@ impl Write for Fnv {
 
 /// A hash of triangles, spheres and how they move, normals, colours of vertices, materials, alpha masks, lights, the volume, background,
 /// image size, rays, mirror or lens, however the scene file spells them. It is the same on all machines. Images that only colour triangles
-/// are left out, and so are lights that throw pictures, because neither are read if no colour is asked for.
+/// are left out, and so are lights that throw pictures, because neither are read if no colour is asked for. Meshes that stand in several places
+/// count with their matrices, so such a scene differs from one of copies.
 pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     let mut h = Fnv(0xcbf2_9ce4_8422_2325);
-    let mesh = &scene.mesh;
+    let mesh = scene.mesh.base();
     for count in [mesh.positions.len(), mesh.triangles.len(), mesh.normals.len(), mesh.materials.len()] {
         h.word(count as u64);
     }
@@ -80,6 +81,11 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
         mesh.corner_colors.iter().flatten().for_each(|k| h.word(u64::from(*k)));
     }
     mesh.radii.iter().for_each(|radius| h.number(*radius));
+    for instance in scene.mesh.instances().into_iter().flat_map(|instances| &instances.list) {
+        h.word(u64::from(instance.triangles.start));
+        let matrix = instance.matrix.unwrap_or_default();
+        matrix.to_cols_array().into_iter().for_each(|v| h.number(v));
+    }
     h.word(scene.lights.len() as u64);
     for light in &scene.lights {
         match light.source {

@@ -3,7 +3,9 @@
 use super::Scene;
 use crate::camera::Camera;
 use crate::geometry::load::Object;
+#[cfg(doc)]
 use crate::geometry::mesh::Mesh;
+use crate::geometry::scene_mesh::SceneMesh;
 use crate::image::cryptomatte::{Matte, MatteKind};
 use crate::image::frame::{Channel, NO_ID, PixelValues};
 use std::sync::Arc;
@@ -15,7 +17,7 @@ use std::sync::Arc;
 /// of its facets come after those of all triangles.
 #[derive(Debug, Clone)]
 pub struct Labels {
-    mesh: Arc<Mesh>,
+    mesh: Arc<SceneMesh>,
     /// The first triangle after each object.
     ends: Vec<u32>,
 }
@@ -43,7 +45,10 @@ impl Labels {
     pub fn material(&self, triangle: u32) -> u32 {
         match triangle {
             NO_ID => NO_ID,
-            id => self.mesh.material_of.get(id as usize).copied().unwrap_or(self.mesh.materials.len() as u32),
+            id if (id as usize) < self.mesh.triangle_count() => {
+                self.mesh.base().material_of[self.mesh.base_id(id) as usize]
+            }
+            _ => self.mesh.base().materials.len() as u32,
         }
     }
 

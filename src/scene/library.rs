@@ -8,9 +8,10 @@ use super::shelf::Shelf;
 use super::sky::Sky;
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
+use crate::geometry::instances::Part;
 use crate::geometry::load::{Object, load_unplaced, placed, with_unique_names};
 use crate::geometry::mesh::Mesh;
-use crate::geometry::place;
+use crate::geometry::scene_mesh::SceneMesh;
 use crate::geometry::spec::MeshSpec;
 use crate::geometry::texture::{Images, ImagesRead, Texture};
 use crate::geometry::time_steps::{TimeStep, TimeSteps};
@@ -36,12 +37,12 @@ pub struct Library {
     merged: Shelf<(Vec<MeshSpec>, ImagesRead), Merged>,
     skies: Shelf<SkySpec, Sky>,
     volumes: Shelf<GridSpec, Grid>,
-    caustics: Shelf<CausticsSpec, (Arc<Caustics>, Arc<Mesh>)>,
+    caustics: Shelf<CausticsSpec, (Arc<Caustics>, Arc<SceneMesh>)>,
     cameras: Cameras,
 }
 
-/// One mesh, and the objects in it.
-type Merged = (Arc<Mesh>, Vec<Object>);
+/// All meshes, and the objects in them.
+type Merged = (Arc<SceneMesh>, Vec<Object>);
 
 /// Why a mesh cannot move during a frame.
 const CHANGED: &str =
@@ -82,7 +83,7 @@ impl Library {
             (None, None) => None,
             _ => return Err(Error::input("image: give both width and height")),
         };
-        let is_of = |known: &(Arc<Caustics>, Arc<Mesh>)| Arc::ptr_eq(&known.1, &mesh);
+        let is_of = |known: &(Arc<Caustics>, Arc<SceneMesh>)| Arc::ptr_eq(&known.1, &mesh);
         let lit = |spec: &CausticsSpec| {
             let make = |loading: &Loading| Ok((Arc::new(Caustics::new(spec, &mesh, loading)?), mesh.clone()));
             self.caustics.get(spec, !self.is_for_once, is_of, loading, make)
@@ -148,7 +149,7 @@ impl Library {
     pub(crate) fn projector_light(
         &self,
         spec: &ProjectorSpec,
-        mesh: &Arc<Mesh>,
+        mesh: &Arc<SceneMesh>,
         images: &mut Images,
         loading: &Loading,
     ) -> Result<ProjectorLight> {
@@ -162,12 +163,17 @@ impl Library {
     /// All meshes in the world as one, and their objects.
     fn merged(&self, meshes: &[MeshSpec], images: &mut Images, loading: &Loading) -> Result<Merged> {
         let placed = meshes.iter().map(|m| self.placed(m, images, loading)).collect::<Result<Vec<_>>>()?;
-        let (meshes, objects): (Vec<Mesh>, Vec<Vec<Object>>) = placed.into_iter().unzip();
+        let (mut parts, objects): (Vec<Part>, Vec<Vec<Object>>) = placed.into_iter().unzip();
         let objects = with_unique_names(objects.into_iter().flatten());
-        let mut mesh = place::merge(meshes)?;
         let mut known = HashSet::new();
-        mesh.missing.retain(|missing| known.insert(missing.what.clone()));
-        if let Some(v) = parallel::reduce(&mesh.positions, |p| (!p.is_finite()).then_some(*p), |first, _| first) {
+        parts.iter_mut().for_each(|part| part.0.missing.retain(|missing| known.insert(missing.what.clone())));
+        let mesh = SceneMesh::of(parts, loading.limits())?;
+        let is_far = |(lo, hi): (DVec3, DVec3)| [lo, hi].into_iter().find(|p| !p.is_finite());
+        let far = match mesh.instances() {
+            Some(instances) => instances.boxes().into_iter().find_map(is_far),
+            None => parallel::reduce(&mesh.positions, |p| (!p.is_finite()).then_some(*p), |first, _| first),
+        };
+        if let Some(v) = far {
             return Err(Error::input(format!("mesh: a vertex lies at {v} after its transform; use finite numbers")));
         }
         Ok((Arc::new(mesh), objects))
@@ -177,16 +183,17 @@ impl Library {
     fn steps(
         &self,
         file: &SceneFile,
-        mesh: &Mesh,
+        mesh: &SceneMesh,
         images: &mut Images,
         loading: &Loading,
     ) -> Result<Option<Arc<TimeSteps>>> {
         if file.steps.iter().all(|step| step.meshes == file.meshes) {
             return Ok(None);
         }
+        mesh.check_copies(loading.limits())?;
         let step = |step: &FileStep| {
             let (now, _) = self.merged(&step.meshes, images, loading)?;
-            let now = Arc::unwrap_or_clone(now);
+            let now = Mesh::clone(now.mesh());
             if (&now.triangles, &now.radii, &now.corner_normals) != (&mesh.triangles, &mesh.radii, &mesh.corner_normals)
             {
                 return Err(Error::input(CHANGED));
@@ -198,8 +205,8 @@ impl Library {
         Ok(TimeSteps::beside(mesh, times, steps).map(Arc::new))
     }
 
-    /// A mesh in the world, and its objects: one, or one for each copy.
-    fn placed(&self, spec: &MeshSpec, images: &mut Images, loading: &Loading) -> Result<(Mesh, Vec<Object>)> {
+    /// A mesh with its places, and its objects: one, or one for each copy.
+    fn placed(&self, spec: &MeshSpec, images: &mut Images, loading: &Loading) -> Result<(Part, Vec<Object>)> {
         let (scale, rotate, translate) = (DVec3::ONE, DVec3::ZERO, DVec3::ZERO);
         let own = MeshSpec { scale, rotate, translate, places: None, ..spec.clone() };
         let key = (own, images.read);

@@ -80,7 +80,9 @@ impl Shown {
             Shown::Triangle => plain(flat(ids(Channel::TriangleId).iter().map(|id| of_id(*id)))),
             Shown::Piece => plain(flat(ids(Channel::PieceId).iter().map(|id| of_id(*id)))),
             Shown::Object => named(ids(Channel::ObjectId), |k| scene.objects.get(k).map(|o| o.name.clone())),
-            Shown::Material => named(ids(Channel::MaterialId), |k| scene.mesh.materials.get(k).map(|m| m.name.clone())),
+            Shown::Material => {
+                named(ids(Channel::MaterialId), |k| scene.mesh.base().materials.get(k).map(|m| m.name.clone()))
+            }
             Shown::Normal => {
                 let plane = |channel| frame.f32(channel).unwrap_or_default();
                 let [x, y, z] = [Channel::NormalX, Channel::NormalY, Channel::NormalZ].map_each(plane);
@@ -135,7 +137,7 @@ fn overdraw(scene: &Scene, camera: &Camera) -> Result<Colours> {
         ));
     }
     let (width, height) = (camera.width, camera.height);
-    let caster = ExactCaster::new(scene.mesh.clone());
+    let caster = ExactCaster::new(scene.mesh.mesh().clone());
     let all: Vec<(u32, u32)> = (0..height).flat_map(|j| (0..width).map(move |i| (i, j))).collect();
     let rays = all.iter().map(|(i, j)| camera.ray(*i, *j).filter(|ray| ray.direction.length_squared() > 0.0));
     let rays: Vec<_> = rays.collect();

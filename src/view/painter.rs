@@ -15,6 +15,7 @@ use crate::engine::{Engine, Rendered, RunOptions};
 use crate::geometry::load::{Object, with_unique_names};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::place;
+use crate::geometry::scene_mesh::SceneMesh;
 use crate::geometry::texture::ImagesRead;
 use crate::gpu::device::GpuOptions;
 use crate::image::png_bytes;
@@ -61,11 +62,11 @@ pub struct Loader {
     /// A scene in memory, whose text is that of the camera alone.
     base: Option<Scene>,
     /// The meshes of `base` and of the last text, and these in one.
-    joined: Mutex<Option<(Arc<Mesh>, Joined)>>,
+    joined: Mutex<Option<(Arc<SceneMesh>, Joined)>>,
 }
 
 /// Meshes in one, and their objects.
-type Joined = (Arc<Mesh>, Vec<Object>);
+type Joined = (Arc<SceneMesh>, Vec<Object>);
 
 impl Loader {
     pub fn new(path: &Path, limits: Limits, base: Option<Scene>) -> Loader {
@@ -84,18 +85,18 @@ impl Loader {
 
     /// A scene of a text with the meshes of `base` before its own, and the lights and the style of `base` where it has none.
     fn with_base(&self, scene: Scene, base: &Scene) -> Result<Scene> {
-        let (mesh, objects) = if scene.mesh.triangles.is_empty() {
+        let (mesh, objects) = if scene.mesh.triangle_count() == 0 {
             (base.mesh.clone(), base.objects.clone())
         } else {
             let mut joined = self.joined.lock().unwrap_or_else(PoisonError::into_inner);
             match joined.as_ref().filter(|(own, _)| Arc::ptr_eq(own, &scene.mesh)) {
                 Some((_, joined)) => joined.clone(),
                 None => {
-                    place::check_counts([&*base.mesh, &*scene.mesh])?;
-                    let mut mesh = (*base.mesh).clone();
-                    place::append_with_all(&mut mesh, (*scene.mesh).clone());
+                    place::check_counts([&**base.mesh, &**scene.mesh])?;
+                    let mut mesh = Mesh::clone(&base.mesh);
+                    place::append_with_all(&mut mesh, Mesh::clone(&scene.mesh));
                     let objects = with_unique_names(base.objects.iter().chain(&scene.objects).cloned());
-                    joined.insert((scene.mesh.clone(), (Arc::new(mesh), objects))).1.clone()
+                    joined.insert((scene.mesh.clone(), (mesh.into(), objects))).1.clone()
                 }
             }
         };
@@ -156,7 +157,7 @@ struct Painter {
     lanes: [Lane; 3],
     pace: Pace,
     /// The meshes whose lines were sent, and their number.
-    wires: (Weak<Mesh>, u64),
+    wires: (Weak<SceneMesh>, u64),
 }
 
 /// The size of moving pictures.
@@ -322,7 +323,7 @@ impl Painter {
         let wanted = shown.wanted();
         check_memory((camera.width, camera.height), wanted.channels.len() + 3, 0, scene.limits)?;
         let lane = match job.asked.quality {
-            _ if scene.mesh.triangles.len() >= LANES_TRIANGLES => 0,
+            _ if scene.mesh.triangle_count() >= LANES_TRIANGLES => 0,
             quality => quality as usize,
         };
         let rendered = self.render(lane, scene, camera, &wanted, count)?;
@@ -467,7 +468,7 @@ fn pixel(loader: &Loader, at: &At, x: u32, y: u32) -> Result<serde_json::Value> 
     let explained = reference::image::explain(&scene, &camera, x, y);
     let labels = Labels::of(&scene);
     let object = explained.triangle.and_then(|t| scene.objects.get(labels.object(t) as usize));
-    let material = explained.triangle.and_then(|t| scene.mesh.materials.get(labels.material(t) as usize));
+    let material = explained.triangle.and_then(|t| scene.mesh.base().materials.get(labels.material(t) as usize));
     let curve = camera.curve(0, x, y).map(|(_, curve)| curve.points().iter().map(|p| p.to_array()).collect::<Vec<_>>());
     Ok(json!({
         "text": explained.text.trim_end(),

@@ -74,7 +74,7 @@ fn both_casters_see_what_the_reference_does_at_every_pixel() {
             let scene = scene(mixed(seed));
             let truth = image(&scene, camera, &[Channel::TriangleId, Channel::T]);
             let (ids, depths) = (truth.u32(Channel::TriangleId).unwrap(), truth.f32(Channel::T).unwrap());
-            let (exact, aimed) = (ExactCaster::new(scene.mesh.clone()), Caster::new(&scene.mesh));
+            let (exact, aimed) = (ExactCaster::new(scene.mesh.mesh().clone()), Caster::new(&scene.mesh));
             let size = scene_size(scene.mesh.bounds());
             for place in 0..ids.len() {
                 let (i, j) = (place as u32 % SIZE.0, place as u32 / SIZE.0);

@@ -144,11 +144,11 @@ pub fn with_spheres(rng: &mut Rng, scene: &mut Scene) {
     let (centres, radii) = list.into_iter().unzip();
     let mut own = spheres_of(centres, radii, None, Limits::default()).unwrap();
     own.materials[0].two_sided = rng.below(3) > 0;
-    let mut all = vec![(*scene.mesh).clone(), own];
+    let mut all = vec![(**scene.mesh).clone(), own];
     if rng.below(2) == 0 {
         all.swap(0, 1);
     }
-    scene.mesh = Arc::new(place::merge(all).unwrap());
+    scene.mesh = place::merge(all).unwrap().into();
 }
 
 /// Triangles on a coarse lattice and a camera on them: its eye or slit lies on a vertex, on an edge, within a triangle or in its plane, and its

@@ -66,7 +66,7 @@ pub fn case(name: &str, size: (u32, u32), camera: &str) -> Case {
     let image = format!("image = {{ width = {w}, height = {h}, background = [0.2, 0.3, 0.4] }}");
     let scene = load(&format!("{image}\n{THINGS}\n[camera]\n{camera}\n")).unwrap();
     let camera = scene.camera().unwrap();
-    let mut case = Case::new(name, (*scene.mesh).clone(), camera);
+    let mut case = Case::new(name, (**scene.mesh).clone(), camera);
     case.scene = scene;
     case
 }

@@ -252,7 +252,7 @@ fn far_from_the_origin() {
     for offset in [1e3, 1e6] {
         let by = DVec3::new(offset, -0.7 * offset, 0.3 * offset);
         let mut scene = ball_in_cloud();
-        scene.mesh = moved((*scene.mesh).clone(), by).into();
+        scene.mesh = moved(Mesh::clone(&scene.mesh), by).into();
         let kind = pinhole(by + DVec3::new(0.5, 0.8, 3.0), by, 50.0);
         let Some((frame, ..)) = check(&format!("offset {offset}"), &scene, &camera(kind, SIZE, FORWARD)) else {
             return;

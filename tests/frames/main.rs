@@ -21,6 +21,7 @@ mod exposure;
 mod frame_reference;
 mod gradients;
 mod in_view;
+mod instances;
 mod layered_reference;
 mod memory;
 mod methods;

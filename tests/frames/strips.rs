@@ -87,7 +87,7 @@ fn rows_by_themselves_are_those_of_the_whole_image() {
 fn shows() -> Vec<(Scene, Arc<Camera>)> {
     let first = crowd();
     let light = |by: f64| vec![Light::distant(DVec3::new(by, -1.0, -0.5))];
-    let turned = Scene { mesh: moved((*first.mesh).clone(), DVec3::new(0.3, -0.1, 0.2)).into(), ..first.clone() };
+    let turned = Scene { mesh: moved((**first.mesh).clone(), DVec3::new(0.3, -0.1, 0.2)).into(), ..first.clone() };
     let other = scene(soup(&mut Rng(4), 300, 0.5));
     let lit = |scene: &Scene, by: f64| Scene { lights: light(by), ..scene.clone() };
     let eye = |x: f64| {

@@ -263,7 +263,7 @@ fn what_is_beside_or_beyond_the_mesh_counts_too() {
     let mesh = Mesh { positions: vec![DVec3::new(0.0, 0.0, -11.0), DVec3::new(0.0, 0.0, -9.0)], ..Mesh::default() };
     let behind = Some((DVec3::new(0.0, 0.0, 9.0), DVec3::new(0.0, 0.0, 11.0)));
     let built = |beside, is_endless| {
-        let seen = Surroundings { mesh: &mesh, beside, is_endless };
+        let seen = Surroundings { beside, is_endless, ..Surroundings::from(&mesh) };
         Tessellation::Auto { error_px: 0.25 }
             .build(Arc::new(Sphere), &Setting::new(Some(SIZE), seen, T_RANGE, &Loading::default()))
             .unwrap()

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Snippets of which some variant of a kernel uses nothing.
-const IDLE: [(&str, &str); 30] = [
+const IDLE: [(&str, &str); 31] = [
     ("bin", "shared/slabs.wgsl"),
     ("certify", "shared/index.wgsl"),
     ("certify", "shared/ray.wgsl"),
@@ -36,6 +36,7 @@ const IDLE: [(&str, &str); 30] = [
     ("trace", "shared/merge_u32.wgsl"),
     ("trace", "shared/merge_u64.wgsl"),
     ("trace", "shared/vertex_real.wgsl"),
+    ("trace", "shared/vertex_real_placed.wgsl"),
     ("trace", "shared/vertex_real_timed.wgsl"),
     ("splat_project", "rivals/drawn.wgsl"),
     ("splat_project", "rivals/range.wgsl"),

@@ -1,7 +1,7 @@
 // Triangles of the hierarchy that trace follows. `bvh_triangles`: three rows a triangle: a corner and the slot; the edge from that corner to
 // the next, and the last word of the packed triangle; the edge from the last corner to the first.
 // Provides: BvhTriangle, bvh_root, bvh_triangle
-// Needs: table_texel
+// Needs: ids_before, slots_before, table_texel
 // Binds: bvh_triangles
 
 // A corner of a triangle, and the edges from it and to it.
@@ -25,5 +25,6 @@ fn bvh_triangle(index: u32) -> BvhTriangle {
     let to_next = bitcast<vec3<f32>>(b.xyz);
     let from_last = bitcast<vec3<f32>>(c.xyz);
     let edges = abs(to_next) + abs(from_last);
-    return BvhTriangle(bitcast<vec3<f32>>(a.xyz), a.w, to_next, b.w, from_last, max(edges.x, max(edges.y, edges.z)));
+    let size = max(edges.x, max(edges.y, edges.z));
+    return BvhTriangle(bitcast<vec3<f32>>(a.xyz), a.w + slots_before(), to_next, b.w + ids_before(), from_last, size);
 }

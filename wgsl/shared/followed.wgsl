@@ -1,6 +1,6 @@
 // What a path meets, through a bounding volume hierarchy.
-// Provides: ROUNDS, followed
-// Needs: Path, Seen, Stretch, box_hits, bvh_root, bvh_triangle, last_of, with_primitive
+// Provides: Followed, ROUNDS, STACK, walked
+// Needs: Path, Seen, Stretch, box_hits, bvh_triangle, last_of, with_primitive
 
 // The most boxes and triangles that a path is tested against: software adapters end a loop when its 16 threads together have taken 65535
 // rounds.
@@ -16,10 +16,10 @@ struct Followed {
     tested: u32,
 }
 
-// Walks a hierarchy with eight boxes a node (Ylitie et al. 2017). A group stands for the children of one node that are nodes themselves:
+// Walks the hierarchy below `root`, with eight boxes a node (Ylitie et al. 2017). A group stands for the children of one node that are nodes themselves:
 // x is the index of the first; the low byte of y says which of the eight children are nodes, the high byte which of these the path may
 // still meet, the nearest in the highest bit.
-fn followed(path: Path, stretch: Stretch, before: Seen, rounds_before: u32) -> Followed {
+fn walked(path: Path, stretch: Stretch, before: Seen, rounds_before: u32, root: u32) -> Followed {
     let d = stretch.d;
     let least = vec3<f32>(1.0e-20);
     let inverse = 1.0 / select(d, select(least, -least, d < vec3<f32>(0.0)), abs(d) < least);
@@ -29,7 +29,7 @@ fn followed(path: Path, stretch: Stretch, before: Seen, rounds_before: u32) -> F
     var tested = 0u;
     var waiting: array<vec2<u32>, STACK>;
     var count = 0u;
-    var group = vec2<u32>(bvh_root(), 0x80000000u);
+    var group = vec2<u32>(root, 0x80000000u);
     loop {
         // take the nearest box of the group, and look at the eight below it
         let bit = firstLeadingBit(group.y);

@@ -1,5 +1,5 @@
 // Triangles, and vertices relative to the anchor, in two words.
-// Provides: CORNER_UNITS, corner_reach, take_moment, triangle_at, vertex, vertex_lo
+// Provides: CORNER_UNITS, corner_reach, ids_before, is_mirrored, own_slot, slots_before, take_moment, triangle_at, vertex, vertex_lo
 // Needs: table_texel
 // Binds: triangles, vertices
 
@@ -12,6 +12,23 @@ fn take_moment(pixel: u32) {}
 // The size of numbers that a corner is computed from, of a corner so far away.
 fn corner_reach(reach: f32) -> f32 {
     return reach;
+}
+
+// A mesh stands in one place: its slots and ids are those of the tables.
+fn slots_before() -> u32 {
+    return 0u;
+}
+
+fn ids_before() -> u32 {
+    return 0u;
+}
+
+fn is_mirrored() -> bool {
+    return false;
+}
+
+fn own_slot(slot: u32) -> u32 {
+    return slot;
 }
 
 // The packed triangle of a slot.

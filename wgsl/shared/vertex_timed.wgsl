@@ -1,6 +1,6 @@
 // Triangles, and vertices that move: of each the table has the positions at all time steps. A thread's pixel has a moment, at which it sees
 // them: between two steps they move straight.
-// Provides: CORNER_UNITS, corner_reach, moment_share, moment_step, next_step, take_moment, triangle_at, vertex, vertex_at_step,
+// Provides: CORNER_UNITS, corner_reach, is_mirrored, moment_share, moment_step, next_step, own_slot, take_moment, triangle_at, vertex, vertex_at_step,
 //   vertex_lo_at_step
 // Needs: table_texel
 // Binds: moments, params, triangles, vertices
@@ -27,6 +27,15 @@ fn next_step() -> u32 {
 // The size of numbers that a corner is computed from, of a corner so far away. No coordinate of any step is larger than the scene.
 fn corner_reach(reach: f32) -> f32 {
     return CORNER_UNITS * max(reach, params.scene_size);
+}
+
+// A mesh stands in one place.
+fn is_mirrored() -> bool {
+    return false;
+}
+
+fn own_slot(slot: u32) -> u32 {
+    return slot;
 }
 
 // The packed triangle of a slot.

@@ -1,20 +1,20 @@
 // Surfaces with images on them: the second and third vec4 of a slot hold the texture coordinates of its corners in file order.
 // An image hangs downwards from its first texel, so v runs downwards here.
 // Provides: WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, corner_uv, has_uv, image_place, on_triangle, triangle_surface, wrap_u, wrap_v
-// Needs: SURFACE_VEC4S, corner_order, real, real3, surface_row, triangle_order
+// Needs: SURFACE_VEC4S, corner_order, own_slot, real, real3, surface_row, triangle_order
 
 fn triangle_surface(slot: u32) -> vec4<u32> {
-    return surface_row(SURFACE_VEC4S * slot);
+    return surface_row(SURFACE_VEC4S * own_slot(slot));
 }
 
 fn has_uv(slot: u32) -> bool {
-    return surface_row(SURFACE_VEC4S * slot + 2u).z != 0u;
+    return surface_row(SURFACE_VEC4S * own_slot(slot) + 2u).z != 0u;
 }
 
 // Of the stored corners.
 fn corner_uv(slot: u32, triangle: vec4<u32>) -> array<vec2<f32>, 3> {
-    let ab = bitcast<vec4<f32>>(surface_row(SURFACE_VEC4S * slot + 1u));
-    let c = bitcast<vec4<f32>>(surface_row(SURFACE_VEC4S * slot + 2u));
+    let ab = bitcast<vec4<f32>>(surface_row(SURFACE_VEC4S * own_slot(slot) + 1u));
+    let c = bitcast<vec4<f32>>(surface_row(SURFACE_VEC4S * own_slot(slot) + 2u));
     let order = corner_order(triangle_order(triangle));
     var uv: array<vec2<f32>, 3>;
     uv[order.x] = ab.xy;

@@ -1,6 +1,6 @@
 // Surfaces without images.
 // Provides: TEXTURED, surface_albedo, surface_uv, triangle_surface
-// Needs: Ray, RayDifferential, material_at, surface_row
+// Needs: Ray, RayDifferential, material_at, own_slot, surface_row
 // Binds: params
 
 const TEXTURED: bool = false;
@@ -14,5 +14,5 @@ fn surface_uv(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec2<f32> {
 }
 
 fn triangle_surface(slot: u32) -> vec4<u32> {
-    return surface_row(params.surface_rows * slot);
+    return surface_row(params.surface_rows * own_slot(slot));
 }

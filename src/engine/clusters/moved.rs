@@ -43,7 +43,8 @@ impl Clustered {
     /// Moves these clusters, built for `from`, to the vertices of `to`; the anchor stays. Returns `None` if they must be clustered again: the
     /// mesh has time steps, differs in more than positions and normals, a triangle gained or lost its area, or the boxes have grown by half.
     pub fn moved(&self, from: &Mesh, to: &Mesh) -> Option<Clustered> {
-        if self.chunks.iter().any(|chunk| chunk.steps > 1) || !differ_in_places_alone(from, to) {
+        if self.placed.is_some() || self.chunks.iter().any(|chunk| chunk.steps > 1) || !differ_in_places_alone(from, to)
+        {
             return None;
         }
         let count = to.positions.len();
@@ -52,7 +53,7 @@ impl Clustered {
             self.chunks.iter().map(|chunk| chunk.moved(to, &has_moved, self)).collect::<Option<_>>()?;
         let (chunks, moved) = chunks.into_iter().unzip();
         let moved = Some(Moved { from: self.places.clone(), chunks: moved });
-        Some(Clustered { chunks, places: Arc::default(), moved, slots: self.slots.clone(), ..*self })
+        Some(Clustered { chunks, places: Arc::default(), moved, slots: self.slots.clone(), placed: None, ..*self })
     }
 }
 

@@ -27,7 +27,7 @@ impl Frames {
         let extent = SceneExtent { anchor, origin, centre, scene_size };
         let shown = Arc::new(reordered(camera, extent.centre).unwrap_or_else(|| camera.clone()));
         let whole = Whole { camera: shown.clone(), ..self.whole.clone() };
-        let contents = SceneContents::of(&whole.scene);
+        let contents = self.planner.contents(&whole.scene);
         let last = (Some(self.plan.in_view), Some((&*self.plan, &*self.whole.camera)));
         let plan = self.planner.plan_by(&self.run, &whole, (contents, extent), &self.wanted, last);
         Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;

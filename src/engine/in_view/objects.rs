@@ -106,7 +106,7 @@ fn blocks(scene: &Scene) -> Vec<(usize, Range<u32>)> {
 }
 
 fn of_triangles(scene: &Scene, ids: Range<u32>) -> ObjectBox {
-    let (mesh, moving) = (&*scene.mesh, scene.moving_mesh());
+    let (mesh, moving) = (&**scene.mesh, scene.moving_mesh());
     let mut object = ObjectBox { bounds: (DVec3::INFINITY, DVec3::NEG_INFINITY), kinds: Kinds::NONE };
     for id in ids {
         let radius = mesh.radius(id);

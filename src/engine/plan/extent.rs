@@ -1,6 +1,5 @@
 //! Where a scene lies, and the places that its positions are relative to.
 
-use crate::arrays::MapEach;
 use crate::camera::Camera;
 use crate::camera::perturb::scene_size;
 use crate::scene::Scene;
@@ -21,12 +20,14 @@ const GRAIN_SAMPLES: usize = 255;
 impl SceneShape {
     pub fn of(scene: &Scene) -> SceneShape {
         let mesh = &scene.mesh;
-        let step = mesh.triangles.len().div_ceil(GRAIN_SAMPLES).max(1);
+        let count = mesh.triangle_count();
+        let step = count.div_ceil(GRAIN_SAMPLES).max(1);
         let size = |id: usize| {
-            let [a, b, c] = mesh.triangles[id].map_each(|v| mesh.positions[v as usize]);
-            mesh.radius(id as u32).unwrap_or_else(|| (b - a).length().max((c - b).length()).max((a - c).length()))
+            let [a, b, c] = mesh.corners(id as u32);
+            let longest = || (b - a).length().max((c - b).length()).max((a - c).length());
+            mesh.base().radius(mesh.base_id(id as u32)).unwrap_or_else(longest)
         };
-        let mut sizes: Vec<f64> = (0..mesh.triangles.len()).step_by(step).map(size).filter(|s| *s > 0.0).collect();
+        let mut sizes: Vec<f64> = (0..count).step_by(step).map(size).filter(|s| *s > 0.0).collect();
         sizes.sort_unstable_by(f64::total_cmp);
         SceneShape { bounds: scene.bounds(), grain: sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) }
     }

@@ -3,6 +3,7 @@
 
 mod crowd;
 pub mod moving;
+pub mod placed;
 mod wide;
 
 use crate::arrays::MapEach;

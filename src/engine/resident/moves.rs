@@ -13,6 +13,9 @@ use glam::DVec3;
 impl Resident {
     /// Updates the positions of the triangles on the device: all of them, or only the clusters and vertices in `moved`.
     pub fn move_scene(&mut self, gpu: &Gpu, triangles: Triangles, moved: Option<&Moved>, origin: DVec3) -> Result<()> {
+        if triangles.0.placed.is_some() {
+            return self.upload_placed_bvh(gpu, triangles.0, origin);
+        }
         for (k, (there, chunk)) in self.chunks.iter_mut().zip(&triangles.0.chunks).enumerate() {
             match moved.map(|moved| &moved.chunks[k]) {
                 Some(moved) => move_chunk(gpu, &mut there.buffers, chunk, moved, triangles)?,

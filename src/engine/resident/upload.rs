@@ -34,11 +34,15 @@ pub(super) fn chunk_on_device(
     let clusters = chunk.cluster_count() as u32;
     let slots = chunk.triangles.len() as u32;
     let Chunk { id_first, id_count, .. } = *chunk;
-    Ok(ChunkOnDevice { buffers, id_first, id_count, clusters, slots, surface_rows, moving_bvh: None })
+    Ok(ChunkOnDevice { buffers, id_first, id_count, clusters, slots, surface_rows, moving_bvh: None, placed_bvh: None })
 }
 
 /// Uploads the tables of a chunk that are relative to the anchor.
 pub(super) fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk, (clustered, all): Triangles) -> Result<()> {
+    if let Some(placed) = &clustered.placed {
+        // no kernel reads boxes of clusters
+        return buffers.upload_texels(gpu, "vertices", &placed.vertices());
+    }
     buffers.upload_texels(gpu, "vertices", &chunk.vertices(all, clustered.anchor))?;
     buffers.upload_texels(gpu, "clusters", &chunk.clusters(clustered.anchor))?;
     buffers.upload(gpu, "triangle_groups", &chunk.triangle_groups(clustered.anchor))

@@ -69,6 +69,7 @@ fn by_ray(variant: Variant, planes: &[Channel]) -> Kernel {
         "shared/bvh8.wgsl",
         "shared/bvh_triangle.wgsl",
         "shared/followed.wgsl",
+        "shared/followed_whole.wgsl",
         "shared/sphere.wgsl",
         "shared/sphere_chord.wgsl",
         "shared/sphere_end.wgsl",

@@ -86,6 +86,7 @@ pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts
     bindings.extend(variant.rays());
     bindings.extend([reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
     bindings.extend(variant.moments());
+    bindings.extend(variant.instances());
     if variant.bounced {
         bindings.extend([optic(), paths()]);
     }

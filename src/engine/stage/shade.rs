@@ -23,6 +23,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend(variant.pixel_rays());
     bindings.extend(variant.bounced.then(live));
     bindings.extend(variant.moments());
+    bindings.extend(variant.instances());
     if variant.optics.is_some() {
         bindings.extend([optic(), paths()]);
     }
@@ -38,6 +39,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         variant.style(),
         variant.pixel_key(),
         variant.pixel_at(),
+        variant.slot(),
         snippets!("shade.wgsl"),
     ];
     let mut all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();

@@ -37,7 +37,11 @@ pub fn kernel(variant: Variant) -> Kernel {
         }
         (true, _) => snippets!("shared/sphere.wgsl", "camera/straight_sphere.wgsl"),
     };
-    let own = [pixels, path, hierarchy, primitives, snippets!("shared/followed.wgsl", "trace.wgsl")];
+    let followed = match variant.instanced {
+        true => snippets!("shared/followed.wgsl", "camera/straight_placed.wgsl", "shared/followed_placed.wgsl"),
+        false => snippets!("shared/followed.wgsl", "shared/followed_whole.wgsl"),
+    };
+    let own = [pixels, path, hierarchy, primitives, followed, snippets!("trace.wgsl")];
     let mut kernel = super::raster::into_visibility("trace", variant, &[variant.pixel(), &own].concat());
     kernel.bindings.extend([table("bvh"), table("bvh_triangles")]);
     if variant.bounced {

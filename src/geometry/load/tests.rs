@@ -11,7 +11,8 @@ fn load(name: &str, text: &str, keys: impl FnOnce(&mut MeshSpec)) -> Result<(Mes
     let mut spec = MeshSpec::of(MeshSource::File(path));
     keys(&mut spec);
     let loading = Loading::default();
-    placed(load_unplaced(&spec, &mut Images::default(), &loading)?, &spec, &loading)
+    let (part, objects) = placed(load_unplaced(&spec, &mut Images::default(), &loading)?, &spec, &loading)?;
+    Ok((copied(part, loading.limits())?, objects))
 }
 
 const GROUPS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ng door\nf 1 2 3\nf 3 2 1\ng wall\nf 2 1 3\n";

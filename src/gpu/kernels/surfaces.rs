@@ -11,9 +11,10 @@ impl Variant {
 
     /// Normals of surfaces, and the light there.
     pub fn lit_surface(self) -> Parts {
-        match self.timed {
-            true => snippets!("shared/table.wgsl", "shared/surface.wgsl", "shared/normal_timed.wgsl"),
-            false => snippets!("shared/table.wgsl", "shared/surface.wgsl", "shared/normal.wgsl"),
+        match (self.timed, self.instanced) {
+            (true, _) => snippets!("shared/table.wgsl", "shared/surface.wgsl", "shared/normal_timed.wgsl"),
+            (false, true) => snippets!("shared/table.wgsl", "shared/surface.wgsl", "shared/normal_placed.wgsl"),
+            (false, false) => snippets!("shared/table.wgsl", "shared/surface.wgsl", "shared/normal.wgsl"),
         }
     }
 

@@ -120,6 +120,8 @@ pub struct Variant {
     pub timed: bool,
     /// There are spheres beside triangles.
     pub spheres: bool,
+    /// Meshes stand in several places, and the tables hold each once.
+    pub instanced: bool,
     /// Rays pass through a volume.
     pub volume: Option<VolumeKind>,
 }
@@ -158,6 +160,7 @@ impl Variant {
         centred: false,
         timed: false,
         spheres: false,
+        instanced: false,
         volume: None,
     };
 
@@ -226,6 +229,10 @@ impl Variant {
             let seen = spheres(variant(RaysKind::Pieces, false, Some(OpticsKind::Quadrics)));
             list.extend([seen, seen.after_bounce()]);
             list.extend(curves.map(|rays| spheres(variant(rays, true, None))));
+            let lights = if more { LightsKind::Positional } else { LightsKind::Plain };
+            let instanced = |variant| Variant { method: Method::Trace, instanced: true, lights, ..variant };
+            list.extend([RaysKind::Pieces, RaysKind::Field].map(|rays| instanced(variant(rays, false, None))));
+            list.push(instanced(variant(RaysKind::Pieces, true, None)));
             list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
             let thrown = |of: Variant| {
                 let lights = if more { LightsKind::Shadowed } else { LightsKind::Positional };
@@ -312,18 +319,30 @@ impl Variant {
 
     /// Triangles and vertices, from their textures.
     pub fn vertex(self) -> Parts {
-        match self.timed {
-            true => snippets!("shared/table.wgsl", "shared/vertex_timed.wgsl"),
-            false => VERTEX,
+        match (self.timed, self.instanced) {
+            (true, _) => snippets!("shared/table.wgsl", "shared/vertex_timed.wgsl"),
+            (false, true) => snippets!("shared/table.wgsl", "shared/vertex_placed.wgsl"),
+            (false, false) => VERTEX,
         }
     }
 
     /// Packed triangles, and vertices in recheck arithmetic.
     pub fn triangle(self) -> Parts {
-        match self.timed {
-            true => snippets!("shared/triangle.wgsl", "shared/vertex_real_timed.wgsl"),
-            false => TRIANGLE,
+        match (self.timed, self.instanced) {
+            (true, _) => snippets!("shared/triangle.wgsl", "shared/vertex_real_timed.wgsl"),
+            (false, true) => snippets!("shared/triangle.wgsl", "shared/vertex_real_placed.wgsl"),
+            (false, false) => TRIANGLE,
         }
+    }
+
+    /// The slot of a triangle by its id.
+    pub fn slot(self) -> Parts {
+        if self.instanced { snippets!("shared/slot_placed.wgsl") } else { snippets!("shared/slot.wgsl") }
+    }
+
+    /// Where meshes stand that have several places.
+    pub fn instances(self) -> Option<Binding> {
+        self.instanced.then(|| table("instances"))
     }
 
     /// When each pixel sees the scene.

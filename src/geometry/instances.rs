@@ -1,0 +1,461 @@
+//! Meshes that stand in a scene more than once. Their triangles are stored once, with a matrix for each place.
+
+use crate::arrays::MapEach;
+use crate::geometry::mesh::{MAX_TRIANGLES, Mesh, NO_NORMAL, check_memory, joined};
+use crate::geometry::place::{self, size_of, transformed_normal, world_normal_from_object};
+use crate::input::{Error, Limits, Result};
+use crate::parallel;
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// The triangles of a scene: the meshes, each stored once, and the places where they stand. Triangle ids run on from instance to instance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Instances {
+    /// All meshes, one after the other, before the matrices of their places.
+    pub base: Arc<Mesh>,
+    /// In the order of their ids. Instances of one mesh have the same ranges.
+    pub list: Vec<Instance>,
+}
+
+/// A mesh in one of its places.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Instance {
+    /// The id of its first triangle.
+    pub first_id: u32,
+    /// Its triangles, vertices and normals in the base mesh.
+    pub triangles: Range<u32>,
+    pub vertices: Range<u32>,
+    pub normals: Range<u32>,
+    /// The box around its vertices there.
+    pub bounds: (DVec3, DVec3),
+    /// From the base mesh to the world; `None`: the base mesh is in the world.
+    pub matrix: Option<DAffine3>,
+}
+
+/// A mesh, and the matrices of its places; `None`: it stands once, where it is.
+pub type Part = (Mesh, Option<Arc<[DAffine3]>>);
+
+/// Most triangles of a scene of which copies take little memory in any case.
+const COPIED_MAX: usize = 1 << 16;
+
+impl Instances {
+    /// # Errors
+    /// [`Error::Input`] if there are more than 2^28 triangles in all places, or 2^32 - 1 or more vertices or other attributes in the meshes.
+    pub fn new(parts: Vec<Part>) -> Result<Instances> {
+        let places = |part: &Part| part.1.as_ref().map_or(1, |places| places.len());
+        let count = |part: &Part| part.0.triangles.len().saturating_mul(places(part));
+        let triangles = parts.iter().map(count).fold(0, usize::saturating_add);
+        if triangles > MAX_TRIANGLES {
+            return Err(Error::input(format!(
+                "the scene has {triangles} triangles in all places, at most 2^28 are possible; use fewer"
+            )));
+        }
+        let mut list = Vec::new();
+        let (mut first_id, mut ends) = (0, [0_u32; 3]);
+        for (mesh, places) in &parts {
+            let counts = [mesh.triangles.len(), mesh.positions.len(), mesh.normals.len()];
+            let [triangles, vertices, normals] = [0, 1, 2].map_each(|k| {
+                let first = ends[k];
+                // `merge` refuses more than a u32 holds
+                ends[k] = ends[k].saturating_add(counts[k].min(u32::MAX as usize) as u32);
+                first..ends[k]
+            });
+            let bounds = bounds_of(&mesh.positions);
+            let matrices = places.as_ref().map_or(vec![None], |places| places.iter().copied().map(Some).collect());
+            for matrix in matrices {
+                let [triangles, vertices, normals] = [&triangles, &vertices, &normals].map_each(Range::clone);
+                list.push(Instance { first_id, triangles, vertices, normals, bounds, matrix });
+                first_id += counts[0] as u32;
+            }
+        }
+        let base = Arc::new(place::merge(parts.into_iter().map(|part| part.0).collect())?);
+        Ok(Instances { base, list })
+    }
+
+    /// A mesh in the world as one instance for each of some runs of its triangles, so that each can move. Returns `None` if vertices or normals
+    /// of one run lie among those of another.
+    pub fn of_runs(mesh: &Arc<Mesh>, counts: impl Iterator<Item = usize>) -> Option<Instances> {
+        let (mut list, mut first_id, mut ends) = (Vec::new(), 0, [0; 2]);
+        let mut add = |triangles: u32, [vertices, normals]: [Range<u32>; 2]| {
+            let bounds = bounds_of(&mesh.positions[vertices.start as usize..vertices.end as usize]);
+            let own = first_id..first_id + triangles;
+            list.push(Instance { first_id, triangles: own, vertices, normals, bounds, matrix: None });
+            first_id += triangles;
+        };
+        let lens = [mesh.positions.len(), mesh.normals.len()].map_each(|n| n as u32);
+        let rest = |k: usize| mesh.triangles.len().saturating_sub(k);
+        let mut first = 0;
+        for count in counts.map(Some).chain([None]) {
+            let count = count.unwrap_or(rest(first)).min(rest(first));
+            let used = |corners: &[[u32; 3]], end: u32| {
+                let own = corners.get(first..first + count).unwrap_or_default();
+                let ends = |[a, b, c]: &[u32; 3]| {
+                    let used = [*a, *b, *c].into_iter().filter(|v| *v != NO_NORMAL);
+                    used.clone().min().zip(used.max())
+                };
+                let ends = parallel::reduce(own, ends, |a, b| (a.0.min(b.0), a.1.max(b.1)));
+                ends.map_or(end..end, |(lo, hi)| lo..hi + 1)
+            };
+            let own = [used(&mesh.triangles, ends[0]), used(&mesh.corner_normals, ends[1])];
+            if own[0].start < ends[0] || own[1].start < ends[1] {
+                return None;
+            }
+            // vertices that no triangle has keep their place
+            let gaps = [0, 1].map_each(|k| ends[k]..own[k].start);
+            if gaps.iter().any(|gap| !gap.is_empty()) {
+                add(0, gaps);
+            }
+            ends = [0, 1].map_each(|k| own[k].end);
+            if count > 0 {
+                add(count as u32, own);
+            }
+            first += count;
+        }
+        if ends != lens {
+            add(0, [0, 1].map_each(|k| ends[k]..lens[k]));
+        }
+        Some(Instances { base: mesh.clone(), list })
+    }
+
+    /// The instance that is exactly these triangles, by its index.
+    pub fn exactly(&self, ids: &Range<usize>) -> Option<usize> {
+        let k = self.index_of(ids.start as u32);
+        let own = self.list.get(k).filter(|_| !ids.is_empty())?;
+        (own.first_id as usize == ids.start && own.triangles.len() == ids.len()).then_some(k)
+    }
+
+    /// Whether rays can be taken to the base mesh from each place: see [`Instance::inverse`].
+    pub fn are_invertible(&self) -> bool {
+        self.list.iter().all(|instance| instance.inverse().is_some())
+    }
+
+    /// Whether a copy of each mesh at each of its places would take much more memory. Spheres are always copied.
+    pub fn saves_memory(&self) -> bool {
+        let triangles = self.triangle_count();
+        !self.base.has_spheres() && triangles > COPIED_MAX && triangles >= 2 * self.base.triangles.len()
+    }
+
+    /// The number of triangles in all places.
+    pub fn triangle_count(&self) -> usize {
+        self.list.last().map_or(0, |last| last.first_id as usize + last.triangles.len())
+    }
+
+    /// The instance of a triangle, by its index.
+    pub fn index_of(&self, id: u32) -> usize {
+        self.list.partition_point(|instance| instance.first_id <= id).saturating_sub(1)
+    }
+
+    /// The instance of a triangle, and the triangle in the base mesh.
+    pub fn find(&self, id: u32) -> (&Instance, u32) {
+        let instance = &self.list[self.index_of(id)];
+        (instance, id - instance.first_id + instance.triangles.start)
+    }
+
+    /// The corners of a triangle in the world, in the order of its file.
+    pub fn corners(&self, id: u32) -> [DVec3; 3] {
+        let (instance, own) = self.find(id);
+        self.base.triangles[own as usize].map_each(|vertex| instance.placed(self.base.positions[vertex as usize]))
+    }
+
+    /// The box around each instance in the world, by the box of its mesh: all vertices lie in it, and it may be larger than need be.
+    pub fn boxes(&self) -> Vec<(DVec3, DVec3)> {
+        self.list.iter().map(|instance| instance.placed_box(instance.bounds)).collect()
+    }
+
+    /// The box around all vertices in the world; `None` without any. Vertices of an instance are looked at only if its box reaches out of
+    /// what is found so far.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let boxes = self.boxes();
+        let mut found: Option<(DVec3, DVec3)> = None;
+        let mut is_seen = vec![false; boxes.len()];
+        for axis in 0..3 {
+            for is_upper in [false, true] {
+                let reach = |k: &usize| if is_upper { boxes[*k].1[axis] } else { -boxes[*k].0[axis] };
+                let mut order: Vec<usize> = (0..boxes.len()).collect();
+                order.sort_by(|a, b| reach(b).total_cmp(&reach(a)));
+                for k in order {
+                    let inner = found.map_or(f64::NEG_INFINITY, |(lo, hi)| if is_upper { hi[axis] } else { -lo[axis] });
+                    if reach(&k) <= inner {
+                        break;
+                    }
+                    if !std::mem::replace(&mut is_seen[k], true) {
+                        found = found.into_iter().chain(self.exact_box(&self.list[k])).reduce(joined);
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// The box around the vertices of an instance.
+    fn exact_box(&self, instance: &Instance) -> Option<(DVec3, DVec3)> {
+        let own = &self.base.positions[instance.vertices.start as usize..instance.vertices.end as usize];
+        let placed = |p: &DVec3| {
+            let p = instance.placed(*p);
+            Some((p, p))
+        };
+        parallel::reduce(own, placed, joined)
+    }
+
+    /// A copy of each mesh at each of its places, as one mesh. [`Instances::check_copies`] says whether they fit the memory.
+    pub fn copies(&self) -> Mesh {
+        let Instances { base, list } = self;
+        let before = |range: fn(&Instance) -> &Range<u32>| {
+            let mut first = 0;
+            let of = |instance| {
+                let own = first;
+                first += range(instance).len() as u32;
+                own
+            };
+            list.iter().map(of).collect::<Vec<u32>>()
+        };
+        let [first_vertices, first_normals] = [before(|i| &i.vertices), before(|i| &i.normals)];
+        let shifted = |lists: &[[u32; 3]], first: u32, new: u32, k: usize| {
+            lists[k].map_each(|i| if i == NO_NORMAL { i } else { i - first + new })
+        };
+        let own = |instance: &Instance| instance.triangles.start as usize..instance.triangles.end as usize;
+        let of_triangles = |lists: &[[u32; 3]]| -> Vec<[u32; 3]> {
+            if lists.is_empty() {
+                Vec::new()
+            } else {
+                list.iter().flat_map(|i| lists[own(i)].iter().copied()).collect()
+            }
+        };
+        let in_instances = |first: &[u32], range: fn(&Instance) -> &Range<u32>, lists: &[[u32; 3]]| {
+            if lists.is_empty() {
+                return Vec::new();
+            }
+            let each = list.iter().zip(first);
+            each.flat_map(|(i, new)| own(i).map(move |k| shifted(lists, range(i).start, *new, k))).collect()
+        };
+        let normals = |instance: &Instance| {
+            let matrix = instance.matrix.and_then(|matrix| world_normal_from_object(matrix.matrix3));
+            let own = &base.normals[instance.normals.start as usize..instance.normals.end as usize];
+            own.iter().map(|n| matrix.map_or(*n, |matrix| transformed_normal(matrix, *n))).collect::<Vec<_>>()
+        };
+        let positions = |instance: &Instance| {
+            let own = &base.positions[instance.vertices.start as usize..instance.vertices.end as usize];
+            own.iter().map(|p| instance.placed(*p)).collect::<Vec<_>>()
+        };
+        Mesh {
+            positions: parallel::flat_map(list, positions),
+            triangles: in_instances(&first_vertices, |i| &i.vertices, &base.triangles),
+            radii: match base.radii.is_empty() {
+                true => Vec::new(),
+                false => list.iter().flat_map(|i| own(i).map(|k| base.radii[k] * i.size())).collect(),
+            },
+            normals: parallel::flat_map(list, normals),
+            corner_normals: in_instances(&first_normals, |i| &i.normals, &base.corner_normals),
+            corner_uvs: of_triangles(&base.corner_uvs),
+            corner_colors: of_triangles(&base.corner_colors),
+            material_of: list.iter().flat_map(|i| base.material_of[own(i)].iter().copied()).collect(),
+            uvs: base.uvs.clone(),
+            colors: base.colors.clone(),
+            materials: base.materials.clone(),
+            missing: base.missing.clone(),
+            parts: Vec::new(),
+        }
+    }
+
+    /// Refuses copies that do not fit the free memory, or indices.
+    ///
+    /// # Errors
+    /// [`Error::Work`] with both sizes, and [`Error::Input`] if there are 2^32 - 1 or more vertices or normals.
+    pub fn check_copies(&self, limits: Limits) -> Result<()> {
+        let total = |range: fn(&Instance) -> &Range<u32>| self.list.iter().map(|i| range(i).len()).sum::<usize>();
+        let (vertices, normals) = (total(|i| &i.vertices), total(|i| &i.normals));
+        let triangles = self.triangle_count();
+        if vertices.max(normals) >= u32::MAX as usize {
+            return Err(Error::input(format!(
+                "a copy of each mesh at each of its places has {} vertices; at most 2^32 - 2 are possible: use fewer places",
+                vertices.max(normals)
+            )));
+        }
+        let places = self.list.len();
+        let what = format_args!("a copy of each mesh at each of {places} places, {triangles} triangles in all,");
+        check_memory(limits, (triangles as u64, vertices as u64), what, "use fewer places")
+    }
+}
+
+/// The box around some points.
+fn bounds_of(points: &[DVec3]) -> (DVec3, DVec3) {
+    parallel::reduce(points, |p| Some((*p, *p)), joined).unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY))
+}
+
+/// The largest condition number of a matrix whose inverse takes rays to the base mesh: up to it, the inverse in f64 is right to far below f32.
+const CONDITION_MAX: f64 = (1 << 20) as f64;
+
+impl Instance {
+    /// The inverse of its matrix without the translation, and the condition number of the matrix, its columns scaled to one size. Returns `None`
+    /// for a matrix close to a singular one.
+    pub fn inverse(&self) -> Option<(DMat3, f64)> {
+        let Some(DAffine3 { matrix3: m, .. }) = self.matrix else { return Some((DMat3::IDENTITY, 1.0)) };
+        let sizes = [m.x_axis, m.y_axis, m.z_axis].map_each(|axis| axis.abs().max_element());
+        let even = DMat3::from_cols(m.x_axis / sizes[0], m.y_axis / sizes[1], m.z_axis / sizes[2]);
+        let back = even.inverse();
+        let condition = largest_row_sum(even) * largest_row_sum(back);
+        let inverse = DMat3::from_diagonal(DVec3::from_array(sizes).recip()) * back;
+        (condition <= CONDITION_MAX && inverse.is_finite()).then_some((inverse, condition))
+    }
+
+    /// A vertex of its mesh in the world.
+    pub fn placed(&self, p: DVec3) -> DVec3 {
+        self.matrix.map_or(p, |matrix| matrix.transform_point3(p))
+    }
+
+    /// Whether its matrix mirrors it.
+    pub fn is_mirrored(&self) -> bool {
+        self.matrix.is_some_and(|DAffine3 { matrix3: m, .. }| {
+            // of any size: a determinant may leave the range of f64
+            let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map_each(|axis| axis / axis.abs().max_element());
+            x.dot(y.cross(z)) < 0.0
+        })
+    }
+
+    /// A normal of its mesh in the world.
+    pub fn placed_normal(&self, normal: Vec3) -> Vec3 {
+        let matrix = self.matrix.and_then(|matrix| world_normal_from_object(matrix.matrix3));
+        matrix.map_or(normal, |matrix| transformed_normal(matrix, normal))
+    }
+
+    /// By how much it scales spheres.
+    fn size(&self) -> f64 {
+        self.matrix.map_or(1.0, |matrix| size_of(&matrix))
+    }
+
+    /// A box in the world that holds a box of the base mesh at its place, whatever is rounded.
+    pub fn placed_box(&self, (lo, hi): (DVec3, DVec3)) -> (DVec3, DVec3) {
+        let Some(matrix) = self.matrix.filter(|_| lo.cmple(hi).all()) else { return (lo, hi) };
+        let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
+        let sizes = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis].map_each(DVec3::abs);
+        let of = |v: DVec3| sizes[0] * v.x + sizes[1] * v.y + sizes[2] * v.z;
+        let (middle, reach) = (matrix.transform_point3(centre), of(half));
+        let rounding = BOX_ROUNDING * (of(lo.abs().max(hi.abs())) + matrix.translation.abs());
+        (middle - reach - rounding, middle + reach + rounding)
+    }
+}
+
+/// The roundings of a placed corner and of the box around it: fewer than 16, each 2^-53 of the sizes that are added up.
+const BOX_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// The largest sum of the sizes of a row's numbers.
+pub fn largest_row_sum(m: DMat3) -> f64 {
+    (m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs()).max_element()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::generate::soup;
+    use crate::geometry::mesh::{Material, NO_COLOR, NO_UV};
+    use crate::testing::Rng;
+    use glam::Vec2;
+
+    fn matrices(count: usize) -> Arc<[DAffine3]> {
+        let mut rng = Rng(5);
+        let mut vector = |size: f64| DVec3::new(rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5) * size;
+        (0..count)
+            .map(|_| DAffine3 {
+                matrix3: DMat3::from_cols(DVec3::X + vector(1.0), DVec3::Y + vector(1.0), DVec3::Z + vector(1.0)),
+                translation: vector(30.0),
+            })
+            .collect()
+    }
+
+    fn triangle() -> Mesh {
+        Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            triangles: vec![[0, 1, 2]],
+            normals: vec![Vec3::X],
+            corner_normals: vec![[0, 0, NO_NORMAL]],
+            uvs: vec![Vec2::Y],
+            corner_uvs: vec![[0, NO_UV, 0]],
+            colors: vec![[0.5; 3]],
+            corner_colors: vec![[NO_COLOR, 0, 0]],
+            materials: vec![Material::default()],
+            material_of: vec![0],
+            ..Mesh::default()
+        }
+    }
+
+    #[test]
+    fn copies_are_in_order_and_share_texture_coordinates_colours_and_materials() {
+        let rotated = DMat3::from_cols(DVec3::Y, -DVec3::X, 2.0 * DVec3::Z);
+        let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+        let shear = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(1.0, 0.0, 1.0));
+        let matrices = [rotated, mirror, shear].map(|m| DAffine3 { matrix3: m, translation: 5.0 * DVec3::Z });
+        let mesh = Instances::new(vec![(triangle(), Some(matrices.into()))]).unwrap().copies();
+        let at = |x: f64, y: f64| DVec3::new(x, y, 5.0);
+        let corners = [[at(0.0, 0.0), at(0.0, 1.0), at(-1.0, 0.0)], [at(0.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0)]];
+        assert_eq!(mesh.positions[..6], corners.concat());
+        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
+        // a mirrored copy keeps the order of corners, so its front and back faces are swapped
+        let cross = |t: [u32; 3]| {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+            (b - a).cross(c - a).z
+        };
+        assert_eq!([cross(mesh.triangles[0]), cross(mesh.triangles[1])], [1.0, -1.0]);
+        // normals go by the inverse transpose: a shear of z along x turns the normal of the plane x = 0 towards -z
+        let third = Vec3::new(1.0, 0.0, -1.0).normalize();
+        assert_eq!(mesh.normals[..2], [Vec3::Y, Vec3::NEG_X]);
+        assert!((mesh.normals[2] - third).length() < 1e-7);
+        assert_eq!(mesh.corner_normals, [0, 1, 2].map(|k| [k, k, NO_NORMAL]));
+        assert_eq!((&mesh.uvs, &mesh.materials), (&triangle().uvs, &triangle().materials));
+        assert_eq!((mesh.corner_uvs, mesh.material_of), (vec![[0, NO_UV, 0]; 3], vec![0; 3]));
+        assert_eq!((mesh.colors, mesh.corner_colors), (triangle().colors, vec![[NO_COLOR, 0, 0]; 3]));
+        assert!(Instances::new(vec![(triangle(), Some([].into()))]).unwrap().copies().triangles.is_empty());
+    }
+
+    #[test]
+    fn triangles_are_found_where_their_copies_are() {
+        let parts = vec![
+            (soup(1, 700), Some(matrices(90))),
+            (soup(2, 300), None),
+            (soup(4, 10), Some([].into())),
+            (soup(3, 500), Some(matrices(40))),
+        ];
+        let instances = Instances::new(parts).unwrap();
+        let copies = instances.copies();
+        assert_eq!(instances.triangle_count(), 90 * 700 + 300 + 40 * 500);
+        assert_eq!(instances.bounds(), copies.bounds());
+        assert!(instances.saves_memory());
+        for id in [0, 699, 700, 62_999, 63_000, 63_299, 63_300, 83_299] {
+            let corners = copies.triangles[id as usize].map(|v| copies.positions[v as usize]);
+            assert_eq!(instances.corners(id), corners);
+        }
+        for (instance, (lo, hi)) in instances.list.iter().zip(instances.boxes()) {
+            let (least, most) = instances.exact_box(instance).unwrap();
+            assert!(lo.cmple(least).all() && hi.cmpge(most).all());
+        }
+    }
+
+    #[test]
+    fn runs_of_a_mesh_are_instances_and_vertices_without_triangles_keep_their_place() {
+        let corners = [[1, 2, 3], [3, 2, 1], [5, 6, 7], [9, 8, 9]];
+        let positions = (0..11).map(|k| DVec3::new(k.into(), f64::from(k * k), 1.0)).collect();
+        let mesh = Mesh { positions, triangles: corners.to_vec(), material_of: vec![0; 4], ..triangle() };
+        let mesh = Arc::new(Mesh { corner_normals: vec![[NO_NORMAL; 3]; 4], corner_uvs: Vec::new(), ..mesh });
+        let mesh = Arc::new(Mesh { corner_colors: Vec::new(), ..Mesh::clone(&mesh) });
+        let mut runs = Instances::of_runs(&mesh, [2, 0, 1].into_iter()).unwrap();
+        assert!(runs.copies() == *mesh);
+        assert_eq!(runs.exactly(&(0..2)), Some(1));
+        assert_eq!((runs.exactly(&(0..1)), runs.exactly(&(2..2))), (None, None));
+        let third = runs.exactly(&(2..3)).unwrap();
+        runs.list[third].matrix = Some(DAffine3::from_translation(DVec3::Z));
+        let copies = runs.copies();
+        let is_moved = |k: usize| copies.positions[k] != mesh.positions[k];
+        assert_eq!((0..11).filter(|k| is_moved(*k)).collect::<Vec<_>>(), [5, 6, 7]);
+        assert_eq!(copies.triangles, mesh.triangles);
+        // the first triangle of the second run has vertices of the first run
+        assert!(Instances::of_runs(&mesh, [1, 3].into_iter()).is_none());
+    }
+
+    #[test]
+    fn few_triangles_save_nothing_and_too_many_are_refused() {
+        let of = |triangles: u64, places: usize| Instances::new(vec![(soup(1, triangles), Some(matrices(places)))]);
+        assert!(!of(100, 100).unwrap().saves_memory());
+        assert!(!of(80_000, 1).unwrap().saves_memory());
+        assert!(of(1 << 20, 257).unwrap_err().to_string().contains("2^28"));
+    }
+}

@@ -1,0 +1,155 @@
+//! The triangles of a scene, as one mesh or as meshes in several places.
+
+use crate::arrays::MapEach;
+use crate::geometry::instances::{Instances, Part};
+use crate::geometry::mesh::Mesh;
+use crate::geometry::place;
+use crate::geometry::time_steps::MovingMesh;
+use crate::input::{Limits, Result};
+use glam::{DAffine3, DVec3};
+use std::ops::{Deref, DerefMut};
+use std::sync::{Arc, OnceLock};
+
+/// The triangles of a scene in the world. Dereferenced it is one mesh: where the scene has [`Instances`], a copy of each mesh at each of its
+/// places, made when it is first asked for. [`SceneMesh::check_copies`] says beforehand whether the copies fit the memory.
+#[derive(Debug, Clone, Default)]
+pub struct SceneMesh {
+    mesh: OnceLock<Arc<Mesh>>,
+    instances: Option<Arc<Instances>>,
+}
+
+impl SceneMesh {
+    /// # Errors
+    /// Those of [`Instances::new`], and of [`Instances::check_copies`] if copies are made at once.
+    pub fn of(parts: Vec<Part>, limits: Limits) -> Result<SceneMesh> {
+        if parts.iter().all(|part| part.1.is_none()) {
+            return Ok(place::merge(parts.into_iter().map(|part| part.0).collect())?.into());
+        }
+        let instances = Instances::new(parts)?;
+        if instances.saves_memory() {
+            return Ok(Arc::new(instances).into());
+        }
+        instances.check_copies(limits)?;
+        Ok(instances.copies().into())
+    }
+
+    /// The meshes and their places, if they are stored so.
+    pub fn instances(&self) -> Option<&Arc<Instances>> {
+        self.instances.as_ref()
+    }
+
+    /// A mesh with the materials of the scene, and with the attributes that its triangles have; not in the world if it has instances.
+    pub fn base(&self) -> &Arc<Mesh> {
+        self.instances.as_ref().map_or_else(|| self.mesh(), |instances| &instances.base)
+    }
+
+    /// Puts an instance at another place. Does nothing without instances.
+    pub fn place(&mut self, instance: usize, matrix: Option<DAffine3>) {
+        if let Some(instances) = &mut self.instances {
+            Arc::make_mut(instances).list[instance].matrix = matrix;
+            self.mesh = OnceLock::new();
+        }
+    }
+
+    /// All triangles as one mesh in the world.
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        self.mesh.get_or_init(|| Arc::new(self.instances.as_ref().map_or_else(Mesh::default, |i| i.copies())))
+    }
+
+    /// Refuses to make the one mesh if it does not fit the free memory.
+    ///
+    /// # Errors
+    /// Those of [`Instances::check_copies`].
+    pub fn check_copies(&self, limits: Limits) -> Result<()> {
+        match &self.instances {
+            Some(instances) if self.mesh.get().is_none() => instances.check_copies(limits),
+            _ => Ok(()),
+        }
+    }
+
+    pub fn triangle_count(&self) -> usize {
+        self.instances.as_ref().map_or_else(|| self.triangles.len(), |instances| instances.triangle_count())
+    }
+
+    /// As [`Mesh::bounds`].
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        self.instances.as_ref().map_or_else(|| self.mesh().bounds(), |instances| instances.bounds())
+    }
+
+    /// As [`Mesh::drawn_bounds`]; with instances the box around all vertices.
+    pub fn drawn_bounds(&self) -> Option<(DVec3, DVec3)> {
+        self.instances.as_ref().map_or_else(|| self.mesh().drawn_bounds(), |instances| instances.bounds())
+    }
+
+    /// The corners of a triangle in the world, in the order of its file.
+    pub fn corners(&self, id: u32) -> [DVec3; 3] {
+        match &self.instances {
+            Some(instances) => instances.corners(id),
+            None => self.triangles[id as usize].map_each(|vertex| self.positions[vertex as usize]),
+        }
+    }
+
+    /// The triangle in [`SceneMesh::base`] that has the surface of this one.
+    pub fn base_id(&self, id: u32) -> u32 {
+        self.instances.as_ref().map_or(id, |instances| instances.find(id).1)
+    }
+}
+
+impl From<Mesh> for SceneMesh {
+    fn from(mesh: Mesh) -> SceneMesh {
+        Arc::new(mesh).into()
+    }
+}
+
+impl From<Arc<Mesh>> for SceneMesh {
+    fn from(mesh: Arc<Mesh>) -> SceneMesh {
+        SceneMesh { mesh: mesh.into(), instances: None }
+    }
+}
+
+impl From<Arc<Instances>> for SceneMesh {
+    fn from(instances: Arc<Instances>) -> SceneMesh {
+        SceneMesh { mesh: OnceLock::new(), instances: Some(instances) }
+    }
+}
+
+impl From<Mesh> for Arc<SceneMesh> {
+    fn from(mesh: Mesh) -> Arc<SceneMesh> {
+        Arc::new(mesh.into())
+    }
+}
+
+impl<'a> From<&'a SceneMesh> for MovingMesh<'a> {
+    fn from(mesh: &'a SceneMesh) -> MovingMesh<'a> {
+        MovingMesh::from(&**mesh)
+    }
+}
+
+impl Deref for SceneMesh {
+    type Target = Mesh;
+
+    fn deref(&self) -> &Mesh {
+        self.mesh()
+    }
+}
+
+/// A mesh that is changed has no instances any more.
+impl DerefMut for SceneMesh {
+    fn deref_mut(&mut self) -> &mut Mesh {
+        self.mesh();
+        self.instances = None;
+        match self.mesh.get_mut() {
+            Some(mesh) => Arc::make_mut(mesh),
+            None => unreachable!("made above"),
+        }
+    }
+}
+
+impl PartialEq for SceneMesh {
+    fn eq(&self, other: &SceneMesh) -> bool {
+        match (&self.instances, &other.instances) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
+            _ => **self == **other,
+        }
+    }
+}
