@@ -195,10 +195,14 @@ fn every_kernel_is_valid_and_portable() {
     let has_rivals = |atomics64| Variant::every(true, atomics64).iter().filter(|v| v.optics.is_none()).count();
     let takes = (has_rivals(false) + has_rivals(true)) as u32;
     let multisampled = takes + 4 * 14;
+    // and where meshes stand in several places: two cameras of pieces and one of a field, with rivals each
+    let instanced = 4 * 3 * (4 + 5);
+    // and where shade writes sRGB: a camera of a field, with rivals, and by tile too
+    let written = 4 * (4 + 1 + 5);
     // a lens whose viewer moves, in front of fields of the camera's own rays
     let is_aimed = |v: &Variant| v.f64 && v.rays == RaysKind::Field && !v.bounced;
     let aimed = variants().filter(is_aimed).count() as u32;
-    let more = aimed + pictures + spheres + volumes + layered_optics + alone + multisampled;
+    let more = aimed + written + instanced + pictures + spheres + volumes + layered_optics + alone + multisampled;
     assert_eq!(wide, by_pair + masked + by_tile + small + traced + timed + more);
 }
 

@@ -2,11 +2,11 @@
 // Reads the visibility buffer, the triangle that won and the pixel's ray; writes the planes that were asked for.
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 // Provides: Place
-// Needs: Bundle, Lit, NONE, PICTURES, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, by_thread, colour_of, drawn,
+// Needs: Bundle, Lit, NONE, PICTURES, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, WRITES, beyond, by_thread, colour_of, drawn,
 //   ends_on_smooth, first_piece, first_surface, goes_on, has_corners, has_path, in_file_order, key_id, key_layer, key_t, light_before,
 //   light_left, painted, path_length, pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential,
-//   reach_of, reached, real3, says_what_is_seen, segment_length, sent_back, slot_of, surface_albedo, surface_normal, surface_uv, take_moment,
-//   take_surface, triangle_at, vertex_real
+//   reach_of, reached, real3, says_what_is_seen, segment_length, sent_back, slot_of, surface_albedo, surface_normal, surface_uv,
+//   take_moment, take_surface, triangle_at, vertex_real, write_srgb
 // Binds: params, planes, shading
 
 // Some plane shows more than the key says.
@@ -105,6 +105,7 @@ fn shade(
     add(PLANE_R, at, left.x);
     add(PLANE_G, at, left.y);
     add(PLANE_B, at, left.z);
+    write_srgb(pixel, left);
 }
 
 fn store(plane: u32, at: Place, word: u32) {
@@ -200,7 +201,7 @@ fn hit_of_triangle(at: Place, id: u32, layer: u32, t: f32) -> Seen {
     if PLANE_UV_U != NONE || PLANE_UV_V != NONE {
         seen.uv = surface_uv(slot, triangle, ray);
     }
-    if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
+    if WRITES || PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
         var lit = sent_back(place, diffuse);
         if PICTURES {
             lit += as_it_is;

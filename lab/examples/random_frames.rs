@@ -1,8 +1,9 @@
-//! Random small scenes against the reference: `cargo run --release -p anamorph-lab --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving] [spheres] [on-the-mesh] [kept]`.
+//! Random small scenes against the reference: `cargo run --release -p anamorph-lab --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving] [spheres] [on-the-mesh] [placed] [kept]`.
 //! Each is one of `any`'s scenes in 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end. Without 64-bit
 //! atomics, raster bounds t in f32 as it does on GPUs without f64. With `moving` everything moves while the frame is taken, and with `spheres`
 //! there are spheres between the triangles. With `on-the-mesh` the camera lies on the triangles, and all are on a lattice. With `kept` each
-//! scene is rendered from a few poses, on one device that keeps what it can, and some triangles move between the poses.
+//! scene is rendered from a few poses, on one device that keeps what it can, and some triangles move between the poses. With `placed` the mesh
+//! stands in several places, and is traced there.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
@@ -47,7 +48,9 @@ fn main() -> ExitCode {
     let options = GpuOptions { no_int64: less("no-int64"), no_f64: less("no-f64"), ..GpuOptions::default() };
     let mut numbers = std::env::args()
         .skip(1)
-        .filter(|a| !a.starts_with("no-") && !["moving", "spheres", "on-the-mesh", "kept"].contains(&a.as_str()))
+        .filter(|a| {
+            !a.starts_with("no-") && !["moving", "spheres", "on-the-mesh", "placed", "kept"].contains(&a.as_str())
+        })
         .map(|n| n.parse::<u64>());
     let (Some(Ok(count)), first) = (numbers.next(), numbers.next().transpose().unwrap_or(None).unwrap_or(0)) else {
         eprintln!("error: give how many scenes, and the first one's number; as in random_frames 1000 0");
@@ -58,8 +61,10 @@ fn main() -> ExitCode {
         return ExitCode::from(1);
     };
     let mut engine = Engine::new(gpu);
-    // what moves is not certified, nor are spheres
-    let is_traced = less("moving") || less("spheres");
+    // what moves is not certified, nor are spheres and meshes in several places
+    let is_traced = less("moving") || less("spheres") || less("placed");
+    let method = if less("placed") { Method::Trace } else { Method::Auto };
+    let run = RunOptions { method, ..RunOptions::default() };
     let certified = if is_traced { None } else { Some(Channel::Certified) };
     let channels: Vec<Channel> = [Channel::T, Channel::TriangleId].into_iter().chain(certified).collect();
     let wanted = Wanted::of(channels);
@@ -68,23 +73,28 @@ fn main() -> ExitCode {
     for number in first..first + count {
         let rng = &mut common::rng::Rng(number);
         if less("kept") {
-            let mut path = common::any::Path::new(rng, SIZE);
-            let certified = if path.is_reflected() { None } else { certified };
+            let mut path = match less("placed") {
+                true => common::any::Path::placed(rng, SIZE),
+                false => common::any::Path::new(rng, SIZE),
+            };
+            let is_traced = path.is_reflected() || less("placed");
+            let certified = if is_traced { None } else { certified };
             let wanted = Wanted::of([Channel::T, Channel::TriangleId].into_iter().chain(certified).collect());
             for _ in 0..POSES {
                 let camera = path.step(rng);
-                let frame = kept_frame(&mut engine, &path.scene, &camera, &wanted, (&mut sequence, &mut last));
-                check(&mut engine, (number, count), (&path.scene, &camera), path.is_reflected(), frame, &mut all);
+                let frame = kept_frame(&mut engine, &path.scene, &camera, &wanted, &run, (&mut sequence, &mut last));
+                check(&mut engine, (number, count), (&path.scene, &camera), is_traced, frame, &mut all);
             }
             continue;
         }
         let (scene, camera) = match (less("moving"), less("spheres")) {
             (true, _) => common::any::any_moving(rng, SIZE),
             (false, true) => common::any::any_with_spheres(rng, SIZE),
+            (false, false) if less("placed") => common::any::any_placed(rng, SIZE),
             (false, false) if less("on-the-mesh") => common::any::any_on_the_mesh(rng, SIZE),
             (false, false) => common::any::any(rng, SIZE),
         };
-        let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).map(|rendered| rendered.frame);
+        let frame = engine.render(&scene, &camera, &wanted, &run).map(|rendered| rendered.frame);
         check(&mut engine, (number, count), (&scene, &camera), is_traced, frame, &mut all);
     }
     println!("{count} scenes from {first}: {all:?}");
@@ -102,12 +112,12 @@ fn kept_frame(
     scene: &Scene,
     camera: &Camera,
     wanted: &Wanted,
+    run: &RunOptions,
     (sequence, last): (&mut Sequence, &mut Option<Planned>),
 ) -> Result<Frame> {
-    let run = RunOptions::default();
-    let planned = engine.planner().plan(scene, camera, wanted, &run, last.as_ref())?;
+    let planned = engine.planner().plan(scene, camera, wanted, run, last.as_ref())?;
     *last = Some(planned.clone());
-    Ok(sequence.render(engine, planned, &run)?.rendered().frame)
+    Ok(sequence.render(engine, planned, run)?.rendered().frame)
 }
 
 /// Compares a frame with the reference and with frames by other methods; `is_traced`: not with raster.

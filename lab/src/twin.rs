@@ -41,7 +41,7 @@ use anamorph::internals::engine::plan::curves::RayTable;
 use anamorph::internals::engine::plan::pages::Pages;
 use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, SceneShape, Wanted};
-use anamorph::internals::engine::tables::{Appearance, Shadows, Span, after_bounce, params};
+use anamorph::internals::engine::tables::{Appearance, NormalsOf, Shadows, Span, after_bounce, params};
 use anamorph::internals::engine::{Capacities, RunOptions};
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::gpu::device::AdapterFeatures;
@@ -161,7 +161,7 @@ impl Tables {
             surfaces: surface_tables(&clustered, &scene.mesh),
             clustered: clustered.with_vertices(&scene.mesh),
             plan,
-            appearance: Appearance::new((scene, false), extent.anchor, &Pages::default(), Shadows::NONE, None),
+            appearance: Appearance::new(scene, NormalsOf::Scene, extent.anchor, &Pages::default(), Shadows::NONE, None),
         }
     }
 

@@ -4,6 +4,7 @@ use super::Scene;
 use crate::geometry::instances::{Instance, Instances};
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
 use crate::geometry::place::{STRETCH_MAX, keeps_spheres, size_of, transformed_normal, world_normal_from_object};
+use crate::geometry::scene_mesh::SceneMesh;
 use crate::geometry::time_steps::TimeSteps;
 use crate::input::{Error, Result};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -127,12 +128,12 @@ impl Scene {
         }
         if self.at_rest.is_none() {
             let counts = self.scene.objects.iter().map(|object| object.triangles);
-            self.at_rest = match self.scene.mesh.instances() {
-                Some(instances) => Some(instances.clone()),
-                None => Instances::of_runs(self.scene.mesh.mesh(), counts).map(Arc::new),
-            };
-            let Some(at_rest) = &self.at_rest else { return Ok(None) };
-            self.scene.mesh = Arc::new(at_rest.clone().into());
+            if let Some(instances) = self.scene.mesh.instances() {
+                self.at_rest = Some(instances.clone());
+            } else if let Some(runs) = Instances::of_runs(self.scene.mesh.mesh(), counts).map(Arc::new) {
+                self.scene.mesh = Arc::new(SceneMesh::of_runs(runs.clone()));
+                self.at_rest = Some(runs);
+            }
         }
         Ok(self.at_rest.as_ref().and_then(|at_rest| at_rest.exactly(&ids)))
     }

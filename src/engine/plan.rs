@@ -243,7 +243,7 @@ pub struct Plan {
     pub bands: Vec<Band>,
     /// Where samples lie about their pixel's centre, px; none where that is the only one.
     pub sample_offsets: Vec<DVec2>,
-    /// The channels that `shade` writes: those wanted, and colour where sRGB is.
+    /// The channels that `shade` writes: those wanted, and colour if `write` reads it.
     pub planes: Vec<Channel>,
     /// 8-bit sRGB colour is written.
     pub srgb8: bool,
@@ -328,7 +328,7 @@ impl Plan {
         wanted: &Wanted,
     ) -> Plan {
         let slabs = Slabs::of(camera);
-        let planes = planes(wanted);
+        let planes = planes(wanted, variant);
         let pixel_bytes = pixel_bytes(variant, &planes, slabs);
         let sample_offsets = match variant.samples_edges() {
             // the rasterizer says what its samples see at the pixel's centre
@@ -368,9 +368,9 @@ impl Plan {
 }
 
 /// The channels that `shade` writes.
-fn planes(wanted: &Wanted) -> Vec<Channel> {
+fn planes(wanted: &Wanted, variant: Variant) -> Vec<Channel> {
     let mut planes: Vec<Channel> = wanted.channels.iter().copied().filter(|c| c.is_rendered()).collect();
-    if wanted.srgb8 {
+    if wanted.srgb8 && !variant.writes {
         planes.extend([Channel::R, Channel::G, Channel::B]);
     }
     planes.extend((wanted.sample_ids || wanted.has_labels()).then_some(Channel::TriangleId));
@@ -402,13 +402,13 @@ fn pixel_bytes(variant: Variant, planes: &[Channel], slabs: Slabs) -> u64 {
 impl Plan {
     /// Whether the tables of another variant fit a binding in the bands of this plan.
     pub fn fits(&self, variant: Variant, wanted: &Wanted, binding_limit: u64) -> bool {
-        let row_bytes = u64::from(self.width + 1) * pixel_bytes(variant, &planes(wanted), self.slabs);
+        let row_bytes = u64::from(self.width + 1) * pixel_bytes(variant, &planes(wanted, variant), self.slabs);
         u64::from(self.rows_max() + 1) * row_bytes <= binding_limit
     }
 
     /// The plan for kernels of another variant, which know of fewer parts of the scene.
     pub fn showing(self, in_view: InView, variant: Variant, contents: SceneContents, wanted: &Wanted) -> Plan {
-        Plan { variant, in_view, contents, planes: planes(wanted), steps: contents.steps.max(1), ..self }
+        Plan { variant, in_view, contents, planes: planes(wanted, variant), steps: contents.steps.max(1), ..self }
     }
 
     /// The plan with the moments of all pixels of the image, row by row.

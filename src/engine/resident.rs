@@ -10,7 +10,7 @@ use super::bounces::{Bounce, bounces};
 use super::buffer_table::{BufferSpec, ITEM_BYTES, Sizes, VEC4_BYTES, table};
 use super::medium::{medium, voxels};
 use super::pages::PageStore;
-use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
+use super::tables::{Appearance, NormalsOf, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
 use crate::engine::clusters::Clustered;
 use crate::engine::plan::hierarchy::moving::MovingBvh;
@@ -20,6 +20,7 @@ use crate::engine::plan::pages::Pages;
 use crate::engine::plan::pictures::ScenePictures;
 use crate::engine::plan::turned::LensBand;
 use crate::engine::plan::{Band, Plan};
+use crate::geometry::mesh::Mesh;
 use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
@@ -30,8 +31,8 @@ use crate::scene::Scene;
 use crate::scene::volume::{Grid, Volume};
 use costs::Costs;
 use glam::DVec3;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Weak};
 use upload::{chunk_on_device, place, upload_band};
 
 pub struct Resident {
@@ -76,6 +77,8 @@ pub struct Resident {
     alpha_masks: (Pages, Vec<Option<AlphaMask>>),
     /// The grid whose values alone are on the device.
     grid: Option<Arc<Grid>>,
+    /// The meshes whose normals are on the device, where kernels know the places of meshes.
+    meshes_with_normals: Option<Weak<Mesh>>,
 }
 
 /// How an image is wrapped, its cutoff and its blended material's opacity, its page, and its origin there.
@@ -148,6 +151,7 @@ impl Resident {
             facets: camera.optics.as_ref().and_then(|o| o.facets()).map_or(0, |f| f.triangles.len()),
             alpha_masks: Default::default(),
             grid: None,
+            meshes_with_normals: None,
         };
         resident.upload_bands(gpu, plan)?;
         resident.upload_scene(gpu, (clustered, clustered.mesh(scene)), plan.origin)?;
@@ -323,12 +327,18 @@ impl Resident {
             _ => None,
         };
         let shadows = Shadows { kind: plan.variant.lights, bvh: bvh.as_ref() };
+        let meshes = plan.variant.instanced.then(|| Arc::downgrade(scene.mesh.base()));
+        let normals_of = match (&meshes, &self.meshes_with_normals) {
+            (Some(meshes), Some(known)) if meshes.ptr_eq(known) => NormalsOf::Nothing,
+            (Some(_), _) => NormalsOf::Meshes,
+            (None, _) => NormalsOf::Scene,
+        };
         self.pictures = match plan.variant.pictures {
             true => Some(ScenePictures::of(scene, self.pictures.as_ref())?),
             false => None,
         };
         let Appearance { mut shading, lights, materials, normals, style } =
-            Appearance::new((scene, plan.variant.instanced), plan.anchor, &pages, shadows, self.pictures.as_ref());
+            Appearance::new(scene, normals_of, plan.anchor, &pages, shadows, self.pictures.as_ref());
         shading.filter_width = plan.filter_width;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         if plan.variant.styled || plan.variant.outlined {
@@ -336,7 +346,10 @@ impl Resident {
         }
         self.shared.upload_texels(gpu, "lights", &lights)?;
         self.shared.upload_texels(gpu, "materials", &materials)?;
-        self.shared.upload_texels(gpu, "normals", &normals)?;
+        if normals_of != NormalsOf::Nothing {
+            self.shared.upload_texels(gpu, "normals", &normals)?;
+        }
+        self.meshes_with_normals = meshes;
         if let Some(volume) = scene.volume.as_ref().filter(|_| plan.variant.volume.is_some()) {
             self.upload_volume(gpu, volume, scene, plan)?;
         }

@@ -1,6 +1,7 @@
 //! The stages of a frame, one file each: the dispatches of its kernels, as data, by pure functions.
 //!
-//! `cull -> split -> small -> bin -> sort -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name.
+//! `cull -> split -> small -> bin -> sort -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name. Where nothing
+//! comes after shade, it writes what [`write`](mod@write) would.
 //! [`small`] and [`sort`] are left out where raster goes pair by pair. [`trace`] takes the place of cull to raster, or of what is left of them
 //! where it costs less; [`choose`] decides that before each dispatch of raster.
 //!
@@ -115,7 +116,7 @@ kernels! {
     Paste, |v, _| v.optics == Some(OpticsKind::Atlas), paste::kernel;
     Outline, |v, _| v.outlined, |_, planes| outline::kernel(planes);
     Volume, |v, _| v.volume.is_some(), volume::kernel;
-    Write, |_, _| true, |_, planes| write::kernel(planes);
+    Write, |v, _| !v.writes, |_, planes| write::kernel(planes);
 }
 
 /// The kernels of a variant whose frames have these planes, and those that are no part of a frame but the ones of [`gradient`].

@@ -193,7 +193,7 @@ impl StepList<'_> {
             if variant.volume.is_some() {
                 self.pass("volume", first, [volume(pixels)]);
             }
-            if inputs.plan.srgb8 {
+            if inputs.plan.srgb8 && !variant.writes {
                 self.pass("write", first, [write(pixels)]);
             }
         }

@@ -42,10 +42,10 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// Positions are relative to `anchor` on the device, and images lie in `pages`. `instanced`: kernels know where meshes stand, and normals are
-    /// those of the meshes.
+    /// Positions are relative to `anchor` on the device, and images lie in `pages`.
     pub fn new(
-        (scene, instanced): (&Scene, bool),
+        scene: &Scene,
+        normals_of: NormalsOf,
         anchor: DVec3,
         pages: &Pages,
         shadows: Shadows,
@@ -98,10 +98,24 @@ impl Appearance {
             },
             lights,
             materials: materials(scene).iter().enumerate().map(|(k, m)| pages.packed(k, m)).collect(),
-            normals: if instanced { normals((&**mesh).into()) } else { normals(scene.moving_mesh()) },
+            normals: match normals_of {
+                NormalsOf::Scene => normals(scene.moving_mesh()),
+                NormalsOf::Meshes => normals((&**mesh).into()),
+                NormalsOf::Nothing => Vec::new(),
+            },
             style: style(&scene.style),
         }
     }
+}
+
+/// The normals that [`Appearance`] holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NormalsOf {
+    Scene,
+    /// Of each mesh once, where kernels know the places of meshes.
+    Meshes,
+    /// None: they are on the device already.
+    Nothing,
 }
 
 /// Facets of a surface that is shaded as smooth turn from each other by no more than this, degrees, and from their shading

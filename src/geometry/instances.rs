@@ -6,6 +6,7 @@ use crate::geometry::place::{self, size_of, transformed_normal, world_normal_fro
 use crate::input::{Error, Limits, Result};
 use crate::parallel;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -141,6 +142,21 @@ impl Instances {
         self.list.last().map_or(0, |last| last.first_id as usize + last.triangles.len())
     }
 
+    /// The number of vertices in all places.
+    pub fn vertex_count(&self) -> usize {
+        self.list.iter().map(|instance| instance.vertices.len()).sum()
+    }
+
+    /// The number of vertices in all places that no triangle has.
+    pub fn unused_vertices(&self) -> usize {
+        // so many of the first k vertices are used
+        let mut used = vec![0_u32; self.base.positions.len() + 1];
+        self.base.triangles.iter().flatten().for_each(|vertex| used[*vertex as usize + 1] = 1);
+        (1..used.len()).for_each(|k| used[k] += used[k - 1]);
+        let used_of = |range: &Range<u32>| (used[range.end as usize] - used[range.start as usize]) as usize;
+        self.list.iter().map(|instance| instance.vertices.len() - used_of(&instance.vertices)).sum()
+    }
+
     /// The instance of a triangle, by its index.
     pub fn index_of(&self, id: u32) -> usize {
         self.list.partition_point(|instance| instance.first_id <= id).saturating_sub(1)
@@ -258,13 +274,31 @@ impl Instances {
         }
     }
 
+    /// The same, where `before` are the copies as they were before some instances, by their indices, got other places.
+    pub fn copies_again(&self, before: &Mesh, moved: &BTreeSet<usize>) -> Mesh {
+        let mut mesh = before.clone();
+        let (mut first_vertex, mut first_normal) = (0, 0);
+        for (k, instance) in self.list.iter().enumerate() {
+            let (vertices, normals) = (instance.vertices.len(), instance.normals.len());
+            if moved.contains(&k) {
+                let own = instance.vertices.clone().zip(&mut mesh.positions[first_vertex..first_vertex + vertices]);
+                own.for_each(|(v, to)| *to = instance.placed(self.base.positions[v as usize]));
+                let own = instance.normals.clone().zip(&mut mesh.normals[first_normal..first_normal + normals]);
+                own.for_each(|(n, to)| *to = instance.placed_normal(self.base.normals[n as usize]));
+            }
+            first_vertex += vertices;
+            first_normal += normals;
+        }
+        mesh
+    }
+
     /// Refuses copies that do not fit the free memory, or indices.
     ///
     /// # Errors
     /// [`Error::Work`] with both sizes, and [`Error::Input`] if there are 2^32 - 1 or more vertices or normals.
     pub fn check_copies(&self, limits: Limits) -> Result<()> {
         let total = |range: fn(&Instance) -> &Range<u32>| self.list.iter().map(|i| range(i).len()).sum::<usize>();
-        let (vertices, normals) = (total(|i| &i.vertices), total(|i| &i.normals));
+        let (vertices, normals) = (self.vertex_count(), total(|i| &i.normals));
         let triangles = self.triangle_count();
         if vertices.max(normals) >= u32::MAX as usize {
             return Err(Error::input(format!(
@@ -417,8 +451,13 @@ mod tests {
         ];
         let instances = Instances::new(parts).unwrap();
         let copies = instances.copies();
+        let mut moved = instances.clone();
+        [3, 95].into_iter().for_each(|k| moved.list[k].matrix = instances.list[0].matrix);
+        assert!(moved.copies_again(&copies, &[3, 95].into()) == moved.copies());
         assert_eq!(instances.triangle_count(), 90 * 700 + 300 + 40 * 500);
         assert_eq!(instances.bounds(), copies.bounds());
+        assert_eq!(instances.vertex_count(), copies.positions.len());
+        assert_eq!(instances.unused_vertices(), copies.unused_vertices());
         assert!(instances.saves_memory());
         for id in [0, 699, 700, 62_999, 63_000, 63_299, 63_300, 83_299] {
             let corners = copies.triangles[id as usize].map(|v| copies.positions[v as usize]);

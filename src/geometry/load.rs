@@ -1,7 +1,7 @@
 //! Loading the meshes of a scene: read or generated, with their materials, and placed in the world.
 
 use super::instances::{Instances, Part};
-use super::mesh::{self, HALF, Material, Mesh, Missing, NO_COLOR, NO_UV};
+use super::mesh::{self, HALF, MAX_TRIANGLES, Material, Mesh, Missing, NO_COLOR, NO_UV};
 use super::parts::separate;
 use super::place::{STRETCHES, keeps_spheres, size_of};
 use super::spec::{AnimationSpec, MeshSource, MeshSpec, TextureSpec};
@@ -51,6 +51,10 @@ pub(crate) fn placed(mut mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Resu
         return Ok(((mesh, None), objects(&name, "")));
     };
     let places = places.load(loading)?;
+    if triangles.saturating_mul(places.len()) > MAX_TRIANGLES {
+        let n = places.len();
+        return Err(Error::input(format!("mesh {name}: {n} places of {triangles} triangles are over 2^28; use fewer")));
+    }
     if mesh.has_spheres() {
         if let Some(k) = places.iter().position(|place| !keeps_spheres(place)) {
             return Err(Error::input(format!("spheres {name}: matrix {k} of places {STRETCHES}")));

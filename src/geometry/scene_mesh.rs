@@ -7,6 +7,7 @@ use crate::geometry::place;
 use crate::geometry::time_steps::MovingMesh;
 use crate::input::{Limits, Result};
 use glam::{DAffine3, DVec3};
+use std::collections::BTreeSet;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, OnceLock};
 
@@ -16,6 +17,8 @@ use std::sync::{Arc, OnceLock};
 pub struct SceneMesh {
     mesh: OnceLock<Arc<Mesh>>,
     instances: Option<Arc<Instances>>,
+    /// The one mesh before some instances got other places.
+    before: Option<(Arc<Mesh>, BTreeSet<usize>)>,
 }
 
 impl SceneMesh {
@@ -33,6 +36,11 @@ impl SceneMesh {
         Ok(instances.copies().into())
     }
 
+    /// A mesh in runs, as [`Instances::of_runs`] makes them: each stands where it is.
+    pub fn of_runs(runs: Arc<Instances>) -> SceneMesh {
+        SceneMesh { mesh: runs.base.clone().into(), instances: Some(runs), before: None }
+    }
+
     /// The meshes and their places, if they are stored so.
     pub fn instances(&self) -> Option<&Arc<Instances>> {
         self.instances.as_ref()
@@ -47,13 +55,24 @@ impl SceneMesh {
     pub fn place(&mut self, instance: usize, matrix: Option<DAffine3>) {
         if let Some(instances) = &mut self.instances {
             Arc::make_mut(instances).list[instance].matrix = matrix;
-            self.mesh = OnceLock::new();
+            if let Some(before) = self.mesh.take() {
+                self.before = Some((before, BTreeSet::new()));
+            }
+            if let Some((_, moved)) = &mut self.before {
+                moved.insert(instance);
+            }
         }
     }
 
     /// All triangles as one mesh in the world.
     pub fn mesh(&self) -> &Arc<Mesh> {
-        self.mesh.get_or_init(|| Arc::new(self.instances.as_ref().map_or_else(Mesh::default, |i| i.copies())))
+        self.mesh.get_or_init(|| {
+            Arc::new(match (&self.instances, &self.before) {
+                (Some(instances), Some((before, moved))) => instances.copies_again(before, moved),
+                (Some(instances), None) => instances.copies(),
+                (None, _) => Mesh::default(),
+            })
+        })
     }
 
     /// Refuses to make the one mesh if it does not fit the free memory.
@@ -69,6 +88,15 @@ impl SceneMesh {
 
     pub fn triangle_count(&self) -> usize {
         self.instances.as_ref().map_or_else(|| self.triangles.len(), |instances| instances.triangle_count())
+    }
+
+    pub fn vertex_count(&self) -> usize {
+        self.instances.as_ref().map_or_else(|| self.positions.len(), |instances| instances.vertex_count())
+    }
+
+    /// As [`Mesh::unused_vertices`].
+    pub fn unused_vertices(&self) -> usize {
+        self.instances.as_ref().map_or_else(|| self.mesh().unused_vertices(), |instances| instances.unused_vertices())
     }
 
     /// As [`Mesh::bounds`].
@@ -103,13 +131,13 @@ impl From<Mesh> for SceneMesh {
 
 impl From<Arc<Mesh>> for SceneMesh {
     fn from(mesh: Arc<Mesh>) -> SceneMesh {
-        SceneMesh { mesh: mesh.into(), instances: None }
+        SceneMesh { mesh: mesh.into(), ..SceneMesh::default() }
     }
 }
 
 impl From<Arc<Instances>> for SceneMesh {
     fn from(instances: Arc<Instances>) -> SceneMesh {
-        SceneMesh { mesh: OnceLock::new(), instances: Some(instances) }
+        SceneMesh { instances: Some(instances), ..SceneMesh::default() }
     }
 }
 
@@ -137,7 +165,7 @@ impl Deref for SceneMesh {
 impl DerefMut for SceneMesh {
     fn deref_mut(&mut self) -> &mut Mesh {
         self.mesh();
-        self.instances = None;
+        (self.instances, self.before) = (None, None);
         match self.mesh.get_mut() {
             Some(mesh) => Arc::make_mut(mesh),
             None => unreachable!("made above"),

@@ -377,6 +377,7 @@ impl Painter {
 
     fn lines(&mut self, session: &Session, at: &At) -> Result<()> {
         let scene = self.loader.scene(at)?;
+        scene.mesh.check_copies(scene.limits)?;
         if self.wires.0.as_ptr() != Arc::as_ptr(&scene.mesh) {
             self.wires = (Arc::downgrade(&scene.mesh), self.wires.1 + 1);
             session.wired(self.wires.1, lines::of_scene(&scene.mesh));

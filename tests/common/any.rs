@@ -11,13 +11,14 @@ use anamorph::internals::camera::kinds::glc::Glc;
 use anamorph::internals::camera::kinds::orthographic::Orthographic;
 use anamorph::internals::camera::kinds::pinhole::Pinhole;
 use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::geometry::instances::Instances;
 use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::geometry::place;
 use anamorph::internals::geometry::spheres::spheres_of;
 use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
 use anamorph::internals::input::Limits;
 use anamorph::internals::scene::Scene;
-use glam::DVec3;
+use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 
 type Triangle = [DVec3; 3];
@@ -91,6 +92,13 @@ impl Path {
         Path { scene: scene(any_mesh(rng)), size, keys, distance }
     }
 
+    /// The same with a mesh that stands in several places, which change from frame to frame.
+    pub fn placed(rng: &mut Rng, size: (u32, u32)) -> Path {
+        let mut path = Path::new(rng, size);
+        place_mesh(rng, &mut path.scene);
+        path
+    }
+
     /// Whether a mirror reflects the camera's rays.
     pub fn is_reflected(&self) -> bool {
         self.keys.contains("mirror")
@@ -98,9 +106,19 @@ impl Path {
 
     /// Moves some of the triangles, or none, and returns the camera at its next pose.
     pub fn step(&mut self, rng: &mut Rng) -> Camera {
-        let mesh = Arc::make_mut(&mut self.scene.mesh);
-        let triangles = mesh.triangles.len();
-        if rng.below(2) == 0 {
+        if let Some(places) = self.scene.mesh.instances().map(|instances| instances.list.len()) {
+            let mut place = |k: usize| {
+                let to = any_place(rng, &self.scene);
+                Arc::make_mut(&mut self.scene.mesh).place(k, Some(to));
+            };
+            (0..places).for_each(|k| {
+                if k % 3 == 0 {
+                    place(k)
+                }
+            });
+        } else if rng.below(2) == 0 {
+            let mesh = Arc::make_mut(&mut self.scene.mesh);
+            let triangles = mesh.triangles.len();
             let first = rng.below(triangles);
             let (last, by) = (first + rng.below(triangles - first) + 1, 0.5 * rng.vector());
             mesh.positions[3 * first..3 * last].iter_mut().for_each(|p| *p += by);
@@ -112,6 +130,48 @@ impl Path {
         let separator = if self.is_reflected() { ", " } else { "\n" };
         camera_of("", self.size, &self.keys.replace("POSE", &pose.join(separator))).unwrap()
     }
+}
+
+/// Such a scene whose mesh stands in several places: turned, sheared, mirrored, tiny and huge, and some of it in one place with another.
+#[allow(dead_code)] // not of all programs that have this module
+pub fn any_placed(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
+    let (mut scene, camera) = any(rng, size);
+    place_mesh(rng, &mut scene);
+    (scene, camera)
+}
+
+/// Puts the mesh of a scene in several places, and a part of it in one.
+fn place_mesh(rng: &mut Rng, scene: &mut Scene) {
+    let mesh = (**scene.mesh).clone();
+    let places = (0..1 + rng.below(8)).map(|_| any_place(rng, scene)).collect();
+    let parts = match rng.below(2) {
+        0 => vec![(mesh, Some(places))],
+        _ => vec![(mesh.clone(), None), (mesh, Some(places))],
+    };
+    scene.mesh = Arc::new(Arc::new(Instances::new(parts).unwrap()).into());
+}
+
+/// A matrix that puts the mesh of a scene anywhere about the scene's centre.
+#[allow(dead_code)] // not of all programs that have this module
+fn any_place(rng: &mut Rng, scene: &Scene) -> DAffine3 {
+    let (lo, hi) = scene.bounds().unwrap_or((-DVec3::ONE, DVec3::ONE));
+    let (centre, extent) = ((lo + hi) / 2.0, (hi - lo).length());
+    let turn = match rng.below(3) {
+        0 => DMat3::IDENTITY,
+        1 => DMat3::from_rotation_z(std::f64::consts::FRAC_PI_2 * rng.below(4) as f64),
+        _ => DMat3::from_axis_angle(rng.direction(), 3.0 * rng.signed()),
+    };
+    let scale = |rng: &mut Rng| match rng.below(4) {
+        0 => 10f64.powf(3.0 * rng.signed()),
+        1 => -1.0,
+        _ => 1.0,
+    };
+    let sizes =
+        if rng.below(3) == 0 { DVec3::new(scale(rng), scale(rng), scale(rng)) } else { DVec3::splat(scale(rng)) };
+    let shear = DMat3::from_cols(DVec3::X, DVec3::new(rng.signed(), 1.0, 0.0), DVec3::new(0.0, rng.signed(), 1.0));
+    let matrix = turn * DMat3::from_diagonal(sizes) * if rng.below(3) == 0 { shear } else { DMat3::IDENTITY };
+    let by = if rng.below(4) == 0 { DVec3::ZERO } else { 0.5 * extent * rng.vector() };
+    DAffine3 { matrix3: matrix, translation: centre + by - matrix * centre }
 }
 
 /// Such a scene with spheres between its triangles.

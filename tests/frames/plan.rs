@@ -342,18 +342,21 @@ fn the_key_has_bits_for_every_id() {
 }
 
 #[test]
-fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
+fn planes_are_what_is_wanted_and_colour_where_a_picture_follows_from_it() {
     let (_, kind) = glc_of_each_class().swap_remove(0);
     let camera = camera(kind, (16, 16), FORWARD);
-    let planes = |channels: &[Channel], srgb8: bool| {
-        let wanted = Wanted { srgb8, ..wanted(channels) };
+    let planes = |channels: &[Channel], srgb8: bool, samples: u32| {
+        let wanted = Wanted { srgb8, samples, ..wanted(channels) };
         new_plan(&camera, of(9), SceneExtent::point(DVec3::ZERO), &wanted, HAS_ALL, LAVAPIPE_BINDING).planes
     };
     use Channel::{B, G, R, T, Z};
-    assert_eq!(planes(&[T, Z, T], false), [Z, T]);
-    assert_eq!(planes(&[Z, G], true), [R, G, B, Z]);
-    assert_eq!(planes(&[], true), [R, G, B]);
-    assert_eq!(planes(&Channel::ALL, true), Channel::ALL);
+    assert_eq!(planes(&[T, Z, T], false, 1), [Z, T]);
+    // shade writes the picture, unless samples change it
+    assert_eq!(planes(&[Z, G], true, 1), [G, Z]);
+    assert_eq!(planes(&[], true, 1), []);
+    assert_eq!(planes(&[Z, G], true, 4), [R, G, B, Z]);
+    assert_eq!(planes(&[], true, 4), [R, G, B]);
+    assert_eq!(planes(&Channel::ALL, true, 1), Channel::ALL);
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use crate::common;
 
-use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::planned::Planned;
 use anamorph::internals::engine::sequence::Sequence;
+use anamorph::internals::engine::{Method, RunOptions};
 use common::any::{Path, any, any_on_the_mesh};
 use common::gpu::{assert_right, check, engine_on, wanted};
 use common::rng::Rng;
@@ -39,10 +39,12 @@ fn every_safe_pixel_is_right_where_the_camera_lies_on_the_mesh() {
 fn every_safe_pixel_of_a_path_is_right_on_a_device_that_keeps_what_it_can() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let (mut sequence, mut last): (Sequence, Option<Planned>) = Default::default();
-    let (wanted, run) = (wanted(), RunOptions::default());
-    for number in 0..25 {
+    let wanted = wanted();
+    for (number, is_placed) in (0..25).map(|number| (number, false)).chain((0..12).map(|number| (number, true))) {
         let rng = &mut Rng(number);
-        let mut path = Path::new(rng, SIZE);
+        let mut path = if is_placed { Path::placed(rng, SIZE) } else { Path::new(rng, SIZE) };
+        let method = if is_placed { Method::Trace } else { Method::Auto };
+        let run = RunOptions { method, ..RunOptions::default() };
         for pose in 0..4 {
             let camera = path.step(rng);
             let planned = engine.planner().plan(&path.scene, &camera, &wanted, &run, last.as_ref()).unwrap();

@@ -56,8 +56,14 @@ pub fn variant(
         centred: run.rival.is_some() && wanted.samples() > 1,
         timed: contents.steps > 1,
         spheres: contents.has_spheres,
-        instanced: follows_instances(camera, contents, wanted, run),
+        instanced: follows_instances(camera, contents, wanted, has, run),
         volume: contents.volume.filter(|_| wanted.needs_volume()),
+        writes: wanted.srgb8
+            && camera.optics.is_none()
+            && wanted.samples() == 1
+            && !contents.has_outlines
+            && contents.volume.is_none()
+            && !contents.has_caustics,
     };
     let variant = if has.by_tile() { Variant { wide: has.wide, ..variant }.with_tiles() } else { variant };
     if wanted.channels.contains(&Channel::Certified) { variant } else { variant.with_small() }
@@ -89,7 +95,7 @@ pub fn method(
         _ if run.moving => (RASTER, "everything moves"),
         _ if run.no_cull => (RASTER, "nothing is to be culled"),
         _ if run.arithmetic != Arithmetic::Rechecked => (RASTER, "other arithmetic is asked for"),
-        _ if follows_instances(camera, contents, wanted, run) => (Method::Trace, "meshes stand in several places"),
+        _ if follows_instances(camera, contents, wanted, has, run) => (Method::Trace, "meshes stand in several places"),
         _ if matches!(slabs::kind(camera), RaysKind::Curves { .. }) => (Method::Trace, "rays are curved"),
         // pair by pair each t takes hundreds of operations in words
         _ if !has.lanes && !has.f64 => (Method::Trace, "raster has no f64 and no subgroups of eight threads here"),
@@ -99,11 +105,21 @@ pub fn method(
 
 /// Whether the frame is traced through a hierarchy of places and those of the meshes that stand there. Other frames take a copy of each mesh at
 /// each of its places.
-fn follows_instances(camera: &Camera, contents: SceneContents, wanted: &Wanted, run: &RunOptions) -> bool {
+fn follows_instances(
+    camera: &Camera,
+    contents: SceneContents,
+    wanted: &Wanted,
+    has: AdapterFeatures,
+    run: &RunOptions,
+) -> bool {
+    // on a CPU raster takes a pixel of few triangles in a fifth of the time of trace
+    let pixels = u64::from(camera.width) * u64::from(camera.height);
+    let is_cheaper = !has.software || contents.triangles as u64 >= pixels || run.method == Method::Trace;
     let has_shadow_rays = contents.has_shadows && (wanted.has_colour() || contents.has_pictures);
     let is_rasterized = wanted.samples() > 1 || wanted.channels.contains(&Channel::Certified);
     let is_other_run = run.rival.is_some() || run.moving || run.no_cull || run.arithmetic != Arithmetic::Rechecked;
     contents.has_instances
+        && is_cheaper
         && run.method != Method::Raster
         && !is_other_run
         && !is_rasterized

@@ -29,6 +29,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     }
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, variant.vertex(), variant.real(), variant.triangle(), BUNDLE, KEY];
     bindings.extend(variant.style_binding());
+    bindings.extend(variant.writes.then(|| writes("srgb8", "array<u32>")));
     let own = [
         variant.camera(),
         SHADING,
@@ -40,6 +41,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         variant.pixel_key(),
         variant.pixel_at(),
         variant.slot(),
+        variant.written(),
         snippets!("shade.wgsl"),
     ];
     let mut all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
@@ -48,7 +50,8 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     all.extend(variant.weights());
     let mut kernel = Kernel::new("shade", bindings, &all).with_planes(planes);
     kernel.constants.extend(variant.constants());
-    let follows_rays = planes.iter().any(|c| !matches!(c, Channel::T | Channel::A | Channel::TriangleId));
+    let follows_rays =
+        variant.writes || planes.iter().any(|c| !matches!(c, Channel::T | Channel::A | Channel::TriangleId));
     kernel.constants.push(("FOLLOWS_RAYS", follows_rays as u32 as f64));
     kernel.constants.push(("NORMALS", variant.normals as u32 as f64));
     if let Some(optics) = variant.optics {

@@ -124,6 +124,8 @@ pub struct Variant {
     pub instanced: bool,
     /// Rays pass through a volume.
     pub volume: Option<VolumeKind>,
+    /// 8-bit sRGB is wanted, and follows from what `shade` finds alone.
+    pub writes: bool,
 }
 
 impl Variant {
@@ -162,6 +164,7 @@ impl Variant {
         spheres: false,
         instanced: false,
         volume: None,
+        writes: false,
     };
 
     pub fn surfaces(self) -> SurfaceKind {
@@ -233,6 +236,7 @@ impl Variant {
             let instanced = |variant| Variant { method: Method::Trace, instanced: true, lights, ..variant };
             list.extend([RaysKind::Pieces, RaysKind::Field].map(|rays| instanced(variant(rays, false, None))));
             list.push(instanced(variant(RaysKind::Pieces, true, None)));
+            list.push(Variant { writes: true, ..variant(RaysKind::Field, false, None) });
             list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
             let thrown = |of: Variant| {
                 let lights = if more { LightsKind::Shadowed } else { LightsKind::Positional };
@@ -338,6 +342,14 @@ impl Variant {
     /// The slot of a triangle by its id.
     pub fn slot(self) -> Parts {
         if self.instanced { snippets!("shared/slot_placed.wgsl") } else { snippets!("shared/slot.wgsl") }
+    }
+
+    /// Whether shade writes 8-bit sRGB.
+    pub fn written(self) -> Parts {
+        match self.writes {
+            true => snippets!("shared/tone.wgsl", "shared/written_now.wgsl"),
+            false => snippets!("shared/written_later.wgsl"),
+        }
     }
 
     /// Where meshes stand that have several places.

@@ -64,6 +64,7 @@ pub fn run(args: &CameraArgs) -> Result<()> {
         )));
     }
     if let Some(file) = &args.diagram {
+        scene.mesh.check_copies(scene.limits)?;
         diagram::write(file, &scene.mesh, &camera)?;
     }
     let description = Description::of(&camera).to_string();

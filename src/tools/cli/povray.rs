@@ -42,22 +42,23 @@ const IDS_MAX: usize = (1 << 24) - 1;
 /// taken, more triangles than a colour has values; [`Error::Write`] naming `path`.
 pub fn write(path: &Path, scene: &Scene, camera: &Camera) -> Result<()> {
     let refuse = |why: String| Error::input(format!("--export-povray: {why}"));
-    if scene.mesh.has_spheres() {
+    if scene.mesh.base().has_spheres() {
         return Err(refuse("only triangles are written; leave out [[spheres]]".into()));
     }
     if scene.steps.is_some() {
         return Err(refuse("things move while the frame is taken; make shutter and line_time 0".into()));
     }
-    if scene.mesh.has_alpha_masks() {
+    if scene.mesh.base().has_alpha_masks() {
         return Err(refuse("the colour of a triangle is its id, so that alpha masks are lost; remove them".into()));
     }
     if camera.layered().is_some() {
         return Err(refuse("a composite with master or feather has several rays per pixel; use another camera".into()));
     }
-    let triangles = scene.mesh.triangles.len();
+    let triangles = scene.mesh.triangle_count();
     if triangles > IDS_MAX {
         return Err(refuse(format!("{triangles} triangles; a colour names {IDS_MAX} at most")));
     }
+    scene.mesh.check_copies(scene.limits)?;
     let faces = faces::of(&scene.mesh);
     let rays = rays::of(camera, scene.bounds()).map_err(refuse)?;
     if rays.length.is_some() && faces.iter().any(Face::is_one_sided) {

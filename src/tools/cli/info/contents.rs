@@ -5,7 +5,7 @@ use crate::arrays::MapEach;
 use crate::geometry::heights;
 use crate::geometry::heights::{Grid, HeightSpec};
 use crate::geometry::load::load_mesh;
-use crate::geometry::mesh::Mesh;
+use crate::geometry::scene_mesh::SceneMesh;
 use crate::geometry::spec::{MeshSource, MeshSpec};
 use crate::geometry::texture::Images;
 use crate::input::{Error, Limits, Loading, Result};
@@ -146,21 +146,22 @@ fn read(path: &Path, loading: &Loading) -> Result<Contents> {
         let cell = grid.georeference.filter(|g| g.in_degrees).map(|g| g.cell);
         let spec = HeightSpec { file: path.into(), height_scale: 1.0, cell };
         let mesh = heights::mesh(&grid, &spec, loading.limits())?;
-        return Ok(Contents { heights: Some(Heights::of(&grid)), ..Contents::of(path, "model", 1, &mesh) });
+        return Ok(Contents { heights: Some(Heights::of(&grid)), ..Contents::of(path, "model", 1, &mesh.into()) });
     }
     let mesh = load_mesh(&MeshSpec::of(MeshSource::File(path.into())), &mut Images::left_out(), loading)?;
-    Ok(Contents::of(path, "model", 1, &mesh))
+    Ok(Contents::of(path, "model", 1, &mesh.into()))
 }
 
 impl Contents {
-    fn of(path: &Path, kind: &'static str, meshes: usize, mesh: &Mesh) -> Contents {
+    fn of(path: &Path, kind: &'static str, meshes: usize, all: &SceneMesh) -> Contents {
+        let mesh = all.base();
         Contents {
             file: path.display().to_string(),
             kind,
-            triangles: mesh.triangles.len() - mesh.sphere_count(),
+            triangles: all.triangle_count() - mesh.sphere_count(),
             spheres: mesh.sphere_count(),
-            vertices: mesh.positions.len(),
-            unused_vertices: mesh.unused_vertices(),
+            vertices: all.vertex_count(),
+            unused_vertices: all.unused_vertices(),
             meshes,
             materials: mesh.materials.len(),
             normals: !mesh.corner_normals.is_empty(),
@@ -168,7 +169,7 @@ impl Contents {
             vertex_colors: !mesh.corner_colors.is_empty(),
             camera: None,
             heights: None,
-            bounds: mesh.drawn_bounds().map(|(low, high)| Bounds::of(low, high)),
+            bounds: all.drawn_bounds().map(|(low, high)| Bounds::of(low, high)),
         }
     }
 }

@@ -1,0 +1,10 @@
+// Nothing changes the light of a pixel after shade: its 8-bit sRGB is written there.
+// Provides: WRITES, write_srgb
+// Needs: packed_srgb
+// Binds: srgb8
+
+const WRITES: bool = true;
+
+fn write_srgb(pixel: u32, light: vec3<f32>) {
+    srgb8[pixel] = packed_srgb(light);
+}
