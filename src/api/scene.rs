@@ -2,9 +2,8 @@
 
 use super::objects::Rest;
 use super::{Camera, Mesh};
-use crate::geometry::instances::Instances;
-use crate::geometry::load::{Object, copied, load_dressed, load_unplaced, placed, with_unique_names};
-use crate::geometry::place;
+use crate::geometry::instances::{Instances, Part, infinite_vertex};
+use crate::geometry::load::{Object, load_dressed, load_unplaced, placed, with_unique_names};
 use crate::geometry::spec::MeshSpec;
 use crate::geometry::texture::{Images, ImagesRead};
 use crate::input::{Error, Limits, Loading, Result};
@@ -33,7 +32,7 @@ pub struct Scene {
 /// Triangles in the world, to be added to a scene: [`Scene::add_placed`].
 #[derive(Debug, Clone)]
 pub struct Placed {
-    mesh: crate::geometry::mesh::Mesh,
+    part: Part,
     objects: Vec<Object>,
 }
 
@@ -78,7 +77,7 @@ impl Placed {
 
     fn of(mesh: crate::geometry::mesh::Mesh, spec: &MeshSpec, loading: &Loading) -> Result<Placed> {
         let (part, objects) = placed(mesh, spec, loading)?;
-        Ok(Placed { mesh: copied(part, loading.limits())?, objects })
+        Ok(Placed { part, objects })
     }
 }
 
@@ -150,7 +149,7 @@ impl Scene {
     /// scene is then unchanged.
     pub fn add(&mut self, mesh: Mesh) -> Result<()> {
         let added = Object { name: mesh.name, triangles: mesh.mesh.triangles.len() };
-        self.append(mesh.mesh, vec![added])
+        self.append((mesh.mesh, None), vec![added])
     }
 
     /// Adds spheres after the existing meshes: centres and radii, world units, and a colour for each, linear RGB in [0, 1], if some are given.
@@ -170,19 +169,18 @@ impl Scene {
     /// # Errors
     /// As [`Scene::add`].
     pub fn add_placed(&mut self, placed: Placed) -> Result<()> {
-        self.append(placed.mesh, placed.objects)
+        self.append(placed.part, placed.objects)
     }
 
-    fn append(&mut self, mesh: crate::geometry::mesh::Mesh, added: Vec<Object>) -> Result<()> {
+    fn append(&mut self, part: Part, added: Vec<Object>) -> Result<()> {
         if self.scene.caustics.is_some() {
             return Err(Error::input("a scene with caustics takes its meshes from its file; add this one there"));
         }
-        if let Some(v) = mesh.positions.iter().find(|p| !p.is_finite()) {
+        if let Some(v) = infinite_vertex(&part) {
             return Err(Error::input(format!("mesh: a vertex lies at {v} after its transform; use finite numbers")));
         }
         self.copy_places()?;
-        place::check_counts([&**self.scene.mesh, &mesh])?;
-        place::append_with_all(&mut **Arc::make_mut(&mut self.scene.mesh), mesh);
+        Arc::make_mut(&mut self.scene.mesh).append(part, self.scene.limits)?;
         let objects = std::mem::take(&mut self.scene.objects);
         self.scene.objects = with_unique_names(objects.into_iter().chain(added));
         Ok(())

@@ -47,11 +47,7 @@ impl Instances {
         let places = |part: &Part| part.1.as_ref().map_or(1, |places| places.len());
         let count = |part: &Part| part.0.triangles.len().saturating_mul(places(part));
         let triangles = parts.iter().map(count).fold(0, usize::saturating_add);
-        if triangles > MAX_TRIANGLES {
-            return Err(Error::input(format!(
-                "the scene has {triangles} triangles in all places, at most 2^28 are possible; use fewer"
-            )));
-        }
+        check_triangles(triangles)?;
         let mut list = Vec::new();
         let (mut first_id, mut ends) = (0, [0_u32; 3]);
         for (mesh, places) in &parts {
@@ -129,6 +125,32 @@ impl Instances {
     /// Whether rays can be taken to the base mesh from each place: see [`Instance::inverse`].
     pub fn are_invertible(&self) -> bool {
         self.list.iter().all(|instance| instance.inverse().is_some())
+    }
+
+    /// Appends a mesh and its places.
+    ///
+    /// # Errors
+    /// As [`Instances::new`]; the instances are then as before.
+    pub fn append(&mut self, (mesh, places): Part) -> Result<()> {
+        place::check_counts([&*self.base, &mesh])?;
+        let own = Instances::new(vec![(mesh, places)])?;
+        let triangles = self.triangle_count() + own.triangle_count();
+        check_triangles(triangles)?;
+        let Mesh { triangles, positions, normals, .. } = &*self.base;
+        // `check_counts` found that all counts fit
+        let [first_triangle, first_vertex, first_normal] =
+            [triangles.len(), positions.len(), normals.len()].map_each(|n| n as u32);
+        let first_id = self.triangle_count() as u32;
+        let shifted = |range: &Range<u32>, by: u32| range.start + by..range.end + by;
+        self.list.extend(own.list.iter().map(|instance| Instance {
+            first_id: instance.first_id + first_id,
+            triangles: shifted(&instance.triangles, first_triangle),
+            vertices: shifted(&instance.vertices, first_vertex),
+            normals: shifted(&instance.normals, first_normal),
+            ..instance.clone()
+        }));
+        place::append_with_all(Arc::make_mut(&mut self.base), Arc::unwrap_or_clone(own.base));
+        Ok(())
     }
 
     /// Whether a copy of each mesh at each of its places would take much more memory. Spheres are always copied.
@@ -312,6 +334,16 @@ impl Instances {
     }
 }
 
+/// Refuses more triangles than ids can number.
+fn check_triangles(triangles: usize) -> Result<()> {
+    if triangles > MAX_TRIANGLES {
+        return Err(Error::input(format!(
+            "the scene has {triangles} triangles in all places, at most 2^28 are possible; use fewer"
+        )));
+    }
+    Ok(())
+}
+
 /// The box around some points.
 fn bounds_of(points: &[DVec3]) -> (DVec3, DVec3) {
     parallel::reduce(points, |p| Some((*p, *p)), joined).unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY))
@@ -359,15 +391,32 @@ impl Instance {
     }
 
     /// A box in the world that holds a box of the base mesh at its place, whatever is rounded.
-    pub fn placed_box(&self, (lo, hi): (DVec3, DVec3)) -> (DVec3, DVec3) {
-        let Some(matrix) = self.matrix.filter(|_| lo.cmple(hi).all()) else { return (lo, hi) };
-        let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
-        let sizes = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis].map_each(DVec3::abs);
-        let of = |v: DVec3| sizes[0] * v.x + sizes[1] * v.y + sizes[2] * v.z;
-        let (middle, reach) = (matrix.transform_point3(centre), of(half));
-        let rounding = BOX_ROUNDING * (of(lo.abs().max(hi.abs())) + matrix.translation.abs());
-        (middle - reach - rounding, middle + reach + rounding)
+    pub fn placed_box(&self, corners: (DVec3, DVec3)) -> (DVec3, DVec3) {
+        self.matrix.map_or(corners, |matrix| placed_box(&matrix, corners))
     }
+}
+
+fn placed_box(matrix: &DAffine3, (lo, hi): (DVec3, DVec3)) -> (DVec3, DVec3) {
+    if lo.cmpgt(hi).any() {
+        return (lo, hi);
+    }
+    let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
+    let sizes = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis].map_each(DVec3::abs);
+    let of = |v: DVec3| sizes[0] * v.x + sizes[1] * v.y + sizes[2] * v.z;
+    let (middle, reach) = (matrix.transform_point3(centre), of(half));
+    let rounding = BOX_ROUNDING * (of(lo.abs().max(hi.abs())) + matrix.translation.abs());
+    (middle - reach - rounding, middle + reach + rounding)
+}
+
+/// A vertex of a mesh in its places that is not finite, or a corner of the box around them that is not.
+pub fn infinite_vertex((mesh, places): &Part) -> Option<DVec3> {
+    let is_far = |p: &DVec3| !p.is_finite();
+    let of_mesh = parallel::reduce(&mesh.positions, |p| is_far(p).then_some(*p), |first, _| first);
+    of_mesh.or_else(|| {
+        let places = places.as_ref().filter(|_| !mesh.positions.is_empty())?;
+        let bounds = bounds_of(&mesh.positions);
+        places.iter().map(|place| placed_box(place, bounds)).flat_map(|(lo, hi)| [lo, hi]).find(is_far)
+    })
 }
 
 /// The roundings of a placed corner and of the box around it: fewer than 16, each 2^-53 of the sizes that are added up.
@@ -459,6 +508,11 @@ mod tests {
         assert_eq!(instances.vertex_count(), copies.positions.len());
         assert_eq!(instances.unused_vertices(), copies.unused_vertices());
         assert!(instances.saves_memory());
+        let mut appended = Instances::new(vec![(soup(1, 700), Some(matrices(90)))]).unwrap();
+        appended.append((soup(2, 300), None)).unwrap();
+        appended.append((soup(4, 10), Some([].into()))).unwrap();
+        appended.append((soup(3, 500), Some(matrices(40)))).unwrap();
+        assert!(appended == instances);
         for id in [0, 699, 700, 62_999, 63_000, 63_299, 63_300, 83_299] {
             let corners = copies.triangles[id as usize].map(|v| copies.positions[v as usize]);
             assert_eq!(instances.corners(id), corners);

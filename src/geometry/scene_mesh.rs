@@ -28,12 +28,35 @@ impl SceneMesh {
         if parts.iter().all(|part| part.1.is_none()) {
             return Ok(place::merge(parts.into_iter().map(|part| part.0).collect())?.into());
         }
-        let instances = Instances::new(parts)?;
+        SceneMesh::of_instances(Instances::new(parts)?, limits)
+    }
+
+    fn of_instances(instances: Instances, limits: Limits) -> Result<SceneMesh> {
         if instances.saves_memory() {
             return Ok(Arc::new(instances).into());
         }
         instances.check_copies(limits)?;
         Ok(instances.copies().into())
+    }
+
+    /// Appends a mesh, whose triangles come after all others.
+    ///
+    /// # Errors
+    /// As [`SceneMesh::of`]; the scene's mesh is then as before.
+    pub fn append(&mut self, part: Part, limits: Limits) -> Result<()> {
+        if self.instances.is_none() && part.1.is_none() {
+            place::check_counts([&**self, &part.0])?;
+            place::append_with_all(&mut **self, part.0);
+            return Ok(());
+        }
+        let alone = || Instances::of_runs(self.mesh(), std::iter::empty());
+        let mut all = match &self.instances {
+            Some(instances) => Instances::clone(instances),
+            None => alone().unwrap_or_else(|| unreachable!("all triangles are one run")),
+        };
+        all.append(part)?;
+        *self = SceneMesh::of_instances(all, limits)?;
+        Ok(())
     }
 
     /// A mesh in runs, as [`Instances::of_runs`] makes them: each stands where it is.

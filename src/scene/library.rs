@@ -8,7 +8,7 @@ use super::shelf::Shelf;
 use super::sky::Sky;
 use crate::camera::Camera;
 use crate::camera::exposure::Exposure;
-use crate::geometry::instances::Part;
+use crate::geometry::instances::{Part, infinite_vertex};
 use crate::geometry::load::{Object, load_unplaced, placed, with_unique_names};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::scene_mesh::SceneMesh;
@@ -16,7 +16,6 @@ use crate::geometry::spec::MeshSpec;
 use crate::geometry::texture::{Images, ImagesRead, Texture};
 use crate::geometry::time_steps::{TimeStep, TimeSteps};
 use crate::input::{Error, Loading, Result};
-use crate::parallel;
 use crate::scene::caustics::Caustics;
 use crate::scene::caustics::spec::CausticsSpec;
 use crate::scene::volume::load::load_grid;
@@ -167,16 +166,10 @@ impl Library {
         let objects = with_unique_names(objects.into_iter().flatten());
         let mut known = HashSet::new();
         parts.iter_mut().for_each(|part| part.0.missing.retain(|missing| known.insert(missing.what.clone())));
-        let mesh = SceneMesh::of(parts, loading.limits())?;
-        let is_far = |(lo, hi): (DVec3, DVec3)| [lo, hi].into_iter().find(|p| !p.is_finite());
-        let far = match mesh.instances() {
-            Some(instances) => instances.boxes().into_iter().find_map(is_far),
-            None => parallel::reduce(&mesh.positions, |p| (!p.is_finite()).then_some(*p), |first, _| first),
-        };
-        if let Some(v) = far {
+        if let Some(v) = parts.iter().find_map(infinite_vertex) {
             return Err(Error::input(format!("mesh: a vertex lies at {v} after its transform; use finite numbers")));
         }
-        Ok((Arc::new(mesh), objects))
+        Ok((Arc::new(SceneMesh::of(parts, loading.limits())?), objects))
     }
 
     /// Where the mesh is at the times of a frame, if it moves.
