@@ -89,7 +89,8 @@ pub struct Hit {
 #[derive(Debug, Clone)]
 pub struct Reference<'a> {
     mesh: &'a Mesh,
-    /// The places of its meshes, if they stand in several; then a hit's triangle is not that of `mesh`, but [`Reference::own`] is.
+    /// The places of the meshes in `mesh`, if they stand in several. Ids of triangles then count all places; [`Reference::own`] gives the
+    /// triangle of `mesh`.
     instances: Option<&'a Instances>,
     /// Where it moves, and the moment.
     moving: Option<(&'a TimeSteps, Moment)>,
@@ -264,9 +265,17 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// The triangle of `mesh` that has the surface of this one.
+    /// The number of triangles and spheres in all places.
+    fn triangle_count(&self) -> usize {
+        self.instances.map_or(self.mesh.triangles.len(), |instances| instances.triangle_count())
+    }
+
+    /// The triangle of `mesh` that has the surface of this one; ids of smooth surfaces, which come after all triangles, stay.
     fn own(&self, id: u32) -> u32 {
-        self.instances.map_or(id, |instances| instances.find(id).1)
+        match self.instances {
+            Some(instances) if (id as usize) < instances.triangle_count() => instances.find(id).1,
+            _ => id,
+        }
     }
 
     /// A triangle without a material shows both faces.

@@ -371,6 +371,46 @@ fn objects_move_and_come_back() {
 }
 
 #[test]
+fn objects_move_by_matrices_before_and_after_other_changes() {
+    // a pyramid, at steps that f64 holds
+    let corners = |[x, y, z]: [f64; 3]| {
+        let base = [[-0.5, 0.0, -0.5], [0.5, 0.0, -0.5], [0.0, 0.0, 0.5], [0.0, 0.75, 0.0]];
+        base.map(|[a, b, c]| [a + x, b + y, c + z]).to_vec()
+    };
+    let pyramid = |name: &str, at: [f64; 3]| {
+        Mesh::new(corners(at), vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap().named(name)
+    };
+    let scene_of = |all: &[(&str, [f64; 3])]| {
+        let mut scene = Scene::parse(CAMERA, ".").unwrap();
+        all.iter().for_each(|(name, at)| scene.add(pyramid(name, *at)).unwrap());
+        scene
+    };
+    let by = |[x, y, z]: [f64; 3]| [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]];
+    let mut renderer = Renderer::new().unwrap();
+    let mut seen = |scene: &Scene| words(&renderer.render(scene, &scene.camera().unwrap(), &options()).unwrap());
+    let (a, b, c) = ([-0.5, 0.0, 0.0], [0.75, -0.25, 0.0], [0.0, 0.5, -1.0]);
+    let mut scene = scene_of(&[("a", a), ("b", b)]);
+    let mut changes = vec![seen(&scene)];
+    let mut compare = |scene: &Scene, all: &[(&str, [f64; 3])]| {
+        changes.push(seen(scene));
+        assert!(changes.last() == Some(&seen(&scene_of(all))) && changes.windows(2).all(|pair| pair[0] != pair[1]));
+        assert_eq!(scene.bounds(), scene_of(all).bounds());
+    };
+    scene.move_object("a", by([0.25, 0.0, 0.0])).unwrap();
+    compare(&scene, &[("a", [-0.25, 0.0, 0.0]), ("b", b)]);
+    scene.add(pyramid("c", c)).unwrap();
+    compare(&scene, &[("a", [-0.25, 0.0, 0.0]), ("b", b), ("c", c)]);
+    scene.move_object("b", by([0.0, 0.25, 0.0])).unwrap();
+    compare(&scene, &[("a", [-0.25, 0.0, 0.0]), ("b", [0.75, 0.0, 0.0]), ("c", c)]);
+    scene.set_vertices("c", &corners([0.5, 0.5, -1.0])).unwrap();
+    compare(&scene, &[("a", [-0.25, 0.0, 0.0]), ("b", [0.75, 0.0, 0.0]), ("c", [0.5, 0.5, -1.0])]);
+    scene.move_object("a", by([0.0; 3])).unwrap();
+    compare(&scene, &[("a", a), ("b", [0.75, 0.0, 0.0]), ("c", [0.5, 0.5, -1.0])]);
+    scene.move_object("c", by([-0.5, 0.25, 0.0])).unwrap();
+    compare(&scene, &[("a", a), ("b", [0.75, 0.0, 0.0]), ("c", [0.0, 0.75, -1.0])]);
+}
+
+#[test]
 fn spheres_are_added_and_moved() {
     let mut scene = Scene::parse(CAMERA, ".").unwrap();
     let centers = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];

@@ -155,7 +155,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Makes one mesh of the scene, with each object that has moved where it is, and keeps where it was.
+    /// Turns the instances of the scene into one mesh, with moved objects at their present places, and keeps their earlier vertices in `rests`.
     pub(super) fn copy_places(&mut self) -> Result<()> {
         let Some(at_rest) = &self.at_rest else { return Ok(()) };
         self.scene.mesh.check_copies(self.scene.limits)?;
@@ -194,6 +194,7 @@ impl Scene {
         if self.scene.caustics.is_some() {
             return Err(Error::input("a scene with caustics takes its meshes from its file; move them there"));
         }
+        self.scene.mesh.check_copies(self.scene.limits)?;
         self.copy_places()?;
         if let Some(known) = self.rests.iter().position(|rest| rest.name == name) {
             return Ok(&self.rests[known]);

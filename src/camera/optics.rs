@@ -22,7 +22,6 @@ pub mod torus;
 pub mod wave;
 
 use crate::geometry::bvh::Aabb;
-use crate::geometry::mesh::Mesh;
 pub use facets::{Facet, Facets};
 use glam::{DVec2, DVec3};
 pub use quadric::Quadric;
@@ -169,9 +168,10 @@ impl Optics {
         }
     }
 
-    /// Id of the first facet or part: facets are the last triangles of `mesh`, smooth parts are numbered after all of them.
-    pub fn first_id(&self, mesh: &Mesh) -> u32 {
-        (mesh.triangles.len() - self.facets().map_or(0, |f| f.triangles.len())) as u32
+    /// Id of the first facet or part, in a scene of so many triangles with the facets: facets are the last of these, smooth parts are numbered after
+    /// all of them.
+    pub fn first_id(&self, triangles: usize) -> u32 {
+        (triangles - self.facets().map_or(0, |f| f.triangles.len())) as u32
     }
 
     /// The branches that a ray splits into at every bounce.

@@ -61,8 +61,8 @@ pub struct Clustered {
     pub surfaces: SurfaceKind,
     /// Triangles without area, left out.
     pub without_area: usize,
-    /// The meshes and their places, where the triangles are those of meshes that stand in several places. Positions are then not relative to
-    /// the anchor.
+    /// The meshes and their places, if the tables hold each mesh once. Vertices are then relative to the origin of their mesh, not to the
+    /// anchor.
     pub placed: Option<Arc<PlacedMeshes>>,
 }
 
@@ -83,7 +83,7 @@ pub fn cluster<'a>(
     clustered(all.into(), anchor, (surfaces, true), table_limit)
 }
 
-/// The triangles of a scene for kernels of a variant: each mesh once where they know of places, or else as [`cluster_shown`].
+/// Clusters the triangles of a scene for the kernels of a variant: each mesh once if the kernels know of places, or else as [`cluster_shown`] does.
 pub fn cluster_scene(scene: &Scene, anchor: DVec3, variant: Variant, table_limit: u64) -> Clustered {
     match scene.mesh.instances().filter(|_| variant.instanced) {
         Some(instances) => PlacedMeshes::clustered(instances, anchor, variant.surfaces()),
@@ -333,16 +333,19 @@ fn morton_order(all: MovingMesh, ids: std::ops::Range<u32>) -> Vec<u32> {
     let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
     let bounds = parallel::reduce(ids.clone(), |id| Some((sum(id), sum(id))), join);
     let bounds = bounds.unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
-    let scale = ((1u64 << 21) as f64 - 1.0) / (bounds.1 - bounds.0).max_element().max(f64::MIN_POSITIVE);
-    let key = |id: u32| {
-        let place = (sum(id) - bounds.0) * scale;
-        interleave(place.x) | interleave(place.y) << 1 | interleave(place.z) << 2
-    };
+    let key = |id: u32| morton_key(sum(id), bounds);
     // triangles without area come last
     let mut keyed = parallel::map(ids, |id| (if has_area(all, id) { key(id) } else { NO_KEY }, id));
     parallel::sort(&mut keyed);
     keyed.truncate(keyed.partition_point(|(key, _)| *key < NO_KEY));
     parallel::map(&keyed, |(_, id)| *id)
+}
+
+/// The place of a point along a Morton curve through the box between two corners.
+pub fn morton_key(p: DVec3, (lo, hi): (DVec3, DVec3)) -> u64 {
+    let scale = ((1u64 << 21) as f64 - 1.0) / (hi - lo).max_element().max(f64::MIN_POSITIVE);
+    let place = (p - lo) * scale;
+    interleave(place.x) | interleave(place.y) << 1 | interleave(place.z) << 2
 }
 
 /// More than a key of 63 bits.

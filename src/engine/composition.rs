@@ -154,7 +154,7 @@ impl Composing<'_> {
         let [v0, v1, v2] = self.scene.corners_at(id, Default::default());
         let normal = (v1 - v0).cross(v2 - v0);
         // 0 on the surface, and its gradient there
-        let height = |x: DVec3| match self.scene.mesh.radius(id) {
+        let height = |x: DVec3| match self.scene.mesh.base().radius(self.scene.mesh.base_id(id)) {
             Some(radius) => ((x - v0).length_squared() - radius * radius, 2.0 * (x - v0)),
             None => ((x - v0).dot(normal), normal),
         };

@@ -203,7 +203,7 @@ fn seen_kinds(
     };
     let mut found = needed & all;
     if scene.mesh.instances().is_some() {
-        // boxes are of the objects of one mesh
+        // boxes of objects are found from one mesh: instances would have to be copied
         return all;
     }
     if found == all {
@@ -221,6 +221,10 @@ fn seen_kinds(
 fn seen_pictures(scene: &Scene, facts: &SceneFacts, is_seen: impl Fn((DVec3, DVec3)) -> bool) -> u64 {
     if scene.projector_lights.is_empty() {
         return 0;
+    }
+    if scene.mesh.instances().is_some() {
+        // boxes of objects are found from one mesh
+        return u64::MAX;
     }
     let Some(reached) = facts.beams.reached(scene, &facts.objects) else { return u64::MAX };
     let objects = facts.objects.of(scene);

@@ -219,9 +219,8 @@ impl Planner {
             ..Asked::new(scene, &camera, wanted)
         };
         asked_for.check()?;
-        let contents = self.contents(scene);
-        if !variant(&camera, contents, wanted, self.has, run).instanced {
-            // one mesh is made of all places
+        if facets_of(&camera).is_some() {
+            // they are appended to one mesh
             scene.mesh.check_copies(scene.limits)?;
         }
         let whole = Whole::of(scene, camera.clone(), shape, last);
@@ -232,6 +231,9 @@ impl Planner {
         scene.check_depth(&wanted.channels)?;
         self.check_volume(scene)?;
         let plan = self.plan_of(&whole, &with_optics, extent, wanted, run, last);
+        if !plan.variant.instanced {
+            scene.mesh.check_copies(scene.limits)?;
+        }
         self.check_normals(&with_optics, plan.variant.instanced)?;
         let scene = match plan.in_view.optics && whole.with_facets.is_some() {
             true => Arc::new(plan.in_view.scene(&with_optics).into_owned()),
@@ -259,12 +261,12 @@ impl Planner {
         Ok(Planned { scene, camera: shown_camera, whole, asked, plan, clustered, wanted, call })
     }
 
-    /// The contents of a scene. It has instances if the tables of their meshes fit the adapter.
+    /// The contents of a scene. The scene counts as having instances only if their matrices have inverses and their tables fit the adapter.
     pub(super) fn contents(&self, scene: &Scene) -> SceneContents {
         let contents = SceneContents::of(scene);
-        let fit =
-            |i: &Arc<Instances>| i.are_invertible() && PlacedMeshes::fit(i, SurfaceKind::Colored, self.table_limit);
-        SceneContents { has_instances: scene.mesh.instances().is_some_and(fit), ..contents }
+        let fit = |i: &Arc<Instances>| PlacedMeshes::fit(i, SurfaceKind::Colored, self.table_limit);
+        let has_instances = scene.mesh.has_invertible_instances() && scene.mesh.instances().is_some_and(fit);
+        SceneContents { has_instances, ..contents }
     }
 
     /// Refuses more normals than one binding holds, before any work on the triangles.

@@ -226,7 +226,8 @@ impl Resident {
         Ok(())
     }
 
-    /// The same of meshes that stand in several places: those of the meshes stay as they are.
+    /// Uploads the hierarchies of meshes that stand in several places. The hierarchies of meshes stay if they are there; that of the places is
+    /// built anew.
     pub(super) fn upload_placed_bvh(&mut self, gpu: &Gpu, clustered: &Clustered, origin: DVec3) -> Result<()> {
         let (Some(placed), Some(there)) = (&clustered.placed, self.chunks.first_mut()) else { return Ok(()) };
         let is_known = there.placed_bvh.is_some();
@@ -235,7 +236,7 @@ impl Resident {
             None => PlacedBvh::new(clustered, placed, origin),
         };
         let rows = bvh.as_ref().and_then(|bvh| bvh.rows(placed, clustered.anchor));
-        let (Some(bvh), Some(rows)) = (bvh, rows) else {
+        let (Some(mut bvh), Some(rows)) = (bvh, rows) else {
             self.bvh = BvhState::GivenUp;
             return Ok(());
         };
@@ -244,6 +245,8 @@ impl Resident {
         } else {
             there.buffers.upload_texels(gpu, "bvh", &bvh.traced.nodes)?;
             there.buffers.upload_texels(gpu, "bvh_triangles", &bvh.traced.triangles)?;
+            // the device has them
+            bvh.traced.triangles = Vec::new();
         }
         there.placed_bvh = Some(bvh);
         there.buffers.upload_texels(gpu, "instances", &rows)

@@ -283,7 +283,7 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, bounc
     let rounding = BOX_ROUNDING * (box_centre.abs() + box_half);
     layout::Optic {
         eye_hi,
-        first_id: optics.first_id(&scene.mesh),
+        first_id: optics.first_id(scene.mesh.triangle_count()),
         eye_lo,
         count: optics.surface_count() as u32,
         tint: optics.tint,

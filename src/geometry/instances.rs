@@ -28,7 +28,7 @@ pub struct Instance {
     pub triangles: Range<u32>,
     pub vertices: Range<u32>,
     pub normals: Range<u32>,
-    /// The box around its vertices there.
+    /// The box around its vertices in the base mesh.
     pub bounds: (DVec3, DVec3),
     /// From the base mesh to the world; `None`: the base mesh is in the world.
     pub matrix: Option<DAffine3>,
@@ -37,7 +37,10 @@ pub struct Instance {
 /// A mesh, and the matrices of its places; `None`: it stands once, where it is.
 pub type Part = (Mesh, Option<Arc<[DAffine3]>>);
 
-/// Most triangles of a scene of which copies take little memory in any case.
+/// A place takes the memory of so many triangles.
+const TRIANGLES_A_PLACE: usize = 16;
+
+/// Copies of no more triangles than this take little memory.
 const COPIED_MAX: usize = 1 << 16;
 
 impl Instances {
@@ -122,9 +125,15 @@ impl Instances {
         (own.first_id as usize == ids.start && own.triangles.len() == ids.len()).then_some(k)
     }
 
-    /// Whether rays can be taken to the base mesh from each place: see [`Instance::inverse`].
+    /// Whether rays can be taken to the base mesh from each place: see [`Instance::inverse`]. No mesh may be far smaller than all together.
     pub fn are_invertible(&self) -> bool {
-        self.list.iter().all(|instance| instance.inverse().is_some())
+        let size = |(lo, hi): (DVec3, DVec3)| (hi - lo).max_element();
+        let boxes = self.boxes();
+        let whole = boxes.iter().copied().filter(|(lo, hi)| lo.cmple(*hi).all()).reduce(joined).map_or(0.0, size);
+        self.list.iter().zip(boxes).all(|(instance, own)| {
+            let is_seen = !instance.is_point() && size(own) > 0.0;
+            instance.inverse().is_some() && (!is_seen || size(own) >= SIZE_MIN * whole)
+        })
     }
 
     /// Appends a mesh and its places.
@@ -156,7 +165,9 @@ impl Instances {
     /// Whether a copy of each mesh at each of its places would take much more memory. Spheres are always copied.
     pub fn saves_memory(&self) -> bool {
         let triangles = self.triangle_count();
-        !self.base.has_spheres() && triangles > COPIED_MAX && triangles >= 2 * self.base.triangles.len()
+        let is_worth_it =
+            triangles >= 2 * self.base.triangles.len() && triangles >= TRIANGLES_A_PLACE * self.list.len();
+        !self.base.has_spheres() && triangles > COPIED_MAX && is_worth_it
     }
 
     /// The number of triangles in all places.
@@ -214,7 +225,8 @@ impl Instances {
                 order.sort_by(|a, b| reach(b).total_cmp(&reach(a)));
                 for k in order {
                     let inner = found.map_or(f64::NEG_INFINITY, |(lo, hi)| if is_upper { hi[axis] } else { -lo[axis] });
-                    if reach(&k) <= inner {
+                    // its vertices reach no farther than what is found, to within the rounding of its box
+                    if reach(&k) - 2.0 * self.list[k].box_rounding()[axis] <= inner {
                         break;
                     }
                     if !std::mem::replace(&mut is_seen[k], true) {
@@ -236,7 +248,8 @@ impl Instances {
         parallel::reduce(own, placed, joined)
     }
 
-    /// A copy of each mesh at each of its places, as one mesh. [`Instances::check_copies`] says whether they fit the memory.
+    /// A copy of each mesh at each of its places, as one mesh. [`Instances::check_copies`] says whether they fit the memory. One thread makes them:
+    /// others may wait for them in loops on all cores.
     pub fn copies(&self) -> Mesh {
         let Instances { base, list } = self;
         let before = |range: fn(&Instance) -> &Range<u32>| {
@@ -277,13 +290,13 @@ impl Instances {
             own.iter().map(|p| instance.placed(*p)).collect::<Vec<_>>()
         };
         Mesh {
-            positions: parallel::flat_map(list, positions),
+            positions: list.iter().flat_map(positions).collect(),
             triangles: in_instances(&first_vertices, |i| &i.vertices, &base.triangles),
             radii: match base.radii.is_empty() {
                 true => Vec::new(),
                 false => list.iter().flat_map(|i| own(i).map(|k| base.radii[k] * i.size())).collect(),
             },
-            normals: parallel::flat_map(list, normals),
+            normals: list.iter().flat_map(normals).collect(),
             corner_normals: in_instances(&first_normals, |i| &i.normals, &base.corner_normals),
             corner_uvs: of_triangles(&base.corner_uvs),
             corner_colors: of_triangles(&base.corner_colors),
@@ -296,7 +309,7 @@ impl Instances {
         }
     }
 
-    /// The same, where `before` are the copies as they were before some instances, by their indices, got other places.
+    /// The copies after the instances in `moved`, given by their indices, got other places; `before` are the copies until then.
     pub fn copies_again(&self, before: &Mesh, moved: &BTreeSet<usize>) -> Mesh {
         let mut mesh = before.clone();
         let (mut first_vertex, mut first_normal) = (0, 0);
@@ -350,13 +363,18 @@ fn bounds_of(points: &[DVec3]) -> (DVec3, DVec3) {
 }
 
 /// The largest condition number of a matrix whose inverse takes rays to the base mesh: up to it, the inverse in f64 is right to far below f32.
-const CONDITION_MAX: f64 = (1 << 20) as f64;
+const CONDITION_MAX: f64 = (1 << 12) as f64;
+
+/// The least size of a mesh, relative to that of all together, of which f32 arithmetic takes rays to the base mesh.
+const SIZE_MIN: f64 = 1e-18;
 
 impl Instance {
     /// The inverse of its matrix without the translation, and the condition number of the matrix, its columns scaled to one size. Returns `None`
     /// for a matrix close to a singular one.
     pub fn inverse(&self) -> Option<(DMat3, f64)> {
-        let Some(DAffine3 { matrix3: m, .. }) = self.matrix else { return Some((DMat3::IDENTITY, 1.0)) };
+        let Some(DAffine3 { matrix3: m, .. }) = self.matrix.filter(|_| !self.is_point()) else {
+            return Some((DMat3::IDENTITY, 1.0));
+        };
         let sizes = [m.x_axis, m.y_axis, m.z_axis].map_each(|axis| axis.abs().max_element());
         let even = DMat3::from_cols(m.x_axis / sizes[0], m.y_axis / sizes[1], m.z_axis / sizes[2]);
         let back = even.inverse();
@@ -368,6 +386,11 @@ impl Instance {
     /// A vertex of its mesh in the world.
     pub fn placed(&self, p: DVec3) -> DVec3 {
         self.matrix.map_or(p, |matrix| matrix.transform_point3(p))
+    }
+
+    /// Whether its matrix puts all vertices in one place: its triangles have no area.
+    pub fn is_point(&self) -> bool {
+        self.matrix.is_some_and(|matrix| matrix.matrix3 == DMat3::ZERO)
     }
 
     /// Whether its matrix mirrors it.
@@ -390,6 +413,11 @@ impl Instance {
         self.matrix.map_or(1.0, |matrix| size_of(&matrix))
     }
 
+    /// By how much its box in the world is larger than that of its vertices may be, for rounding.
+    fn box_rounding(&self) -> DVec3 {
+        self.matrix.map_or(DVec3::ZERO, |matrix| rounding_of(&matrix, self.bounds))
+    }
+
     /// A box in the world that holds a box of the base mesh at its place, whatever is rounded.
     pub fn placed_box(&self, corners: (DVec3, DVec3)) -> (DVec3, DVec3) {
         self.matrix.map_or(corners, |matrix| placed_box(&matrix, corners))
@@ -404,8 +432,14 @@ fn placed_box(matrix: &DAffine3, (lo, hi): (DVec3, DVec3)) -> (DVec3, DVec3) {
     let sizes = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis].map_each(DVec3::abs);
     let of = |v: DVec3| sizes[0] * v.x + sizes[1] * v.y + sizes[2] * v.z;
     let (middle, reach) = (matrix.transform_point3(centre), of(half));
-    let rounding = BOX_ROUNDING * (of(lo.abs().max(hi.abs())) + matrix.translation.abs());
+    let rounding = rounding_of(matrix, (lo, hi));
     (middle - reach - rounding, middle + reach + rounding)
+}
+
+fn rounding_of(matrix: &DAffine3, (lo, hi): (DVec3, DVec3)) -> DVec3 {
+    let sizes = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis].map_each(DVec3::abs);
+    let far = lo.abs().max(hi.abs());
+    BOX_ROUNDING * (sizes[0] * far.x + sizes[1] * far.y + sizes[2] * far.z + matrix.translation.abs())
 }
 
 /// A vertex of a mesh in its places that is not finite, or a corner of the box around them that is not.

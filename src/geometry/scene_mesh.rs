@@ -8,7 +8,7 @@ use crate::geometry::time_steps::MovingMesh;
 use crate::input::{Limits, Result};
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeSet;
-use std::ops::{Deref, DerefMut};
+use std::ops::{Deref, DerefMut, Range};
 use std::sync::{Arc, OnceLock};
 
 /// The triangles of a scene in the world. Dereferenced it is one mesh: where the scene has [`Instances`], a copy of each mesh at each of its
@@ -17,8 +17,10 @@ use std::sync::{Arc, OnceLock};
 pub struct SceneMesh {
     mesh: OnceLock<Arc<Mesh>>,
     instances: Option<Arc<Instances>>,
-    /// The one mesh before some instances got other places.
+    /// The one mesh as it was before some instances got other places, and the indices of these instances.
     before: Option<(Arc<Mesh>, BTreeSet<usize>)>,
+    /// [`Instances::are_invertible`], once it was asked for.
+    are_invertible: OnceLock<bool>,
 }
 
 impl SceneMesh {
@@ -61,7 +63,7 @@ impl SceneMesh {
 
     /// A mesh in runs, as [`Instances::of_runs`] makes them: each stands where it is.
     pub fn of_runs(runs: Arc<Instances>) -> SceneMesh {
-        SceneMesh { mesh: runs.base.clone().into(), instances: Some(runs), before: None }
+        SceneMesh { mesh: runs.base.clone().into(), instances: Some(runs), ..SceneMesh::default() }
     }
 
     /// The meshes and their places, if they are stored so.
@@ -69,7 +71,22 @@ impl SceneMesh {
         self.instances.as_ref()
     }
 
-    /// A mesh with the materials of the scene, and with the attributes that its triangles have; not in the world if it has instances.
+    /// Whether the scene has instances whose matrices let rays be taken to each mesh.
+    pub fn has_invertible_instances(&self) -> bool {
+        let are_invertible =
+            |instances: &Arc<Instances>| *self.are_invertible.get_or_init(|| instances.are_invertible());
+        self.instances.as_ref().is_some_and(are_invertible)
+    }
+
+    /// The material of each triangle.
+    pub fn material_of(&self) -> Vec<u32> {
+        let Some(instances) = &self.instances else { return self.material_of.clone() };
+        let own = |range: &Range<u32>| &instances.base.material_of[range.start as usize..range.end as usize];
+        instances.list.iter().flat_map(|instance| own(&instance.triangles)).copied().collect()
+    }
+
+    /// The mesh that has the materials and the attributes of all triangles: the base mesh of the instances, which is not in the world, or else
+    /// the one mesh.
     pub fn base(&self) -> &Arc<Mesh> {
         self.instances.as_ref().map_or_else(|| self.mesh(), |instances| &instances.base)
     }
@@ -78,6 +95,7 @@ impl SceneMesh {
     pub fn place(&mut self, instance: usize, matrix: Option<DAffine3>) {
         if let Some(instances) = &mut self.instances {
             Arc::make_mut(instances).list[instance].matrix = matrix;
+            self.are_invertible = OnceLock::new();
             if let Some(before) = self.mesh.take() {
                 self.before = Some((before, BTreeSet::new()));
             }

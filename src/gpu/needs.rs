@@ -28,7 +28,7 @@ pub const NEEDS: [Need; 6] = [
         allowed: |limits| limits.max_storage_buffers_per_shader_stage,
     },
     Need { what: "uniform buffers a kernel", needed: 3, allowed: |limits| limits.max_uniform_buffers_per_shader_stage },
-    Need { what: "textures a kernel", needed: 8, allowed: |limits| limits.max_sampled_textures_per_shader_stage },
+    Need { what: "textures a kernel", needed: 9, allowed: |limits| limits.max_sampled_textures_per_shader_stage },
     Need {
         what: "written textures a kernel",
         needed: 1,

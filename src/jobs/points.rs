@@ -59,7 +59,7 @@ fn point(scene: &Scene, camera: &Camera, i: u32, j: u32, id: u32) -> Option<DVec
     }
     let ray = camera.ray(i, j)?;
     let [a, b, c] = scene.corners_at(id, scene.moment(camera, (i, j)));
-    if let Some(radius) = scene.mesh.radius(id) {
+    if let Some(radius) = scene.mesh.base().radius(scene.mesh.base_id(id)) {
         let [enters, leaves] = nearest_meetings(a, radius, (ray.origin, ray.direction));
         let t = if enters < camera.t_range[0] { leaves } else { enters };
         return Some(ray.origin + t * ray.direction);

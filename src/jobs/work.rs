@@ -241,6 +241,10 @@ impl Work {
         let mesh = self.scene.mesh.base();
         let what = format_args!("rendering {} triangles and spheres", mesh.triangles.len());
         self.job.limits.check_memory(mesh_bytes(mesh), what, "simplify the meshes")?;
+        if self.camera.optics.is_some() || self.camera.layered().is_some() {
+            // facets are appended to one mesh, and objects hidden in it
+            self.scene.mesh.check_copies(self.job.limits)?;
+        }
         if self.strips.is_some() { Ok(()) } else { self.check_whole() }
     }
 

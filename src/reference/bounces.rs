@@ -132,7 +132,7 @@ impl Reference<'_> {
         let reference = Reference { scene_size, ..self.clone() };
         let segments = &outcome.path.segments;
         let from = if bounced { segments.len() - 1 } else { 0 };
-        let (first, sees) = (optics.first_id(self.mesh), !bounced || optics.sees_itself());
+        let (first, sees) = (optics.first_id(self.triangle_count()), !bounced || optics.sees_itself());
         let mut meetings: Vec<Meeting> = Vec::new();
         // of t through all layers
         let mut limit = f64::INFINITY;
@@ -176,7 +176,7 @@ impl Reference<'_> {
         let mut outcome = outcome.clone();
         let Some((_, segment)) = outcome.path.segments[layer] else { return Step::Ended(outcome) };
         outcome.touches |= self.touches(&segment, &hit);
-        let surface = hit.triangle.checked_sub(optics.first_id(self.mesh));
+        let surface = hit.triangle.checked_sub(optics.first_id(self.triangle_count()));
         let Some(surface) = surface.filter(|_| outcome.bounces < optics.depth) else {
             let t = if outcome.bounces > 0 { hit.t } else { outcome.path.within(hit.t) };
             outcome.seen = Some(Seen { layer, piece, hit: Hit { t, ..hit } });

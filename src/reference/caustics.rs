@@ -35,7 +35,7 @@ pub fn photons(scene: &Scene, caustics: &Caustics) -> Vec<Photon> {
     let light = &caustics.light;
     let joined = scene.with_optics(light);
     let reference = Reference::build(&joined.mesh);
-    let first_id = caustics.optics.first_id(&joined.mesh);
+    let first_id = caustics.optics.first_id(joined.mesh.triangle_count());
     let (columns, rows) = (light.width, light.height);
     let photon = |k: u32| {
         let shown = reference.shown(light, Path::of_pixel(light, k % columns, k / columns));
@@ -94,7 +94,7 @@ pub fn reflected(scene: &Scene, caustics: &CausticMaps, triangle: u32, bary: [f6
 
 /// The camera of a scene with caustics shows them.
 pub fn shown_by(scene: &Scene, camera: &Camera, shown: &Outcome, caustics: &CausticMaps) -> [f32; 3] {
-    let first = camera.optics.as_ref().map_or(u32::MAX, |o| o.first_id(&scene.mesh));
+    let first = camera.optics.as_ref().map_or(u32::MAX, |o| o.first_id(scene.mesh.triangle_count()));
     match shown.seen.filter(|s| s.hit.triangle < first) {
         Some(seen) => reflected(scene, caustics, seen.hit.triangle, seen.hit.bary),
         None => [0.0; 3],

@@ -229,7 +229,7 @@ fn pixel(
     let (segment, id) = (shown.path.of(&seen), seen.hit.triangle);
     let z = shown.path.depth(&seen);
     let is_triangle = (id as usize) < scene.mesh.triangle_count();
-    let ends_on = camera.optics.as_ref().filter(|o| id >= o.first_id(&scene.mesh));
+    let ends_on = camera.optics.as_ref().filter(|o| id >= o.first_id(scene.mesh.triangle_count()));
     let uv = ends_on
         .map_or_else(|| scene.mesh.base().uv_at(scene.mesh.base_id(id), seen.hit.bary), |_| None)
         .unwrap_or_default();
@@ -263,7 +263,7 @@ fn pixel(
 /// All triangles but those of the camera's own mirror or lens.
 fn obstacles<'a>(scene: &Scene, camera: &Camera, reference: &'a Reference<'a>) -> Obstacles<'a> {
     let all = scene.mesh.triangle_count() as u32;
-    Obstacles { all: reference, count: camera.optics.as_ref().map_or(all, |o| o.first_id(&scene.mesh)) }
+    Obstacles { all: reference, count: camera.optics.as_ref().map_or(all, |o| o.first_id(scene.mesh.triangle_count())) }
 }
 
 /// What is seen of a pixel through the scene's volume.
@@ -279,7 +279,7 @@ fn colour(scene: &Scene, camera: &Camera, casters: &Reference, outcome: &Outcome
     let obstacles = obstacles(scene, camera, casters);
     let own = match outcome.seen {
         None => beyond(scene, &outcome.path),
-        Some(seen) => match optics.filter(|o| seen.hit.triangle >= o.first_id(&scene.mesh)) {
+        Some(seen) => match optics.filter(|o| seen.hit.triangle >= o.first_id(scene.mesh.triangle_count())) {
             Some(optics) => optics.base,
             None => {
                 let (segment, t) = (outcome.path.of(&seen), seen.hit.t);

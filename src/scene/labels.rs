@@ -67,8 +67,8 @@ impl Labels {
                 (names, (0..).zip(&scene.objects).flat_map(of).collect())
             }
             MatteKind::Materials => {
-                let names = scene.mesh.materials.iter().map(|m| m.name.clone()).collect();
-                (names, scene.mesh.material_of.clone())
+                let names = scene.mesh.base().materials.iter().map(|m| m.name.clone()).collect();
+                (names, scene.mesh.material_of())
             }
         };
         Matte::new(kind, names, name_of, camera.optics.is_some())

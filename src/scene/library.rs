@@ -84,7 +84,10 @@ impl Library {
         };
         let is_of = |known: &(Arc<Caustics>, Arc<SceneMesh>)| Arc::ptr_eq(&known.1, &mesh);
         let lit = |spec: &CausticsSpec| {
-            let make = |loading: &Loading| Ok((Arc::new(Caustics::new(spec, &mesh, loading)?), mesh.clone()));
+            let make = |loading: &Loading| {
+                mesh.check_copies(loading.limits())?;
+                Ok((Arc::new(Caustics::new(spec, &mesh, loading)?), mesh.clone()))
+            };
             self.caustics.get(spec, !self.is_for_once, is_of, loading, make)
         };
         let caustics = file.caustics.as_ref().map(lit).transpose()?;

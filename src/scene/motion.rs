@@ -30,6 +30,8 @@ pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) ->
     if has_master(camera) || has_master(next_camera) {
         return Err(Error::input("motion is through one camera; a composite with master has several"));
     }
+    scene.mesh.check_copies(scene.limits)?;
+    next_scene.mesh.check_copies(next_scene.limits)?;
     if (&scene.mesh.triangles, &scene.mesh.radii) != (&next_scene.mesh.triangles, &next_scene.mesh.radii) {
         return Err(Error::input("motion is of triangles that are the same in both frames; these are not"));
     }

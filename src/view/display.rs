@@ -137,6 +137,7 @@ fn overdraw(scene: &Scene, camera: &Camera) -> Result<Colours> {
         ));
     }
     let (width, height) = (camera.width, camera.height);
+    scene.mesh.check_copies(scene.limits)?;
     let caster = ExactCaster::new(scene.mesh.mesh().clone());
     let all: Vec<(u32, u32)> = (0..height).flat_map(|j| (0..width).map(move |i| (i, j))).collect();
     let rays = all.iter().map(|(i, j)| camera.ray(*i, *j).filter(|ray| ray.direction.length_squared() > 0.0));

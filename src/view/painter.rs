@@ -92,6 +92,8 @@ impl Loader {
             match joined.as_ref().filter(|(own, _)| Arc::ptr_eq(own, &scene.mesh)) {
                 Some((_, joined)) => joined.clone(),
                 None => {
+                    base.mesh.check_copies(base.limits)?;
+                    scene.mesh.check_copies(scene.limits)?;
                     place::check_counts([&**base.mesh, &**scene.mesh])?;
                     let mut mesh = Mesh::clone(&base.mesh);
                     place::append_with_all(&mut mesh, Mesh::clone(&scene.mesh));

@@ -107,15 +107,10 @@ impl Path {
     /// Moves some of the triangles, or none, and returns the camera at its next pose.
     pub fn step(&mut self, rng: &mut Rng) -> Camera {
         if let Some(places) = self.scene.mesh.instances().map(|instances| instances.list.len()) {
-            let mut place = |k: usize| {
+            for k in (rng.below(3)..places).step_by(3) {
                 let to = any_place(rng, &self.scene);
                 Arc::make_mut(&mut self.scene.mesh).place(k, Some(to));
-            };
-            (0..places).for_each(|k| {
-                if k % 3 == 0 {
-                    place(k)
-                }
-            });
+            }
         } else if rng.below(2) == 0 {
             let mesh = Arc::make_mut(&mut self.scene.mesh);
             let triangles = mesh.triangles.len();

@@ -2,14 +2,15 @@
 // Provides: placed_stretch, seen_from, seen_in
 // Needs: CORNER_UNITS, ENDLESS, LEAST, Seen, Stretch, UNIT, instance_row, largest_of
 
-// The same ray has its direction scaled by a power of two, so that it is of size 1/2 to 1; its s is `s_share` of the other one.
+// The ray in coordinates of the mesh. Its direction is scaled by a power of two to a size of 1/2 to 1: s of the ray among the places, times
+// `s_share`, is s here.
 struct PlacedStretch {
     stretch: Stretch,
     s_share: f32,
 }
 
-// A sum of three products and a number: 5 units of the products as numbers are stored, multiplied and added, 3 of the number. The slack is that
-// of `stretch_of`.
+// A sum of three products and a number loses 5 units of the products as numbers are stored, multiplied and added, one for what f64 lost of the
+// matrix, and 3 of the number. The slack is that of `stretch_of`.
 fn placed_stretch(stretch: Stretch) -> PlacedStretch {
     let x = bitcast<vec4<f32>>(instance_row(1u));
     let y = bitcast<vec4<f32>>(instance_row(2u));
@@ -18,12 +19,12 @@ fn placed_stretch(stretch: Stretch) -> PlacedStretch {
     let p = vec3<f32>(dot(x.xyz, stretch.p) + x.w, dot(y.xyz, stretch.p) + y.w, dot(z.xyz, stretch.p) + z.w);
     let d = vec3<f32>(dot(x.xyz, stretch.d), dot(y.xyz, stretch.d), dot(z.xyz, stretch.d));
     let constant = largest_of(vec3<f32>(x.w, y.w, z.w));
-    let error_p = size * (stretch.error_p + 5.0 * UNIT * largest_of(stretch.p)) + 3.0 * UNIT * constant
+    let error_p = size * (stretch.error_p + 6.0 * UNIT * largest_of(stretch.p)) + 3.0 * UNIT * constant
         + bitcast<f32>(instance_row(11u).x) + LEAST;
     let exponent = clamp(bitcast<u32>(largest_of(d)) >> 23u, 1u, 252u);
     let share = bitcast<f32>((253u - exponent) << 23u);
     let back = bitcast<f32>((exponent + 1u) << 23u);
-    let error_d = min(share * size * (stretch.error_d + 5.0 * UNIT) + LEAST, ENDLESS);
+    let error_d = min(share * size * (stretch.error_d + 6.0 * UNIT) + LEAST, ENDLESS);
     let far = 1.0 + largest_of(p) + error_p;
     let slack = min(error_p + far * (error_d / max(0.5 - error_d, LEAST) + (23.0 + CORNER_UNITS) * UNIT), ENDLESS);
     return PlacedStretch(
@@ -41,7 +42,8 @@ fn seen_in(own: PlacedStretch, seen: Seen) -> Seen {
     return Seen(seen.slot, min(seen.first * own.s_share, ENDLESS), min(seen.last * own.s_share, ENDLESS));
 }
 
-// What is seen then, by the other s: of a path that had seen `known`.
+// What the path has seen after the mesh, by s among the places. `known` and `found` are what it had seen before and after the mesh, by s in
+// the mesh.
 fn seen_from(own: PlacedStretch, before: Seen, known: Seen, found: Seen) -> Seen {
     let share = 1.0 / own.s_share;
     return Seen(

@@ -1,9 +1,10 @@
 // Triangles of meshes that stand in several places: the tables hold each mesh once. Slots and ids count the triangles of all places, one place
 // after the other. A thread looks at one place at a time. `instances`: twelve rows a place: its first slot, how much larger its slots and ids are
-// than those of its mesh, and the root of its mesh's hierarchy, with a bit that says that the mesh is mirrored; three rows that take a point of the hierarchy of all places to the mesh's own; the
-// largest sum of the sizes of a row's first three numbers, its first id, the place that is in the leaf of the same number, and in the first place the
-// number of places; three rows of the matrix that takes a stored vertex to its place about the anchor, and what their rounding leaves; the
-// error of a point that they took to the mesh's hierarchy, beside that of f32 arithmetic.
+// than those of its mesh, and the root of its mesh's hierarchy, with a bit that says that the mesh is mirrored (row 0); the matrix from the
+// hierarchy of places to that of the mesh (1 to 3); the largest sum of the sizes of the first three numbers of a row of that matrix, the place's
+// first id, the place in the leaf whose number is this row's place, and in the first place the number of places (4); the matrix from stored
+// vertices to vertices relative to the anchor, in f32 (5 to 7), and what f32 leaves of it (8 to 10); the error of the first matrix, without
+// that of f32 arithmetic (11).
 // Provides: CORNER_UNITS, ids_before, instance_in_leaf, instance_root, instance_row, is_mirrored, last_instance, own_slot, row_of, slots_before,
 //   take_instance, take_moment, triangle_at
 // Needs: table_texel

@@ -1,4 +1,4 @@
-//! Meshes that stand in several places. Each is put on the device once, relative to a place of its own.
+//! Meshes that stand in several places. Each mesh is put on the device once, relative to an origin of its own.
 
 use super::{Chunk, Clustered, VERTEX_BYTES, morton_order, side};
 use crate::geometry::instances::Instances;
@@ -23,19 +23,27 @@ pub struct PlacedMeshes {
 /// A mesh in the tables.
 #[derive(Debug, Clone)]
 pub struct MeshSlots {
-    /// Its slots there.
+    /// The slots of its triangles in the tables.
     pub slots: Range<u32>,
     pub vertices: Range<u32>,
     /// What its stored positions are relative to, in the coordinates of the mesh.
     pub origin: DVec3,
 }
 
+/// Bytes of a place in the larger of its two tables.
+const PLACE_BYTES: u64 = 192;
+
 impl PlacedMeshes {
     /// Whether the tables of all meshes fit one chunk.
     pub fn fit(instances: &Instances, surfaces: SurfaceKind, table_limit: u64) -> bool {
         let Mesh { triangles, positions, .. } = &*instances.base;
         let triangle_bytes = super::bytes_a_triangle(surfaces);
-        triangles.len() as u64 * triangle_bytes <= table_limit && positions.len() as u64 * VERTEX_BYTES <= table_limit
+        let bytes = [
+            triangles.len() as u64 * triangle_bytes,
+            positions.len() as u64 * VERTEX_BYTES,
+            instances.list.len() as u64 * PLACE_BYTES,
+        ];
+        bytes.into_iter().all(|bytes| bytes <= table_limit)
     }
 
     /// Clusters the triangles of each mesh, whose tables [`PlacedMeshes::fit`].

@@ -58,7 +58,9 @@ pub fn variant(
         spheres: contents.has_spheres,
         instanced: follows_instances(camera, contents, wanted, has, run),
         volume: contents.volume.filter(|_| wanted.needs_volume()),
+        // nine storage buffers are more than some adapters bind
         writes: wanted.srgb8
+            && !(contents.steps > 1 && matches!(slabs::kind(camera), RaysKind::Curves { .. }))
             && camera.optics.is_none()
             && wanted.samples() == 1
             && !contents.has_outlines
@@ -91,11 +93,11 @@ pub fn method(
         _ if wanted.samples() > 1 => (RASTER, "samples are taken of pairs of triangles and tiles"),
         _ if wanted.channels.contains(&Channel::Certified) => (RASTER, "proofs take pairs of triangles and tiles"),
         _ if contents.has_alpha_masks => (RASTER, "the scene has alpha masks"),
+        _ if follows_instances(camera, contents, wanted, has, run) => (Method::Trace, "meshes stand in several places"),
         _ if !is_auto => (Method::Trace, "asked for"),
         _ if run.moving => (RASTER, "everything moves"),
         _ if run.no_cull => (RASTER, "nothing is to be culled"),
         _ if run.arithmetic != Arithmetic::Rechecked => (RASTER, "other arithmetic is asked for"),
-        _ if follows_instances(camera, contents, wanted, has, run) => (Method::Trace, "meshes stand in several places"),
         _ if matches!(slabs::kind(camera), RaysKind::Curves { .. }) => (Method::Trace, "rays are curved"),
         // pair by pair each t takes hundreds of operations in words
         _ if !has.lanes && !has.f64 => (Method::Trace, "raster has no f64 and no subgroups of eight threads here"),
@@ -112,7 +114,7 @@ fn follows_instances(
     has: AdapterFeatures,
     run: &RunOptions,
 ) -> bool {
-    // on a CPU raster takes a pixel of few triangles in a fifth of the time of trace
+    // on a CPU, raster takes a fifth of the time of trace if there are few triangles for each pixel
     let pixels = u64::from(camera.width) * u64::from(camera.height);
     let is_cheaper = !has.software || contents.triangles as u64 >= pixels || run.method == Method::Trace;
     let has_shadow_rays = contents.has_shadows && (wanted.has_colour() || contents.has_pictures);

@@ -124,7 +124,7 @@ pub struct Variant {
     pub instanced: bool,
     /// Rays pass through a volume.
     pub volume: Option<VolumeKind>,
-    /// 8-bit sRGB is wanted, and follows from what `shade` finds alone.
+    /// `shade` writes 8-bit sRGB itself: it is wanted, and no later stage changes colours.
     pub writes: bool,
 }
 

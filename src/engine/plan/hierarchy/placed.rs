@@ -4,9 +4,10 @@
 use super::wide::Wide;
 use super::{NODE_ROWS, Place, TracedBvh, WAITING_MAX, boxed, depth, node_rows, primitive};
 use crate::arrays::MapEach;
-use crate::engine::clusters::Clustered;
 use crate::engine::clusters::instances::{MeshSlots, PlacedMeshes};
+use crate::engine::clusters::{Clustered, morton_key};
 use crate::geometry::instances::largest_row_sum;
+use crate::geometry::mesh::joined;
 use crate::gpu::layout::split2;
 use crate::parallel;
 use glam::{DAffine3, DMat3, DVec3};
@@ -23,14 +24,14 @@ pub struct PlacedBvh {
     top_first: usize,
     /// The scale of the hierarchy of places, and the origin of its coordinates, world units.
     top: (f64, DVec3),
-    /// The instance in each leaf of it.
+    /// The instance in each leaf of the hierarchy of places.
     leaves: Vec<u32>,
 }
 
 /// Rows of a place.
 const INSTANCE_ROWS: usize = 12;
 
-/// Marks a mesh that stands there as in a mirror, beside its root.
+/// The bit beside the root of a mesh that says that the matrix of the place mirrors the mesh.
 const MIRRORED: u32 = 1 << 31;
 
 /// The roundings of a vertex in the world, and of the inverse that takes it back: fewer than 32, each 2^-53 of the numbers that are added up.
@@ -76,8 +77,16 @@ impl PlacedBvh {
     /// Builds the hierarchy of the places, where they are now. Returns `false` if it is deeper than the kernel can follow.
     pub fn place(&mut self, placed: &PlacedMeshes, origin: DVec3) -> bool {
         let boxes = placed.instances.boxes();
-        let has_triangles = |k: &u32| !placed.meshes[placed.of_instance[*k as usize].0].slots.is_empty();
-        let there: Vec<u32> = (0..boxes.len() as u32).filter(has_triangles).collect();
+        let has_triangles = |k: &u32| {
+            let mesh = &placed.meshes[placed.of_instance[*k as usize].0];
+            !mesh.slots.is_empty() && !placed.instances.list[*k as usize].is_point()
+        };
+        let mut there: Vec<u32> = (0..boxes.len() as u32).filter(has_triangles).collect();
+        // neighbors in order, as the hierarchy is built of parts
+        let whole = there.iter().map(|k| boxes[*k as usize]).reduce(joined).unwrap_or_default();
+        there.sort_by_cached_key(|k| {
+            morton_key(boxes[*k as usize].0 + boxes[*k as usize].1, (2.0 * whole.0, 2.0 * whole.1))
+        });
         let size = |(lo, hi): &(DVec3, DVec3)| (*lo - origin).abs().max((*hi - origin).abs()).max_element();
         let scale = scale_of(there.iter().map(|k| size(&boxes[*k as usize])).fold(0.0, f64::max));
         let small = |v: DVec3| ((v - origin) * scale).as_vec3().into();
@@ -89,7 +98,7 @@ impl PlacedBvh {
         let first_node = ((self.top_first - 1) / NODE_ROWS) as u32;
         self.traced.nodes[0] = [(scale as f32).to_bits(), first_node, 0, 0];
         (self.top, self.leaves) = ((scale, origin), Vec::new());
-        // so many nodes are enough for any places: each has two boxes at least, or is the only one
+        // n places have at most n nodes: each node has two boxes or more, or is the only node
         let whole = self.top_first + NODE_ROWS * boxes.len().max(1);
         if there.is_empty() {
             self.traced.nodes.resize(whole, [0; 4]);
@@ -124,7 +133,7 @@ impl PlacedBvh {
                 instance.first_id.wrapping_sub(instance.triangles.start),
                 root | if instance.is_mirrored() { MIRRORED } else { 0 },
             ]);
-            if slots.is_empty() {
+            if slots.is_empty() || instance.is_point() {
                 // no leaf has it
                 rows.extend([[0; 4]; 3]);
                 rows.push([0, instance.first_id, leaf, count]);
@@ -140,7 +149,8 @@ impl PlacedBvh {
             let (lo, hi) = instance.bounds;
             let reach = abs(matrix.matrix3) * lo.abs().max(hi.abs()) + matrix.translation.abs();
             let world = (reach + origin.abs()).max_element();
-            let error = ROUNDING * (scale * largest_row_sum(inverse) * world + condition * shift.abs().max_element());
+            let error = ROUNDING
+                * (scale * largest_row_sum(inverse) * world + condition * condition * shift.abs().max_element());
             let size = largest_row_sum(turn);
             if !(size.is_finite() && shift.is_finite() && error.is_finite() && (SIZE_MIN..SIZE_MAX).contains(&size)) {
                 return None;
