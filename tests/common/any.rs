@@ -127,7 +127,7 @@ impl Path {
     }
 }
 
-/// Such a scene whose mesh stands in several places: turned, sheared, mirrored, tiny and huge, and some of it in one place with another.
+/// Such a scene whose mesh stands in several places: turned, sheared, mirrored, a tenth and ten times as large, and through each other.
 #[allow(dead_code)] // not of all programs that have this module
 pub fn any_placed(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
     let (mut scene, camera) = any(rng, size);
@@ -157,7 +157,7 @@ fn any_place(rng: &mut Rng, scene: &Scene) -> DAffine3 {
         _ => DMat3::from_axis_angle(rng.direction(), 3.0 * rng.signed()),
     };
     let scale = |rng: &mut Rng| match rng.below(4) {
-        0 => 10f64.powf(3.0 * rng.signed()),
+        0 => 10f64.powf(rng.signed()),
         1 => -1.0,
         _ => 1.0,
     };
