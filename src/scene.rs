@@ -172,7 +172,8 @@ impl Scene {
         };
         let base = camera.optics.as_ref().map_or([0.0; 3], |o| o.base);
         let mut scene = self.clone();
-        place::append(&mut **Arc::make_mut(&mut scene.mesh), facets.mesh(base));
+        let all: &mut SceneMesh = Arc::make_mut(&mut scene.mesh);
+        place::append(all, facets.mesh(base));
         Cow::Owned(scene)
     }
 

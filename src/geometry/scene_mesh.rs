@@ -48,7 +48,7 @@ impl SceneMesh {
     pub fn append(&mut self, part: Part, limits: Limits) -> Result<()> {
         if self.instances.is_none() && part.1.is_none() {
             place::check_counts([&**self, &part.0])?;
-            place::append_with_all(&mut **self, part.0);
+            place::append_with_all(self, part.0);
             return Ok(());
         }
         let alone = || Instances::of_runs(self.mesh(), std::iter::empty());
