@@ -44,6 +44,8 @@ const TRIANGLES_A_PLACE: usize = 16;
 const COPIED_MAX: usize = 1 << 16;
 
 impl Instances {
+    /// Meshes and their places, in the order of their triangle ids.
+    ///
     /// # Errors
     /// [`Error::Input`] if there are more than 2^28 triangles in all places, or 2^32 - 1 or more vertices or other attributes in the meshes.
     pub fn new(parts: Vec<Part>) -> Result<Instances> {

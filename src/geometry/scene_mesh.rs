@@ -24,6 +24,8 @@ pub struct SceneMesh {
 }
 
 impl SceneMesh {
+    /// The meshes of a scene in their places, each stored once if that saves memory.
+    ///
     /// # Errors
     /// Those of [`Instances::new`], and of [`Instances::check_copies`] if copies are made at once.
     pub fn of(parts: Vec<Part>, limits: Limits) -> Result<SceneMesh> {
