@@ -186,7 +186,7 @@ impl Clustered {
         Clustered { anchor, moved: None, ..self.clone() }
     }
 
-    /// The same meshes at other places; `None` if `instances` are of other meshes.
+    /// Returns the clusters of these meshes at the places of `instances`; `None` if `instances` are of other meshes.
     pub fn placed_at(&self, instances: &Arc<Instances>) -> Option<Clustered> {
         let placed = self.placed.as_ref()?.moved(instances)?;
         Some(Clustered { placed: Some(Arc::new(placed)), places: Arc::default(), moved: None, ..self.clone() })

@@ -111,10 +111,11 @@ impl Appearance {
 /// The normals that [`Appearance`] holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NormalsOf {
+    /// All normals of the scene, in the world.
     Scene,
-    /// Of each mesh once, where kernels know the places of meshes.
+    /// The normals of each mesh once, where kernels know the places of meshes.
     Meshes,
-    /// None: they are on the device already.
+    /// No normals: they are on the device already.
     Nothing,
 }
 

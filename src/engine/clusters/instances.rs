@@ -26,7 +26,7 @@ pub struct MeshSlots {
     /// The slots of its triangles in the tables.
     pub slots: Range<u32>,
     pub vertices: Range<u32>,
-    /// What its stored positions are relative to, in the coordinates of the mesh.
+    /// The origin of its stored positions, in the coordinates of the mesh.
     pub origin: DVec3,
 }
 
@@ -93,7 +93,7 @@ impl PlacedMeshes {
         parallel::map(0..positions.len(), |k| Vertex::new(positions[k] - origins[k]))
     }
 
-    /// The same meshes at other places; `None` if `instances` are of other meshes.
+    /// Returns these meshes at the places of `instances`; `None` if `instances` are of other meshes.
     pub fn moved(&self, instances: &Arc<Instances>) -> Option<PlacedMeshes> {
         let own =
             |all: &Instances, k: usize| all.list.get(k).map(|i| (i.first_id, i.triangles.clone(), i.vertices.clone()));
