@@ -25,6 +25,7 @@ pub mod kinds;
 pub mod lens;
 pub mod mesh;
 pub mod moving;
+pub mod notes;
 pub mod optics;
 pub mod perturb;
 pub mod pieces;
@@ -56,6 +57,7 @@ pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
 use glam::DVec3;
 use moving::Moving;
+use notes::Notes;
 #[cfg(any(feature = "cli", feature = "view"))]
 pub use pieces::Piece;
 pub use pieces::Pieces;
@@ -84,7 +86,7 @@ pub struct Camera {
     /// The mirror or lens in view; the camera then has one layer of straight rays.
     pub optics: Option<Arc<Optics>>,
     /// Notes for the user: what was left out or approximated.
-    pub notes: Vec<String>,
+    pub notes: Notes,
     /// Requests that cannot be fulfilled in this scene, for the user.
     pub unfulfilled: Vec<String>,
     /// How much of the scene its rays depend on.
@@ -178,7 +180,7 @@ impl Camera {
             t_range,
             layers,
             optics: None,
-            notes: Vec::new(),
+            notes: Notes::default(),
             unfulfilled: Vec::new(),
             scene_use,
             sample: None,

@@ -109,6 +109,9 @@ pub mod engine {
         pub mod tiles {
             pub use crate::engine::plan::tiles::{TileFits, TileRay, TileRays, packed_piece};
         }
+        pub mod turned {
+            pub use crate::engine::plan::turned::Turned;
+        }
         pub mod variant {
             pub use crate::engine::plan::variant::variant;
         }

@@ -11,6 +11,7 @@ mod nasty;
 mod stages;
 
 mod kernels {
+    mod aim;
     mod args;
     mod bin;
     mod bounce;

@@ -35,7 +35,7 @@ fn aim(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let item = item_index(group, groups, lane);
-    if item >= viewer.count {
+    if item >= viewer.ray_count {
         return;
     }
     // the direction comes last

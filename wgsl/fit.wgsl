@@ -76,9 +76,9 @@ fn has_rays(level: u32, x: u32, y: u32, index: u32) -> bool {
     return is_some;
 }
 
-// Half-size of a bundle at the distance of the scene's centre.
+// Half-size of a bundle as far along its central ray as the scene is large.
 fn width_of(node: Node) -> f32 {
-    let t = min(length(optic.centre - node.p) / length(node.d), params.t_max.x);
+    let t = min(optic.scene_size / length(node.d), params.t_max.x);
     return length(node.px) + length(node.py) + node.r_p + t * (length(node.dx) + length(node.dy) + node.r_d);
 }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Union
 
 import numpy as np
@@ -32,12 +32,25 @@ class _Channels(Mapping[str, Plane]):
 
     _planes: dict[str, Plane]
     _rgba: npt.NDArray[np.uint8] | None
-    _report: str
+    _report: Callable[[], str] | str
 
-    def __init__(self, planes: Mapping[str, Plane], rgba: npt.NDArray[np.uint8] | None = None, report: str = "{}") -> None:
+    def __init__(
+        self,
+        planes: Mapping[str, Plane],
+        rgba: npt.NDArray[np.uint8] | None = None,
+        report: Callable[[], str] | str = "{}",
+    ) -> None:
         self._planes = dict(planes)
         self._rgba = rgba
         self._report = report
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_report": self._json()}
+
+    def _json(self) -> str:
+        if not isinstance(self._report, str):
+            self._report = self._report()
+        return self._report
 
     def __getitem__(self, name: str) -> Plane:
         if name in self._planes:
@@ -90,7 +103,7 @@ class _Channels(Mapping[str, Plane]):
     @property
     def report(self) -> dict[str, Any]:
         """Times and counts, as the program's ``--report`` writes them."""
-        report: dict[str, Any] = json.loads(self._report)
+        report: dict[str, Any] = json.loads(self._json())
         return report
 
 

@@ -61,11 +61,11 @@ class Renderer:
         """
         Arrays of gradients by their names; and of each number of the camera its name, value, step, and errors of origins and directions.
         """
-    def render(self, /, scene: Scene, camera: Camera, names: SupportsGetItem[int, str], color: bool, samples: SupportsIndex, analytic: bool) -> tuple[list[tuple[str, Any]], Incomplete | None, str]:
+    def render(self, /, scene: Scene, camera: Camera, names: SupportsGetItem[int, str], color: bool, samples: SupportsIndex, analytic: bool) -> tuple[list[tuple[str, Any]], Incomplete | None, Any]:
         """
         The planes of the channels, 8-bit sRGB colour (H, W, 4) where it is wanted, and the report as JSON.
         """
-    def render_many(self, /, scene: Scene, cameras: SupportsGetItem[int, Camera], names: SupportsGetItem[int, str], color: bool, samples: SupportsIndex, analytic: bool) -> tuple[list[tuple[str, Any]], Incomplete | None, str]:
+    def render_many(self, /, scene: Scene, cameras: SupportsGetItem[int, Camera], names: SupportsGetItem[int, str], color: bool, samples: SupportsIndex, analytic: bool) -> tuple[list[tuple[str, Any]], Incomplete | None, Any]:
         """
         The same of an image through each camera: planes (N, H, W), colour (N, H, W, 4).
         """

@@ -7,6 +7,7 @@ use crate::scene::Scene;
 use anamorph::{Numbers, RenderOptions};
 use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyCFunction;
 use std::sync::{Arc, Mutex, MutexGuard};
 
 /// A device, or the reference on the CPU, with what it holds.
@@ -46,7 +47,7 @@ impl Renderer {
         self.adapter.as_deref()
     }
 
-    /// The planes of the channels, 8-bit sRGB colour (H, W, 4) where it is wanted, and the report as JSON.
+    /// The planes of the channels, 8-bit sRGB colour (H, W, 4) where it is wanted, and a function that returns the report as JSON.
     #[allow(clippy::too_many_arguments, clippy::type_complexity)]
     #[pyo3(signature = (scene, camera, names, color, samples, analytic))]
     fn render<'py>(
@@ -58,15 +59,14 @@ impl Renderer {
         color: bool,
         samples: u32,
         analytic: bool,
-    ) -> PyResult<(Planes<'py>, Option<Bound<'py, PyArray3<u8>>>, String)> {
+    ) -> PyResult<(Planes<'py>, Option<Bound<'py, PyArray3<u8>>>, Bound<'py, PyCFunction>)> {
         let options = RenderOptions { channels: channels(&names)?, color, samples, analytic, ..Default::default() };
         let (renderer, scene, camera) = (self.renderer.clone(), scene.now(), camera.camera.clone());
-        let rendered = run(py, move || lock(&renderer)?.render(&scene, &camera, &options))?;
-        let report = rendered.report();
-        let shape = [rendered.frame.height as usize, rendered.frame.width as usize, 4];
-        let rgba = rendered.rgba.map(|bytes| PyArray1::from_vec(py, bytes).reshape(shape)).transpose()?;
+        let mut rendered = run(py, move || lock(&renderer)?.render(&scene, &camera, &options))?;
         let size = [rendered.frame.height as usize, rendered.frame.width as usize];
-        Ok((planes(py, rendered.frame.planes, size)?, rgba, report))
+        let (own, rgba) = (std::mem::take(&mut rendered.frame.planes), rendered.rgba.take());
+        let rgba = rgba.map(|bytes| PyArray1::from_vec(py, bytes).reshape([size[0], size[1], 4])).transpose()?;
+        Ok((planes(py, own, size)?, rgba, read_later(py, move || rendered.report())?))
     }
 
     /// Arrays of gradients by their names; and of each number of the camera its name, value, step, and errors of origins and directions.
@@ -109,17 +109,24 @@ impl Renderer {
         color: bool,
         samples: u32,
         analytic: bool,
-    ) -> PyResult<(Planes<'py>, Option<Bound<'py, PyArray4<u8>>>, String)> {
+    ) -> PyResult<(Planes<'py>, Option<Bound<'py, PyArray4<u8>>>, Bound<'py, PyCFunction>)> {
         let options = RenderOptions { channels: channels(&names)?, color, samples, analytic, ..Default::default() };
         let (renderer, scene) = (self.renderer.clone(), scene.now());
         let cameras: Vec<anamorph::Camera> = cameras.iter().map(|camera| camera.camera.clone()).collect();
-        let views = run(py, move || lock(&renderer)?.render_many(&scene, &cameras, &options))?;
-        let report = views.report();
+        let mut views = run(py, move || lock(&renderer)?.render_many(&scene, &cameras, &options))?;
         let [count, height, width] = [views.count, views.height as usize, views.width as usize];
-        let shape = [count, height, width, 4];
-        let rgba = views.rgba.map(|bytes| PyArray1::from_vec(py, bytes).reshape(shape)).transpose()?;
-        Ok((planes(py, views.planes, [count, height, width])?, rgba, report))
+        let (own, rgba) = (std::mem::take(&mut views.planes), views.rgba.take());
+        let rgba = rgba.map(|bytes| PyArray1::from_vec(py, bytes).reshape([count, height, width, 4])).transpose()?;
+        Ok((planes(py, own, [count, height, width])?, rgba, read_later(py, move || views.report())?))
     }
+}
+
+/// A function of Python that returns a report: a part of it may be worked out only when it is read.
+fn read_later<'py>(
+    py: Python<'py>,
+    report: impl Fn() -> String + Send + Sync + 'static,
+) -> PyResult<Bound<'py, PyCFunction>> {
+    PyCFunction::new_closure(py, None, None, move |_, _| report())
 }
 
 /// Opened again if a call broke off in the middle.

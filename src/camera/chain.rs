@@ -54,7 +54,7 @@ impl Recipe for Chain {
             notes.extend(gap_note(k, &pair[0], &pair[1], (width, height)));
         }
         let layers = layers.into_iter().map(Rays::Pieces).collect();
-        Ok(Built { t_range: Some([0.0, 1.0]), notes, ..Built::of_layers((width, height), layers) })
+        Ok(Built { t_range: Some([0.0, 1.0]), notes: notes.into(), ..Built::of_layers((width, height), layers) })
     }
 }
 

@@ -6,7 +6,6 @@ use super::calibration::Calibrated;
 use super::lens::{LensRays, Viewer};
 use super::stack::Stack;
 use super::tessellate::bend::Bend;
-use super::view::View;
 use crate::image::read_vectors;
 use crate::input::{Error, Loading, Result};
 use crate::parallel;
@@ -188,8 +187,7 @@ impl Field {
     /// Returns the field of the same lens in a viewer at the origin, with the world's axes; `None` for other fields.
     pub fn unturned(&self) -> Option<Field> {
         let (rays, viewer) = self.turned.clone()?;
-        let view = View { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z };
-        let turned = Some((rays, Viewer { eye: DVec3::ZERO, view, ..viewer }));
+        let turned = Some((rays, viewer.unturned()));
         Some(Field { turned, map: None, ..self.clone() })
     }
 

@@ -1,7 +1,7 @@
 //! The rays of a lens at each pixel, in the viewer's frame. All poses of a viewer share them: the viewer's axes turn them, and the eye is added.
 
-use crate::camera::Ray;
 use crate::camera::view::View;
+use crate::camera::{Ray, RayMap};
 use crate::parallel;
 use glam::{DVec2, DVec3};
 use std::any::Any;
@@ -39,7 +39,19 @@ pub struct Viewer {
     pub lens: Arc<dyn Lens>,
 }
 
+impl RayMap for Viewer {
+    fn ray(&self, a: f64, b: f64) -> Option<Ray> {
+        let direction = self.lens.direction(a, b)?;
+        Some(self.turned(Ray { origin: self.lens.origin(a, b), direction }))
+    }
+}
+
 impl Viewer {
+    /// Returns the viewer of the same lens at the origin, with the world's axes.
+    pub fn unturned(&self) -> Viewer {
+        Viewer { eye: DVec3::ZERO, view: View::UNTURNED, lens: self.lens.clone() }
+    }
+
     /// Returns a ray of the lens in the world.
     pub fn turned(&self, ray: Ray) -> Ray {
         self.view.ray(self.eye, ray)
@@ -59,17 +71,38 @@ pub struct LensRays {
     origins: Vec<DVec3>,
 }
 
-/// The rays of lenses that cameras of this process hold.
-static KNOWN: Mutex<Vec<Weak<LensRays>>> = Mutex::new(Vec::new());
+/// Values that cameras of this process hold, so that another camera can share an equal one.
+pub struct Held<T>(Mutex<Vec<Weak<T>>>);
+
+impl<T> Held<T> {
+    pub const fn new() -> Held<T> {
+        Held(Mutex::new(Vec::new()))
+    }
+
+    /// Returns the value that a camera holds already, or else a new one.
+    pub fn or_make(&self, is_it: impl Fn(&T) -> bool, make: impl FnOnce() -> T) -> Arc<T> {
+        let all = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = all().iter().filter_map(Weak::upgrade).find(|value| is_it(value)) {
+            return found;
+        }
+        let made = Arc::new(make());
+        let mut all = all();
+        all.retain(|value| value.strong_count() > 0);
+        all.push(Arc::downgrade(&made));
+        made
+    }
+}
+
+static RAYS: Held<LensRays> = Held::new();
 
 impl LensRays {
     /// Returns the rays of a lens, shared with a camera that already holds them.
     pub fn of(lens: Arc<dyn Lens>, size: (u32, u32), sample: DVec2) -> Arc<LensRays> {
         let is_it = |d: &LensRays| d.size == size && d.sample == sample && d.lens.is_same(&*lens);
-        let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = known().iter().filter_map(Weak::upgrade).find(|d| is_it(d)) {
-            return found;
-        }
+        RAYS.or_make(is_it, || LensRays::new(lens.clone(), size, sample))
+    }
+
+    fn new(lens: Arc<dyn Lens>, size: (u32, u32), sample: DVec2) -> LensRays {
         let size_px = DVec2::new(f64::from(size.0), f64::from(size.1));
         let place = |k: u64| {
             let (i, j) = (k % u64::from(size.0), k / u64::from(size.0));
@@ -88,11 +121,7 @@ impl LensRays {
             lens.direction(place.x, place.y).filter(usable).unwrap_or(DVec3::ZERO)
         };
         let directions = parallel::map(pixels, direction);
-        let made = Arc::new(LensRays { lens, size, sample, directions, origins });
-        let mut known = known();
-        known.retain(|d| d.strong_count() > 0);
-        known.push(Arc::downgrade(&made));
-        made
+        LensRays { lens, size, sample, directions, origins }
     }
 
     /// Returns the ray of pixel `(i, j)` in the viewer's frame; `None` if it has no ray.

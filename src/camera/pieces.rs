@@ -5,16 +5,20 @@
 
 use super::boxes::{Boxes, EMPTY, join};
 use super::bundle::Bundle;
+use super::lens::Held;
+use super::pose::Pose;
 use super::stack::Stack;
+use super::view::View;
 use crate::arrays::MapEach;
 use crate::camera::TILE;
+use crate::input::Result;
 use crate::parallel;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// One piece: its rays, and its image triangle.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Piece {
     /// Centred on `centre_px`.
     pub bundle: Bundle,
@@ -28,17 +32,32 @@ pub struct Piece {
 #[derive(Debug, Clone)]
 pub struct Pieces {
     pub pieces: Vec<Piece>,
-    tiles_x: u32,
+    /// Width and height of the image, px.
+    size: (u32, u32),
     /// `tile_pieces[tile_start[k]..tile_start[k + 1]]` are the pieces near tile k, ascending.
-    tile_start: Vec<u32>,
-    tile_pieces: Vec<u32>,
+    tile_start: Arc<Vec<u32>>,
+    tile_pieces: Arc<Vec<u32>>,
     /// A hierarchy over the pieces of each tile that has [`MANY`] or more, by the tile's number.
     crowded: Arc<HashMap<usize, Boxes>>,
     /// Where in a pixel its ray is taken, px from the pixel's top left corner.
     sample: DVec2,
     /// The images that this one is made of, if it is: all above but `pieces` is then theirs.
     stacked: Option<Arc<StackedPieces>>,
+    /// These pieces in the frame of their viewer, if they have one.
+    turned: Option<TurnedPieces>,
 }
+
+/// Pieces in the frame of a viewer at a pose.
+#[derive(Debug, Clone)]
+pub struct TurnedPieces {
+    /// For a viewer at the origin, with the world's axes; all poses share them.
+    pub unturned: Arc<Pieces>,
+    pub eye: DVec3,
+    pub view: View,
+}
+
+/// Pieces in viewers' frames that cameras of this process hold.
+static UNTURNED: Held<Pieces> = Held::new();
 
 #[derive(Debug)]
 struct StackedPieces {
@@ -93,6 +112,11 @@ pub(super) fn side(a: DVec2, b: DVec2, q: DVec2) -> f64 {
 }
 
 impl Piece {
+    /// A piece that is the whole image; `bundle` is centred on its middle.
+    pub fn whole(bundle: Bundle, (width, height): (u32, u32)) -> Piece {
+        Piece { bundle, centre_px: DVec2::new(width.into(), height.into()) / 2.0, corners_px: None }
+    }
+
     /// The piece holds the image place `q` (px), its border included.
     pub(super) fn contains(&self, q: DVec2) -> bool {
         let Some([a, b, c]) = self.corners_px else { return true };
@@ -118,19 +142,64 @@ impl Piece {
 impl Pieces {
     /// One piece over the whole image; `bundle` is centred on the image's middle.
     pub fn whole(bundle: Bundle, width: u32, height: u32) -> Pieces {
-        let centre_px = DVec2::new(width as f64, height as f64) / 2.0;
-        Pieces::new(vec![Piece { bundle, centre_px, corners_px: None }], width, height)
+        Pieces::new(vec![Piece::whole(bundle, (width, height))], width, height)
     }
 
     pub fn new(pieces: Vec<Piece>, width: u32, height: u32) -> Pieces {
         let (tiles_x, tiles_y) = (width.div_ceil(TILE), height.div_ceil(TILE));
         let (tile_start, tile_pieces) = pieces_near_tiles(&pieces, tiles_x, tiles_y);
+        let (tile_start, tile_pieces) = (Arc::new(tile_start), Arc::new(tile_pieces));
         let sample = DVec2::splat(0.5);
-        let mut all =
-            Pieces { pieces, tiles_x, tile_start, tile_pieces, crowded: Default::default(), sample, stacked: None };
+        let mut all = Pieces {
+            pieces,
+            size: (width, height),
+            tile_start,
+            tile_pieces,
+            crowded: Default::default(),
+            sample,
+            stacked: None,
+            turned: None,
+        };
         let crowded = parallel::flat_map(0..all.tile_start.len() - 1, |k| Some((k, all.boxes_of_tile(k)?)));
         all.crowded = Arc::new(crowded.into_iter().collect());
         all
+    }
+
+    /// Pieces of a viewer at `eye` with the axes of `view`, from those for a viewer at the origin with the world's axes.
+    pub fn turned_by(view: View, eye: DVec3, unturned: Vec<Piece>, (width, height): (u32, u32)) -> Pieces {
+        let is_it = |known: &Pieces| known.size == (width, height) && known.pieces == unturned;
+        let unturned = UNTURNED.or_make(is_it, || Pieces::new(unturned.clone(), width, height));
+        let turned = |v: DVec3| view.vector(v.x, v.y, v.z);
+        let bundle = |Bundle { p, d, h }: &Bundle| Bundle {
+            p: [0, 1, 2].map_each(|k| h[k] * eye + turned(p[k])),
+            d: d.map_each(turned),
+            h: *h,
+        };
+        let pieces = unturned.pieces.iter().map(|piece| Piece { bundle: bundle(&piece.bundle), ..piece.clone() });
+        let (tile_start, tile_pieces) = (unturned.tile_start.clone(), unturned.tile_pieces.clone());
+        Pieces {
+            pieces: pieces.collect(),
+            size: unturned.size,
+            tile_start,
+            tile_pieces,
+            crowded: unturned.crowded.clone(),
+            sample: unturned.sample,
+            stacked: None,
+            turned: eye.is_finite().then_some(TurnedPieces { unturned, eye, view }),
+        }
+    }
+
+    /// The pieces in their viewer's frame and its pose, if these have a viewer.
+    pub fn turned(&self) -> Option<&TurnedPieces> {
+        self.turned.as_ref()
+    }
+
+    /// One piece over the whole image, for a viewer at a pose; `bundle` is in the viewer's frame.
+    ///
+    /// # Errors
+    /// The pose has no frame.
+    pub fn whole_turned_by(pose: &Pose, bundle: Bundle, size: (u32, u32)) -> Result<Pieces> {
+        Ok(Pieces::turned_by(pose.view()?, pose.eye, vec![Piece::whole(bundle, size)], size))
     }
 
     /// Images of `rows` rows, one below another, `step` rows from each to the next. Their samples are at pixel centres. Numbers of pieces go
@@ -144,17 +213,19 @@ impl Pieces {
         let stacked = StackedPieces { stack: Stack { images, step }, rows, first };
         Pieces {
             pieces,
-            tiles_x: 0,
-            tile_start: Vec::new(),
-            tile_pieces: Vec::new(),
+            size: (0, 0),
+            tile_start: Arc::default(),
+            tile_pieces: Arc::default(),
             crowded: Default::default(),
             sample: DVec2::splat(0.5),
             stacked: Some(Arc::new(stacked)),
+            turned: None,
         }
     }
 
     pub(super) fn with_sample(&self, x: f64, y: f64) -> Pieces {
-        Pieces { sample: DVec2::new(x, y), ..self.clone() }
+        // those in the viewer's frame have other samples
+        Pieces { sample: DVec2::new(x, y), turned: None, ..self.clone() }
     }
 
     /// The piece that owns all of the image that row `j` lies in, and the rows from `j` to that image's end; `None`: there are several.
@@ -180,7 +251,7 @@ impl Pieces {
 
     /// The pieces that may own pixels of the tile, ascending.
     fn of_tile(&self, tile_x: u32, tile_y: u32) -> &[u32] {
-        self.near_tile((tile_y * self.tiles_x + tile_x) as usize)
+        self.near_tile((tile_y * self.size.0.div_ceil(TILE) + tile_x) as usize)
     }
 
     fn near_tile(&self, k: usize) -> &[u32] {
@@ -204,7 +275,7 @@ impl Pieces {
     pub fn own_alike(&self, other: &Pieces) -> bool {
         let is_one = self.stacked.is_none() && other.stacked.is_none();
         is_one
-            && self.sample == other.sample
+            && (self.size, self.sample) == (other.size, other.sample)
             && self.pieces.iter().map(|piece| piece.corners_px).eq(other.pieces.iter().map(|piece| piece.corners_px))
     }
 
@@ -233,7 +304,7 @@ impl Pieces {
             let top = DVec2::new(0.0, f64::from(j - row));
             return image.owner_of_place(i, row, place_px - top).map(|k| first + k);
         }
-        let tile = (j / TILE * self.tiles_x + i / TILE) as usize;
+        let tile = (j / TILE * self.size.0.div_ceil(TILE) + i / TILE) as usize;
         let near = self.near_tile(tile);
         let contains = |k: &u32| self.pieces[*k as usize].contains(place_px);
         match self.crowded.get(&tile) {
@@ -379,7 +450,6 @@ fn span_between(corners: &[DVec2; 3], top: f64, bottom: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
     use proptest::prelude::*;
 
     proptest! {

@@ -23,6 +23,9 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// At the origin, with [`View::UNTURNED`].
+    pub const UNTURNED: Pose = Pose { eye: DVec3::ZERO, target: DVec3::Z, up: DVec3::Y, frame: Some(View::UNTURNED) };
+
     pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Pose {
         Pose { eye, target, up, frame: None }
     }

@@ -111,7 +111,7 @@ impl Volume {
         let mut notes = Vec::new();
         let straight = if self.degree() == 1 { self.pieces(size, &mut notes, setting.limits())? } else { None };
         let built = match straight {
-            Some(pieces) => Built { notes, ..Built::new(size, Rays::Pieces(pieces)) },
+            Some(pieces) => Built { notes: notes.into(), ..Built::new(size, Rays::Pieces(pieces)) },
             None if self.degree() == 1 && self.piece_count == 0 => {
                 tessellation.build(Arc::new(self.clone()), setting)?
             }

@@ -3,6 +3,7 @@
 use super::Rays;
 use super::exposure::Lines;
 use crate::camera::composition::Composition;
+use crate::camera::notes::Notes;
 use crate::camera::optics::Optics;
 use crate::geometry::mesh::{Mesh, joined};
 use crate::geometry::scene_mesh::SceneMesh;
@@ -229,7 +230,7 @@ pub struct Built {
     /// The mirror or lens in view.
     pub optics: Option<Arc<Optics>>,
     /// Notes for the user: what was left out or approximated.
-    pub notes: Vec<String>,
+    pub notes: Notes,
     /// Requests that cannot be fulfilled in this scene, one sentence each.
     pub unfulfilled: Vec<String>,
     /// The cameras of a composite.
@@ -244,7 +245,7 @@ impl Built {
 
     /// A camera of several layers.
     pub fn of_layers(size: (u32, u32), layers: Vec<Rays>) -> Built {
-        let (notes, unfulfilled) = (Vec::new(), Vec::new());
+        let (notes, unfulfilled) = (Notes::default(), Vec::new());
         Built { size, layers, t_range: None, optics: None, notes, unfulfilled, composition: None }
     }
 }

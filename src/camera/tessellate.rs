@@ -11,7 +11,7 @@ mod refine;
 
 use super::Rays;
 use super::field::{Field, RayMap};
-use super::mesh::triangle;
+use super::notes::Notes;
 use super::pieces::Pieces;
 use super::recipe::{Built, Setting};
 use crate::input::limits::PIECES;
@@ -79,20 +79,37 @@ impl Tessellation {
         if self == Tessellation::Exact {
             return Ok(Built::new(size, Rays::Field(Field::of_map(size.0, size.1, map)?)));
         }
-        let judge = Judge::new(map.as_ref(), setting, size);
-        let cells = match self {
-            Tessellation::Auto { error_px } => refine::refine(&judge, error_px),
-            Tessellation::Count(n) => judged(&judge, grid::of_count(&judge, n)),
+        let judge = Judge::new(map, setting, size);
+        let (pieces, notes) = match self {
+            Tessellation::Auto { error_px } => {
+                let cells = refine::refine(&judge, error_px);
+                (Pieces::new(cells.pieces(), size.0, size.1), notes(&cells, self).into())
+            }
+            Tessellation::Count(n) => {
+                let viewer = judge.map.viewer();
+                let cells = match &viewer {
+                    Some(viewer) => grid::of_count(&Judge::new(Arc::new(viewer.unturned()), setting, size), n),
+                    None => grid::of_count(&judge, n),
+                };
+                let pieces = match &viewer {
+                    Some(viewer) => Pieces::turned_by(viewer.view, viewer.eye, cells.pieces(), size),
+                    None => Pieces::new(cells.pieces(), size.0, size.1),
+                };
+                // the bound on the error takes more time than the pieces
+                let notes = Notes::later(move || {
+                    let rays = cells.places.iter().map(|place| judge.ray(*place)).collect();
+                    notes(&judged(&judge, Cells { rays, ..cells }), self)
+                });
+                (pieces, notes)
+            }
             Tessellation::Exact => unreachable!("built above"),
         };
-        let pieces: Vec<_> = cells.with_rays().map(|(corners, rays, _)| triangle(corners, rays)).collect();
-        if pieces.is_empty() {
+        if pieces.pieces.is_empty() {
             return Err(Error::input(
                 "camera.pieces: no piece has a ray at each of its corners; use more, or \"exact\"",
             ));
         }
-        let notes = notes(&cells, self);
-        Ok(Built { notes, ..Built::new(size, Rays::Pieces(Pieces::new(pieces, size.0, size.1))) })
+        Ok(Built { notes, ..Built::new(size, Rays::Pieces(pieces)) })
     }
 }
 
@@ -130,7 +147,7 @@ fn notes(cells: &Cells, tessellation: Tessellation) -> Vec<String> {
         let extent = corners[0].max(corners[1]).max(corners[2]) - corners[0].min(corners[1]).min(corners[2]);
         !v.rim && (v.error_px.is_infinite() || v.error_px > error_px && extent.min_element() <= refine::PIECE_MIN_PX)
     };
-    let pieces: Vec<(bool, Verdict)> = cells.with_rays().map(|(q, _, v)| (is_jump(&q, &v), v)).collect();
+    let pieces: Vec<(bool, Verdict)> = cells.verdicts().map(|(q, v)| (is_jump(&q, &v), v)).collect();
     let bound = pieces.iter().filter(|(jump, v)| !jump && !v.rim).fold(0f64, |m, (_, v)| m.max(v.error_px));
     // rounded up
     let shown = if bound < 0.01 { format!("{:.2e}", 1.005 * bound) } else { format!("{}", (1e3 * bound).ceil() / 1e3) };

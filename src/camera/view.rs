@@ -13,6 +13,10 @@ pub struct View {
 }
 
 impl View {
+    /// The frame in which vectors are their components to the right, up and forward. It mirrors the world's handedness, which rays and bounds on
+    /// them do not notice.
+    pub const UNTURNED: View = View { forward: DVec3::Z, right: DVec3::X, up: DVec3::Y };
+
     /// The vector with these components to the right, up and forward.
     pub fn vector(&self, right: f64, up: f64, forward: f64) -> DVec3 {
         right * self.right + up * self.up + forward * self.forward

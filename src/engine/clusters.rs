@@ -157,7 +157,7 @@ fn chunk(all: MovingMesh, ids: std::ops::Range<u32>, (whole, has_spheres): (bool
     }
     chunk.slot_of_id = Arc::new(slot_of_id);
     chunk.triangles = Arc::new(parallel::map(&order, |&id| [0, 0, 0, id | side(mesh, id)]));
-    chunk.place(all);
+    chunk.place(all, |_| true);
     chunk.clustered_size = chunk.size();
     chunk
 }
@@ -174,7 +174,7 @@ impl Clustered {
         (self.places, self.moved) = (Arc::default(), None);
         self.chunks.iter_mut().all(|chunk| {
             (self.without_area == 0 || lies_flat(chunk))
-                && chunk.place(mesh.into())
+                && chunk.place(mesh.into(), |_| true)
                 && chunk.size() <= GROWN_MAX * chunk.clustered_size
         })
     }
@@ -214,8 +214,8 @@ const EMPTY: Cluster = Cluster { centre: [0.0; 3], first: 0, half: [0.0; 3], cou
 const GROWN_MAX: f64 = 1.5;
 
 impl Chunk {
-    /// All that depends on positions, of the triangles in their slots; whether each has an area.
-    fn place(&mut self, all: MovingMesh) -> bool {
+    /// All that depends on positions, of the triangles in the slots of the clusters that `changes` names; whether each of these has an area.
+    fn place(&mut self, all: MovingMesh, changes: impl Fn(usize) -> bool + Sync) -> bool {
         let (first, indices) = self.used.as_ref().map_or((0, Vec::new()), |used| vertex_indices(used));
         // every vertex of the chunk is in the list, if there is one
         let index_of = |v: u32| if indices.is_empty() { v } else { indices[(v - first) as usize] };
@@ -225,7 +225,10 @@ impl Chunk {
         groups.resize(clusters.len() * TRIANGLE_GROUPS, Bounds::NONE);
         let each = triangles.chunks_mut(CLUSTER as usize).zip(groups.chunks_mut(TRIANGLE_GROUPS)).zip(clusters);
         let all_have_area = AtomicBool::new(true);
-        parallel::for_each(each, |((triangles, groups), cluster)| {
+        parallel::for_each(each.enumerate(), |(k, ((triangles, groups), cluster))| {
+            if !changes(k) {
+                return;
+            }
             let have_area = place_cluster(triangles, groups, all, &index_of);
             *cluster = groups.iter().fold(Bounds::NONE, |whole, group| whole.joined(*group));
             all_have_area.fetch_and(have_area, Ordering::Relaxed);
@@ -289,13 +292,20 @@ fn place_cluster(
         *group = Bounds::NONE;
         for triangle in triangles {
             let id = triangle[3] & ID_MASK;
-            let order = order_by_position(all, id);
-            have_area &= has_area(all, id);
-            *group = (0..all.count()).fold(*group, |group, step| group.with(&extremes(all, id, step)));
+            let first = all.corners(id, 0);
             *triangle = match all.mesh.radius(id) {
-                Some(radius) => packed_sphere(all.mesh, triangle[3], radius, index_of),
-                None => packed_triangle(all.mesh, triangle[3], order, index_of),
+                Some(radius) => {
+                    *group = group.with(&mesh::extremes(first, Some(radius)));
+                    packed_sphere(all.mesh, triangle[3], radius, index_of)
+                }
+                None => {
+                    let order = order_by_position(all, id, first);
+                    have_area &= spans_area(all, first, order);
+                    *group = group.with(&first);
+                    packed_triangle(all.mesh, triangle[3], order, index_of)
+                }
             };
+            *group = (1..all.count()).fold(*group, |group, step| group.with(&extremes(all, id, step)));
         }
     }
     have_area
@@ -371,14 +381,19 @@ fn has_area(all: MovingMesh, id: u32) -> bool {
     if all.mesh.radius(id).is_some() {
         return true;
     }
-    let corners = all.corners(id, 0);
-    let [a, b, c] = order_by_position(all, id).map_each(|k| corners[k]);
+    let first = all.corners(id, 0);
+    spans_area(all, first, order_by_position(all, id, first))
+}
+
+/// The same of a triangle with these corners at the first time step, in the order of [`order_by_position`].
+fn spans_area(all: MovingMesh, first: [DVec3; 3], order: [usize; 3]) -> bool {
+    let [a, b, c] = order.map_each(|k| first[k]);
     all.steps.is_some() || a != b && b != c && (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// The corners' indices, ascending by x, then y, then z; of the first time step at which two differ.
-fn order_by_position(all: MovingMesh, id: u32) -> [usize; 3] {
-    let first = all.corners(id, 0);
+/// The indices of a triangle's corners, ascending by x, then y, then z; of the first time step at which two differ. `first` are the corners at
+/// the first step.
+fn order_by_position(all: MovingMesh, id: u32, first: [DVec3; 3]) -> [usize; 3] {
     let less = |a: usize, b: usize| {
         let key = |p: DVec3| (p.x, p.y, p.z);
         if first[a] != first[b] {
@@ -401,14 +416,16 @@ fn order_by_position(all: MovingMesh, id: u32) -> [usize; 3] {
 }
 
 /// Where each file corner stands in a packed triangle, by order code: the table of `wgsl/shared/triangle.wgsl`.
+#[cfg(any(test, feature = "internals"))]
 pub const CORNER_ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+
+/// The order code of a packed triangle, by the file corners that come first and second in it.
+const ORDER_CODES: [[u32; 3]; 3] = [[0, 0, 3], [5, 0, 2], [1, 4, 0]];
 
 /// Of the triangle with the id and the sidedness in `last`, whose corners are in this order.
 fn packed_triangle(mesh: &Mesh, last: u32, sorted: [usize; 3], index_of: impl Fn(u32) -> u32) -> [u32; 4] {
     let corners = mesh.triangles[(last & ID_MASK) as usize];
-    // the place of file corner c in the packed triangle
-    let place = [0, 1, 2].map_each(|c| sorted.iter().position(|&s| s == c).unwrap_or(0));
-    let order = CORNER_ORDERS.iter().position(|o| *o == place).unwrap_or(0) as u32;
+    let order = ORDER_CODES[sorted[0]][sorted[1]];
     let [a, b, c] = sorted.map_each(|s| index_of(corners[s]));
     [a, b, c, last & (ID_MASK | ONE_SIDED) | order << ORDER_SHIFT]
 }

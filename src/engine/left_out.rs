@@ -1,5 +1,6 @@
 //! Things that a frame does without, for reports and notes.
 
+use crate::camera::notes::Notes;
 use crate::geometry::mesh::Missing;
 use crate::image::frame::Channel;
 use serde::{Serialize, Serializer};
@@ -49,8 +50,8 @@ pub enum LeftOut {
         failed_test: bool,
     },
     SecondDepthDispatch,
-    /// A note of the camera.
-    Rays(String),
+    /// Notes of the camera.
+    Rays(Notes),
     /// Triangles without area, by their number.
     Triangles(usize),
     /// `[style]`, by the reference.
@@ -112,7 +113,7 @@ impl LeftOut {
                 ["the adapter's f64", "it has none, or no 64-bit integers: f64 is done in 32-bit words"]
             }
             LeftOut::SecondDepthDispatch => ["second depth dispatch", "the adapter has 64-bit atomics"],
-            LeftOut::Rays(note) => ["rays", note],
+            LeftOut::Rays(notes) => return ["rays".into(), notes.join("; ").into()],
             LeftOut::Triangles(count) => return [format!("{count} triangles").into(), "they have no area".into()],
             LeftOut::Style => ["style", "the reference draws no wireframe, outline, borders or hatching"],
             LeftOut::OneFrame(why) => ["one frame for all images", why],
@@ -126,6 +127,16 @@ impl LeftOut {
             LeftOut::BlackLights(count) => return [format!("{count} lights").into(), "black".into()],
         };
         [what.into(), why.into()]
+    }
+}
+
+impl LeftOut {
+    /// The notes of a camera: a row each, and one for those that are worked out only when a report or the user reads them.
+    pub fn of_rays(notes: &Notes) -> Vec<LeftOut> {
+        match notes {
+            Notes::Known(lines) => lines.iter().map(|line| LeftOut::Rays(vec![line.clone()].into())).collect(),
+            Notes::Later(_) => vec![LeftOut::Rays(notes.clone())],
+        }
     }
 }
 

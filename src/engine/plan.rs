@@ -43,7 +43,7 @@ use nodes::Nodes;
 use slabs::Slabs;
 use std::sync::Arc;
 use tiles::{Tiler, Tiles};
-use turned::Turned;
+use turned::{LensBand, Turned};
 
 /// What there is in a scene, with the camera's optics.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -216,10 +216,11 @@ pub struct Band {
     pub row: u32,
     pub rows: u32,
     pub tiles: Arc<Tiles>,
-    pub nodes: Nodes,
+    /// Of a band that has `turned`: in the viewer's frame, and the stage `aim` turns them.
+    pub nodes: Arc<Nodes>,
     /// What every pixel's ray or curve is, where the camera has no affine pieces.
     pub rays: Option<RayTable>,
-    /// The lens and the pose that a kernel makes these of.
+    /// The viewer's tables and its pose, from which the stage `aim` makes rays and bounds.
     pub turned: Option<Turned>,
     /// By what those of samples differ, where there are some: [`curves::sample_ray_deltas`].
     pub sample_ray_deltas: Vec<f32>,
@@ -269,7 +270,7 @@ pub struct PlanTarget<'a> {
     pub has: AdapterFeatures,
     /// Bytes that a kernel sees at once.
     pub binding_limit: u64,
-    /// A kernel makes the rays of a lens at a pose, instead of the host.
+    /// The stage `aim` turns rays and bounds to a viewer's pose, instead of the host.
     pub aims: bool,
     /// An earlier plan and its camera; parts that do not depend on the pose are used again.
     pub last: Option<(&'a Plan, &'a Camera)>,
@@ -483,34 +484,37 @@ impl Band {
         let anchor = extent.anchor;
         let of = Rows { first: row, count: rows };
         let measure = nodes::WidthMeasure {
-            centre: extent.centre - anchor,
+            distance: extent.scene_size,
             t_range: camera.t_range,
             incoherent: is_reordered(camera),
             scene_size: extent.scene_size,
         };
+        let curves = match slabs::kind(camera) {
+            RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
+            _ => None,
+        };
+        let tiler = Tiler { camera, slabs, curves: curves.as_ref(), sample_offsets, anchor, row, rows };
         if target.aims {
             let last = target.last_band(of).and_then(|band| band.turned.as_ref());
-            if let Some(turned) = Turned::of(view, of, last) {
-                let tiles = turned.lens.tiles.clone();
-                let nodes = Nodes::new(|k| turned.fits(k), (tiles.tiles_x, tiles.tiles_y), measure);
-                let turned = Some(turned);
+            if let Some(turned) = Turned::of(view, of, measure, last) {
+                let LensBand { tiles, nodes, .. } = &*turned.lens;
+                let tiles = match camera.layers.as_slice() {
+                    [Rays::Pieces(pieces)] => Arc::new(tiler.moved(pieces, tiles)),
+                    _ => tiles.clone(),
+                };
+                let nodes = nodes.clone();
                 return Band {
                     row,
                     rows,
                     tiles,
                     nodes,
                     rays: None,
-                    turned,
+                    turned: Some(turned),
                     sample_ray_deltas: Vec::new(),
                     moments: Vec::new(),
                 };
             }
         }
-        let curves = match slabs::kind(camera) {
-            RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
-            _ => None,
-        };
-        let tiler = Tiler { camera, slabs, curves: curves.as_ref(), sample_offsets, anchor, row, rows };
         let (tiles, nodes) = match target.known_tiles(camera, sample_offsets, of) {
             Some((pieces, known)) => {
                 let tiles = tiler.moved(pieces, known);
@@ -534,7 +538,7 @@ impl Band {
             }
             _ => Vec::new(),
         };
-        let tiles = Arc::new(tiles);
+        let (tiles, nodes) = (Arc::new(tiles), Arc::new(nodes));
         Band { row, rows, tiles, nodes, rays, turned: None, sample_ray_deltas, moments: Vec::new() }
     }
 }
@@ -590,5 +594,5 @@ fn left_out(
         (has.atomics64, LeftOut::SecondDepthDispatch),
     ];
     let rows = rows.into_iter().filter_map(|(is_left_out, row)| is_left_out.then_some(row));
-    rows.chain(camera.notes.iter().cloned().map(LeftOut::Rays)).collect()
+    rows.chain(LeftOut::of_rays(&camera.notes)).collect()
 }

@@ -39,9 +39,9 @@ pub struct Resident {
     pub chunks: Vec<ChunkOnDevice>,
     /// Tables of each band.
     pub bands: Vec<Buffers>,
-    /// The lenses whose tables these are, where the kernel `aim` makes rays of them.
+    /// The viewers' tables that these bands hold, where the stage `aim` turns them.
     lenses: Vec<Option<Arc<LensBand>>>,
-    /// The kernel has not made the rays of the present pose yet.
+    /// The stage `aim` has not turned them to the present pose yet.
     pub needs_aim: AtomicBool,
     /// Lists, visibility and planes, shared by all bands.
     pub shared: Buffers,
@@ -263,8 +263,11 @@ impl Resident {
             let rows = there.placed_bvh.as_ref().and_then(|bvh| bvh.rows(placed, triangles.0.anchor));
             return rows.map_or(Ok(()), |rows| there.buffers.upload_texels(gpu, "instances", &rows));
         }
-        let mut each = self.chunks.iter_mut().zip(&triangles.0.chunks);
-        each.try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk, triangles))
+        let (clustered, all) = triangles;
+        let mut each = self.chunks.iter_mut().zip(&clustered.chunks);
+        each.try_for_each(|(there, chunk)| {
+            place(gpu, &mut there.buffers, &chunk.with_vertices(all, clustered.anchor), clustered)
+        })
     }
 
     /// Takes over the patches of pictures that a plan has made.

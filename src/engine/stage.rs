@@ -5,7 +5,7 @@
 //! [`small`] and [`sort`] are left out where raster goes pair by pair. [`trace`] takes the place of cull to raster, or of what is left of them
 //! where it costs less; [`choose`] decides that before each dispatch of raster.
 //!
-//! The stage [`aim`] comes first if the camera is a lens at a pose, once for each pose.
+//! The stage [`aim`] comes first where the rays are those of a viewer at a pose, once for each pose.
 //!
 //! Where the camera has a mirror or a lens, [`reach`] comes first, [`meet`] beside raster, and after shade `forget -> bounce -> fit` and all
 //! of it again, or [`paste`] from an atlas that was rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow
@@ -88,6 +88,8 @@ kernels! {
     Choose, |v, _| v.method == Method::Auto, |_, _| choose::kernel();
     /// The rays of a viewer that turns and moves.
     Aim, |v, _| v.rays == RaysKind::Field && !v.bounced, |v, _| aim::kernel(v);
+    /// The bounds on the rays of such a viewer.
+    AimNodes, |v, _| aim::turns_nodes(v), |_, _| aim::nodes_kernel();
     Cull, |v, _| v.rasters(), |v, _| cull::kernel(v);
     Split, |v, _| v.rasters(), |v, _| split::kernel(v);
     Small, |v, _| v.small, |v, _| small::kernel(v);

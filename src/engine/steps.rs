@@ -50,7 +50,7 @@ pub struct FrameInputs<'a> {
     pub samples_by_tile: bool,
     /// Raster is left out where there is trace too.
     pub prefers_trace: bool,
-    /// The rays of turned lenses are not there yet.
+    /// The rays of viewers that turn, or the bounds on these, are not there yet.
     pub aims: bool,
     /// A rival finds what is seen.
     pub by_rival: bool,
@@ -157,7 +157,10 @@ impl StepList<'_> {
         let pixels = inputs.pixels(band);
         let has_jobs = !inputs.jobs.is_empty();
         if let Some(turned) = inputs.plan.bands[band].turned.as_ref().filter(|_| inputs.aims) {
-            self.pass("aim", first, [aim(turned.count())]);
+            let dispatches = aim(turned, variant);
+            if !dispatches.is_empty() {
+                self.pass("aim", first, dispatches);
+            }
         }
         if variant.optics.is_some() {
             // what bounces see adds up

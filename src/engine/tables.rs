@@ -291,8 +291,6 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, bounc
         bounces: bounce.count,
         base: optics.base,
         ends: (bounce.count == optics.depth && optics.atlas.is_none()) as u32,
-        centre: (plan.centre - plan.anchor).as_vec3().to_array(),
-        law,
         ior_hi,
         ior_lo,
         sees_itself: optics.sees_itself() as u32,
@@ -308,11 +306,11 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, bounc
         from_hi,
         is_environment: optics.environment.is_some() as u32,
         from_lo,
-        pad0: 0,
+        law,
         box_centre: box_centre.as_vec3().to_array(),
-        pad1: 0,
+        scene_size: plan.scene_size as f32,
         box_half: (box_half + rounding).as_vec3().to_array(),
-        pad2: 0,
+        pad0: 0,
     }
 }
 

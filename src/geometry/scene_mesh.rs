@@ -21,6 +21,8 @@ pub struct SceneMesh {
     before: Option<(Arc<Mesh>, BTreeSet<usize>)>,
     /// [`Instances::are_invertible`], once it was asked for.
     are_invertible: OnceLock<bool>,
+    /// The box around all vertices and spheres, once it was asked for.
+    bounds: OnceLock<Option<(DVec3, DVec3)>>,
 }
 
 impl SceneMesh {
@@ -97,7 +99,7 @@ impl SceneMesh {
     pub fn place(&mut self, instance: usize, matrix: Option<DAffine3>) {
         if let Some(instances) = &mut self.instances {
             Arc::make_mut(instances).list[instance].matrix = matrix;
-            self.are_invertible = OnceLock::new();
+            (self.are_invertible, self.bounds) = Default::default();
             if let Some(before) = self.mesh.take() {
                 self.before = Some((before, BTreeSet::new()));
             }
@@ -144,7 +146,8 @@ impl SceneMesh {
 
     /// As [`Mesh::bounds`].
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        self.instances.as_ref().map_or_else(|| self.mesh().bounds(), |instances| instances.bounds())
+        let of_instances = |instances: &Arc<Instances>| instances.bounds();
+        *self.bounds.get_or_init(|| self.instances.as_ref().map_or_else(|| self.mesh().bounds(), of_instances))
     }
 
     /// As [`Mesh::drawn_bounds`]; with instances the box around all vertices.
@@ -208,7 +211,7 @@ impl Deref for SceneMesh {
 impl DerefMut for SceneMesh {
     fn deref_mut(&mut self) -> &mut Mesh {
         self.mesh();
-        (self.instances, self.before) = (None, None);
+        (self.instances, self.before, self.bounds) = Default::default();
         match self.mesh.get_mut() {
             Some(mesh) => Arc::make_mut(mesh),
             None => unreachable!("made above"),

@@ -304,10 +304,14 @@ pub struct Shading {
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct ViewerPose {
     pub numbers: [[u32; 4]; 6],
-    pub count: u32,
+    pub eye: [f32; 3],
+    pub ray_count: u32,
+    pub right: [f32; 3],
     pub numbers_a_ray: u32,
-    pub pad1: u32,
-    pub pad2: u32,
+    pub up: [f32; 3],
+    pub node_count: u32,
+    pub forward: [f32; 3],
+    pub perturb: f32,
 }
 
 /// Appearance of a triangle; see the WGSL.
@@ -423,8 +427,6 @@ pub struct Optic {
     pub bounces: u32,
     pub base: [f32; 3],
     pub ends: u32,
-    pub centre: [f32; 3],
-    pub law: u32,
     pub ior_hi: f32,
     pub ior_lo: f32,
     pub sees_itself: u32,
@@ -440,11 +442,11 @@ pub struct Optic {
     pub from_hi: [f32; 3],
     pub is_environment: u32,
     pub from_lo: [f32; 3],
-    pub pad0: u32,
+    pub law: u32,
     pub box_centre: [f32; 3],
-    pub pad1: u32,
+    pub scene_size: f32,
     pub box_half: [f32; 3],
-    pub pad2: u32,
+    pub pad0: u32,
 }
 
 /// Where facets lie in an atlas, see the WGSL.

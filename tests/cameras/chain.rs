@@ -54,7 +54,7 @@ fn layers_are_run_through_one_after_the_other() {
 fn a_gap_between_layers_is_noted_with_its_size() {
     let (front, back) = (layer([(0.0, 2.0), (-1.0, 2.0)]), layer([(-1.25, 2.0), (-2.0, 2.0)]));
     let camera = camera(&[front, back]);
-    assert_eq!(camera.notes, ["layer 1 does not start where layer 0 ends: up to 0.250000 apart, at pixel 0,0"]);
+    assert_eq!(camera.notes[..], ["layer 1 does not start where layer 0 ends: up to 0.250000 apart, at pixel 0,0"]);
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub fn of_layers(layers: Vec<MeshCameraSpec>, (width, height): (u32, u32)) -> Ca
         t_range: [0.0, 1.0],
         layers,
         optics: None,
-        notes: Vec::new(),
+        notes: Default::default(),
         unfulfilled: Vec::new(),
         scene_use: Default::default(),
         sample: None,

@@ -457,7 +457,7 @@ fn the_anchor_is_near_the_rays_and_in_the_scene() {
         let (a, b) = (rng.vector(), rng.vector());
         let (lo, hi) = (a.min(b), a.max(b));
         let (bounds, grain) = (Some((lo, hi)), 1e-3 * (hi - lo).max_element());
-        for (grain, most) in [(0.0, (hi - lo).max_element() / 8.0), (grain, 256.0 * grain)] {
+        for (grain, most) in [(0.0, (hi - lo).max_element() / 2.0), (grain, 1024.0 * grain)] {
             let SceneExtent { anchor, origin, .. } = SceneExtent::of(&camera, SceneShape { bounds, grain });
             let off = (anchor - start.clamp(lo, hi)).abs().max_element();
             assert!(off <= most / 2.0 && (origin - (lo + hi) / 2.0).abs().max_element() <= most / 2.0);

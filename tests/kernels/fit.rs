@@ -142,7 +142,7 @@ fn compare(input: &KernelInputs, levels: &[Level], left: &Left) -> Compared {
 /// Which nodes are discontinuous by the rule of plan/fit.rs and plan/nodes.rs, bottom up; nothing where a quantity is nearer to its
 /// limit than `margin` of it, or one below is.
 fn discontinuous(input: &KernelInputs, levels: &[Level], nodes: &[Node], margin: f64) -> Vec<Option<bool>> {
-    let centre = input.optics.map_or(DVec3::ZERO, |o| DVec3::from(o.optic.centre.map(f64::from)));
+    let distance = input.optics.map_or(0.0, |o| f64::from(o.optic.scene_size));
     let above = |a: f64, b: f64| if (a - b).abs() <= margin * a.abs().max(b.abs()) { None } else { Some(a > b) };
     let both = |a: Option<bool>, b: Option<bool>| match (a, b) {
         (Some(false), _) | (_, Some(false)) => Some(false),
@@ -160,8 +160,7 @@ fn discontinuous(input: &KernelInputs, levels: &[Level], nodes: &[Node], margin:
         if node.rays == RAYS_NONE {
             continue;
         }
-        let p = DVec3::from(node.p.map(f64::from));
-        let t = ((centre - p).length() / length(node.d)).min(f64::from(input.params.t_max[0]));
+        let t = (distance / length(node.d)).min(f64::from(input.params.t_max[0]));
         let half = |x: [f32; 3], y: [f32; 3], r: f32| length(x) + length(y) + f64::from(r);
         let width = half(node.px, node.py, node.r_p) + t * half(node.dx, node.dy, node.r_d);
         widths[index] = Some(width);

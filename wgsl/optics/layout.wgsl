@@ -14,8 +14,6 @@ struct Optic {
     bounces: u32,           // how often these rays have bounced
     base: vec3<f32>,        // colour of the surface where rays end on it
     ends: u32,              // 1: rays end on it, after the last bounce
-    centre: vec3<f32>,      // of the scene: how wide bundles are is compared as far along their rays
-    law: u32,               // one of the LAW constants
     ior_hi: f32,            // index of refraction inside; 0: rays are reflected
     ior_lo: f32,
     sees_itself: u32,       // 1: bounced rays may meet the surface again
@@ -31,11 +29,11 @@ struct Optic {
     from_hi: vec3<f32>,     // origin of bounced rays, if is_environment
     is_environment: u32,    // 1: they start there, as in an environment map; 0: at the bounce
     from_lo: vec3<f32>,
-    pad0: u32,
+    law: u32,               // one of the LAW constants
     box_centre: vec3<f32>,  // around the surface, relative to the anchor
-    pad1: u32,
+    scene_size: f32,        // widths of bundles are compared at this distance along their rays
     box_half: vec3<f32>,
-    pad2: u32,
+    pad0: u32,
 }
 
 // Where facets lie in an atlas: two a square cell.

@@ -89,13 +89,17 @@ struct SampleOffsets {
     at: array<vec4<f32>, 16>,
 }
 
-// An eye relative to the anchor, and the axes to the right, up and forward: twelve f64, two a vec4, low words first.
+// An eye relative to the anchor, and the axes to the right, up and forward: twelve f64, two a vec4, low words first; and the same in f32.
 struct ViewerPose {
     numbers: array<vec4<u32>, 6>,
-    count: u32,             // rays
+    eye: vec3<f32>,
+    ray_count: u32,
+    right: vec3<f32>,
     numbers_a_ray: u32,     // of the lens: 3, a direction; or 6, an origin relative to the eye and a direction
-    pad1: u32,
-    pad2: u32,
+    up: vec3<f32>,
+    node_count: u32,
+    forward: vec3<f32>,
+    perturb: f32,           // how far perturbations move origins at most
 }
 
 // Which dispatch of a kernel this is.

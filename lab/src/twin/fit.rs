@@ -25,7 +25,7 @@ pub struct PixelRay {
 /// All levels over the rays of `input`. Besides these, only its parameters and optics are read.
 pub fn fit(input: &KernelInputs) -> Fitted {
     let p = &input.params;
-    let centre = input.optics.map_or(DVec3::ZERO, |o| DVec3::from(o.optic.centre.map(f64::from)));
+    let distance = input.optics.map_or(0.0, |o| f64::from(o.optic.scene_size));
     let tile = |tile: u32| {
         let at = Address { level: 0, x: tile % p.tiles_x, y: tile / p.tiles_x };
         let rays = rays_below(input, at);
@@ -46,7 +46,7 @@ pub fn fit(input: &KernelInputs) -> Fitted {
         nodes: Nodes::new(
             |k| &bounds[k],
             (p.tiles_x, p.tiles_y),
-            WidthMeasure { centre, t_range: input.t_range(), incoherent: false, scene_size: 0.0 },
+            WidthMeasure { distance, t_range: input.t_range(), incoherent: false, scene_size: 0.0 },
         ),
         cells: (0..).zip(masks).map(cell).collect(),
     }

@@ -67,7 +67,7 @@ impl Graph {
         }
         let mut notes = Vec::new();
         let layers = legs.iter().map(|leg| self.net.rays(leg, size, &mut notes, limits)).collect::<Result<_>>()?;
-        Ok(Built { t_range: Some([0.0, 1.0]), notes, ..Built::of_layers(size, layers) })
+        Ok(Built { t_range: Some([0.0, 1.0]), notes: notes.into(), ..Built::of_layers(size, layers) })
     }
 }
 

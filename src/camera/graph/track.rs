@@ -139,7 +139,7 @@ fn plain_view(view: &View, size: (u32, u32), mut notes: Vec<String>, unfulfilled
     if unfulfilled.is_empty() {
         notes.push("nothing hides a target: the plain view".into());
     }
-    Built { notes, unfulfilled, ..Built::new(size, Rays::Pieces(view.whole(size))) }
+    Built { notes: notes.into(), unfulfilled, ..Built::new(size, Rays::Pieces(view.whole(size))) }
 }
 
 fn between(index: usize) -> String {

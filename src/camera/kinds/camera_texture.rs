@@ -110,7 +110,7 @@ impl Recipe for CameraTexture {
         let inverse = Inverse::new(cells, base);
         let (folded, all) = (inverse.folded(), inverse.len());
         let built = self.tessellation.build(Arc::new(inverse), setting)?;
-        Ok(Built { notes: fold_notes(folded, all, "cells"), ..built })
+        Ok(Built { notes: fold_notes(folded, all, "cells").into(), ..built })
     }
 }
 
@@ -174,7 +174,7 @@ fn affine(cells: &[Cell], base: &Base, eye: DVec3, (w, h): (u32, u32)) -> Result
         ));
     }
     let built = Built::new((w, h), Rays::Pieces(Pieces::new(pieces, w, h)));
-    Ok(Built { notes: fold_notes(folded, 2 * cells.len(), "pieces"), ..built })
+    Ok(Built { notes: fold_notes(folded, 2 * cells.len(), "pieces").into(), ..built })
 }
 
 fn fold_notes(folded: usize, all: usize, what: &str) -> Vec<String> {

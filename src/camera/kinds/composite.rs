@@ -5,6 +5,7 @@ mod parts;
 use crate::camera::composition::{Composition, Shown};
 use crate::camera::curve::Curves;
 use crate::camera::field::Field;
+use crate::camera::notes::Notes;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::region::Region;
 use crate::camera::spec::{CameraSpec, PartReader};
@@ -171,7 +172,8 @@ impl Recipe for Composite {
             let of_one = |(k, camera)| what(camera).iter().map(move |note| format!("camera {k}: {note}"));
             cameras.iter().enumerate().flat_map(of_one).collect()
         };
-        let (mut notes, unfulfilled) = (of_each(|camera| &camera.notes), of_each(|camera| &camera.unfulfilled));
+        let (notes, unfulfilled) = (of_each(|camera| &camera.notes), of_each(|camera| &camera.unfulfilled));
+        let mut notes = Notes::from(notes);
         if let Some(k) = cameras.iter().position(|camera| camera.layered().is_some()) {
             return Err(Error::input(format!(
                 "{}.kind: a composite with master or feather has frames of its own; use one without these",

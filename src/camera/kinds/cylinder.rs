@@ -86,7 +86,7 @@ fn build_strips(map: &Posed<Wall>, n: u32, setting: &Setting) -> Result<Built> {
     let note =
         format!("{n} strips; from the exact cylinder at most {beside:.4} px beside, {above:.4} px above or below");
     let built = Grid::new(n, 1.0, setting)?.build(map);
-    Ok(Built { notes: vec![note], ..built })
+    Ok(Built { notes: vec![note].into(), ..built })
 }
 
 /// Directions over the image, their horizontal part a unit vector.

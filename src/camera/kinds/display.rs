@@ -41,6 +41,6 @@ impl Recipe for Display {
         let mut notes = Vec::new();
         let pieces = compile(&self.mesh, (w, h), &mut notes, setting.limits());
         let pieces = pieces.map_err(|e| e.at("camera.mesh as a camera of kind mesh"))?;
-        Ok(Built { notes, ..Built::new((w, h), Rays::Pieces(pieces)) })
+        Ok(Built { notes: notes.into(), ..Built::new((w, h), Rays::Pieces(pieces)) })
     }
 }

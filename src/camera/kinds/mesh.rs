@@ -26,6 +26,6 @@ impl Recipe for MeshCameraSpec {
         let (width, height) = setting.size()?;
         let mut notes = Vec::new();
         let pieces = compile(self, (width, height), &mut notes, setting.limits())?;
-        Ok(Built { notes, ..Built::new((width, height), Rays::Pieces(pieces)) })
+        Ok(Built { notes: notes.into(), ..Built::new((width, height), Rays::Pieces(pieces)) })
     }
 }

@@ -80,7 +80,7 @@ impl Recipe for Occlusion {
         let segments: Vec<Built> = stops.windows(2).map(segment).collect::<Result<_>>()?;
         Ok(Built {
             t_range: Some([0.0, 1.0]),
-            notes: vec!["layers: from the eye to near, on to far, and on to end".into()],
+            notes: vec!["layers: from the eye to near, on to far, and on to end".into()].into(),
             ..Built::of_layers(size, segments.into_iter().flat_map(|s| s.layers).collect())
         })
     }

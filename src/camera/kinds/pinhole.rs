@@ -38,8 +38,10 @@ impl Recipe for Pinhole {
     /// One piece: the whole image.
     fn build(&self, setting: &Setting) -> Result<Built> {
         let (width, height) = setting.size()?;
-        let bundle = bundle(&Pose::look_at(self.eye, self.target, self.up), self.vfov, height)?;
-        Ok(Built::new((width, height), Rays::Pieces(Pieces::whole(bundle, width, height))))
+        let bundle = bundle(&Pose::UNTURNED, self.vfov, height)?;
+        let pose = Pose::look_at(self.eye, self.target, self.up);
+        let pieces = Pieces::whole_turned_by(&pose, bundle, (width, height))?;
+        Ok(Built::new((width, height), Rays::Pieces(pieces)))
     }
 }
 

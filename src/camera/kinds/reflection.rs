@@ -258,7 +258,8 @@ impl Recipe for Optical {
         let t_range = eye.is_curved_or_layered().then_some(eye.t_range);
         let atlas = self.optics.atlas.map(|texels| Ok::<_, Error>(Atlas { texels, eye: central()? })).transpose()?;
         let optics = self.optics.with(surface, atlas);
-        let notes = [eye.notes, vec![note]].concat();
+        let mut notes = eye.notes;
+        notes.push(note);
         let size = (eye.width, eye.height);
         let (optics, unfulfilled) = (Some(Arc::new(optics)), eye.unfulfilled);
         Ok(Built { t_range, optics, notes, unfulfilled, ..Built::of_layers(size, eye.layers) })

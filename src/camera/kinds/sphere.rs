@@ -78,7 +78,7 @@ fn build_cells(map: &Posed<Angles>, n: u32, setting: &Setting) -> Result<Built> 
     let bound_deg = bound.asin().to_degrees();
     let note =
         format!("{} cells; a ray differs from the exact sphere's by at most {bound_deg:.4} degrees", grid.cells());
-    Ok(Built { notes: vec![note], ..grid.build(map) })
+    Ok(Built { notes: vec![note].into(), ..grid.build(map) })
 }
 
 impl Lens for Angles {

@@ -154,6 +154,6 @@ impl Recipe for Surround {
         };
         let pieces = parallel::map(0..self.triangles.len(), |k| piece((k, &self.triangles[k])));
         let built = Built::new((w, h), Rays::Pieces(Pieces::new(pieces, w, h)));
-        Ok(Built { notes: self.notes.clone(), ..built })
+        Ok(Built { notes: self.notes.clone().into(), ..built })
     }
 }

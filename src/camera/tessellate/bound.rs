@@ -20,10 +20,11 @@ use crate::camera::bundle::Ray;
 use crate::camera::field::RayMap;
 use crate::camera::recipe::Setting;
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 /// The exact camera, and what it looks at.
-pub struct Judge<'a> {
-    pub map: &'a dyn RayMap,
+pub struct Judge {
+    pub map: Arc<dyn RayMap>,
     /// Of the image, px.
     pub size: DVec2,
     t_range: [f64; 2],
@@ -88,8 +89,8 @@ impl Slope {
     }
 }
 
-impl<'a> Judge<'a> {
-    pub fn new(map: &'a dyn RayMap, setting: &Setting, (w, h): (u32, u32)) -> Judge<'a> {
+impl Judge {
+    pub fn new(map: Arc<dyn RayMap>, setting: &Setting, (w, h): (u32, u32)) -> Judge {
         let scene = setting.bounds().map(|(lo, hi)| ((lo + hi) / 2.0, (hi - lo).length() / 2.0));
         let size = DVec2::new(w.into(), h.into());
         Judge { map, size, t_range: setting.t_range, scene, is_endless: setting.is_endless() }

@@ -4,6 +4,8 @@ use super::bend::usable;
 use super::bound::{Judge, Verdict};
 use crate::arrays::MapEach;
 use crate::camera::bundle::Ray;
+use crate::camera::mesh::triangle;
+use crate::camera::pieces::Piece;
 use glam::{DVec2, DVec3};
 
 /// A mesh of image triangles.
@@ -46,21 +48,32 @@ impl Cells {
         Cells { places, rays, triangles, verdicts, parts, size: (0, 0) }
     }
 
-    /// Triangles with a ray at each corner: places, rays, verdict.
-    pub fn with_rays(&self) -> impl Iterator<Item = ([DVec2; 3], [Ray; 3], Verdict)> + '_ {
-        self.triangles.iter().zip(&self.verdicts).filter_map(|(t, verdict)| {
-            let [a, b, c] = t.map_each(|i| self.rays[i as usize]);
-            Some((t.map_each(|i| self.places[i as usize]), [a?, b?, c?], *verdict))
-        })
+    /// Triangles with a ray at each corner, as pieces.
+    pub fn pieces(&self) -> Vec<Piece> {
+        self.triangles.iter().filter_map(|t| Some(triangle(self.corners(t), self.rays_of(t)?))).collect()
+    }
+
+    /// The corners of these triangles, with their verdicts.
+    pub fn verdicts(&self) -> impl Iterator<Item = ([DVec2; 3], Verdict)> + '_ {
+        let judged = self.triangles.iter().zip(&self.verdicts);
+        judged.filter(|(t, _)| self.rays_of(t).is_some()).map(|(t, verdict)| (self.corners(t), *verdict))
+    }
+
+    fn corners(&self, t: &[u32; 3]) -> [DVec2; 3] {
+        t.map_each(|i| self.places[i as usize])
+    }
+
+    fn rays_of(&self, t: &[u32; 3]) -> Option<[Ray; 3]> {
+        let [a, b, c] = t.map_each(|i| self.rays[i as usize]);
+        Some([a?, b?, c?])
     }
 
     /// The verdict on a triangle; at the rim where a corner has no ray.
     pub fn judge(&self, judge: &Judge, t: &[u32; 3]) -> Verdict {
-        let [a, b, c] = t.map_each(|i| self.rays[i as usize]);
-        let (Some(a), Some(b), Some(c)) = (a, b, c) else {
-            return Verdict::RIM;
-        };
-        judge.judge(&t.map_each(|i| self.places[i as usize]), &[a, b, c], self.parts)
+        match self.rays_of(t) {
+            Some(rays) => judge.judge(&self.corners(t), &rays, self.parts),
+            None => Verdict::RIM,
+        }
     }
 
     /// A verdict that holds for each triangle of a rectangle of equal cells: from column and row `at`, `span` cells each way or up to the

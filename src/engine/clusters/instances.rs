@@ -74,7 +74,7 @@ impl PlacedMeshes {
             triangles: Arc::new(parallel::map(&order, |&id| [0, 0, 0, id | side(base, id)])),
             ..Chunk::default()
         };
-        chunk.place(base.into());
+        chunk.place(base.into(), |_| true);
         let without_area = instances.triangle_count() - first_slot as usize;
         let placed =
             PlacedMeshes { instances: instances.clone(), meshes: meshes.into(), of_instance: of_instance.into() };

@@ -1,6 +1,6 @@
 //! Triangles whose vertices have moved, in the slots where they were. Only clusters with such vertices are placed again.
 
-use super::{Bounds, Chunk, Clustered, GROWN_MAX, NONE, TRIANGLE_GROUPS, has_area, vertex_indices};
+use super::{Chunk, Clustered, GROWN_MAX, NONE, TRIANGLE_GROUPS, has_area};
 use crate::geometry::mesh::Mesh;
 use crate::gpu::layout::{CLUSTER, ID_MASK};
 use crate::parallel;
@@ -83,56 +83,16 @@ impl Chunk {
         let each = CLUSTER as usize;
         let slots = |cluster: usize| cluster * each..((cluster + 1) * each).min(self.triangles.len());
         let is_changed = |cluster: usize| self.triangles[slots(cluster)].iter().any(|t| moves(t[3] & ID_MASK));
-        let clusters = ranges(&parallel::map(0..self.cluster_count(), is_changed));
-        let used = self.used.as_ref().map(|used| used.as_slice());
-        let moved_vertices = match used {
-            Some(used) => parallel::map(used, |v| has_moved[*v as usize]),
-            None => has_moved.to_vec(),
+        let is_changed: Vec<bool> = parallel::map(0..self.cluster_count(), is_changed);
+        let vertices = match &self.used {
+            Some(used) => ranges(&parallel::map(used.as_slice(), |v| has_moved[*v as usize])),
+            None => ranges(has_moved),
         };
-        let vertices = ranges(&moved_vertices);
-
-        let (first, indices) = used.map_or((0, Vec::new()), vertex_indices);
-        let index_of = |v: u32| if indices.is_empty() { v } else { indices[(v - first) as usize] };
         let mut own = self.clone();
-        let triangles = Arc::make_mut(&mut own.triangles);
-        let [cluster_boxes, group_boxes] = Arc::make_mut(&mut own.boxes);
-        let placed: Vec<Vec<PlacedCluster>> = clusters
-            .iter()
-            .map(|range| parallel::map(range.clone(), |k| PlacedCluster::of(&self.triangles[slots(k)], to, &index_of)))
-            .collect();
-        for (k, PlacedCluster { triangles: new, groups, whole, have_area }) in
-            clusters.iter().flat_map(Clone::clone).zip(placed.into_iter().flatten())
-        {
-            if !have_area {
-                return None;
-            }
-            triangles[slots(k)].copy_from_slice(&new);
-            group_boxes[k * TRIANGLE_GROUPS..(k + 1) * TRIANGLE_GROUPS].copy_from_slice(&groups);
-            cluster_boxes[k] = whole;
+        if !own.place(to.into(), |cluster| is_changed[cluster]) || own.size() > GROWN_MAX * self.clustered_size {
+            return None;
         }
-        (own.size() <= GROWN_MAX * self.clustered_size).then_some((own, MovedChunk { vertices, clusters }))
-    }
-}
-
-/// The triangles of a cluster where they are now.
-struct PlacedCluster {
-    triangles: Vec<[u32; 4]>,
-    groups: [Bounds; TRIANGLE_GROUPS],
-    whole: Bounds,
-    have_area: bool,
-}
-
-impl PlacedCluster {
-    fn of(triangles: &[[u32; 4]], to: &Mesh, index_of: &impl Fn(u32) -> u32) -> PlacedCluster {
-        let mut own = PlacedCluster {
-            triangles: triangles.to_vec(),
-            groups: [Bounds::NONE; TRIANGLE_GROUPS],
-            whole: Bounds::NONE,
-            have_area: true,
-        };
-        own.have_area = super::place_cluster(&mut own.triangles, &mut own.groups, to.into(), index_of);
-        own.whole = own.groups.iter().fold(Bounds::NONE, |whole, group| whole.joined(*group));
-        own
+        Some((own, MovedChunk { vertices, clusters: ranges(&is_changed) }))
     }
 }
 

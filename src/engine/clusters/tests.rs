@@ -110,3 +110,13 @@ fn other_triangles_are_no_moved_ones() {
     }
     assert!(clustered.moved(&mesh, &mesh).is_some());
 }
+
+#[test]
+fn order_codes_are_those_of_the_table_of_the_kernels() {
+    for sorted in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+        // the place of file corner c in the packed triangle
+        let place = [0, 1, 2].map(|c| sorted.iter().position(|s| *s == c).unwrap());
+        let code = ORDER_CODES[sorted[0]][sorted[1]];
+        assert_eq!(CORNER_ORDERS[code as usize], place, "{sorted:?}");
+    }
+}

@@ -1,7 +1,9 @@
 //! A test whether any ray of an image may meet a box, by the bounds of rays that its bands have for [`super::super::stage::cull`].
 
 use crate::arrays::MapEach;
-use crate::engine::plan::nodes::{Level, Nodes};
+use crate::camera::perturb::PERTURB;
+use crate::engine::plan::nodes::Level;
+use crate::engine::plan::turned::Turned;
 use crate::engine::plan::{Band, Plan};
 use crate::gpu::layout::{BRANCH, Node, RAYS_NONE};
 use glam::DVec3;
@@ -52,7 +54,7 @@ impl<'a> ImageRays<'a> {
         let margin = BOX_TOLERANCE * (center.abs() + half).max_element()
             + PLACE_TOLERANCE * ((lo.abs().max(hi.abs()) + self.anchor.abs()).max_element() + self.scene_size);
         let target = Target { center, half: half + margin };
-        !target.half.is_finite() || self.bands.iter().any(|band| target.may_be_met(&band.nodes, self.t_range))
+        !target.half.is_finite() || self.bands.iter().any(|band| target.may_be_met(band, self.t_range))
     }
 }
 
@@ -72,7 +74,8 @@ struct Bundle {
 
 impl Target {
     /// Descends from the top of the tree to the tiles, as long as a node may meet the box.
-    fn may_be_met(&self, nodes: &Nodes, t_range: [f64; 2]) -> bool {
+    fn may_be_met(&self, band: &Band, t_range: [f64; 2]) -> bool {
+        let nodes = &band.nodes;
         let top = nodes.levels.len() - 1;
         let Level { width, height, .. } = nodes.levels[top];
         let mut left: Vec<(usize, u32, u32)> = (0..height).flat_map(|y| (0..width).map(move |x| (top, x, y))).collect();
@@ -80,7 +83,7 @@ impl Target {
             let Some((level, x, y)) = left.pop() else { return false };
             let Level { start, width, .. } = nodes.levels[level];
             let node = &nodes.nodes[(start + y * width + x) as usize];
-            if node.rays == RAYS_NONE || self.is_missed_by(&Bundle::of(node), t_range) {
+            if node.rays == RAYS_NONE || self.is_missed_by(&Bundle::of(node, band.turned.as_ref()), t_range) {
                 continue;
             }
             let Some(level) = level.checked_sub(1) else { return true };
@@ -145,14 +148,15 @@ impl Target {
 }
 
 impl Bundle {
-    fn of(node: &Node) -> Bundle {
+    /// The rays of a node in the world, perturbed or not.
+    fn of(node: &Node, turned: Option<&Turned>) -> Bundle {
         let v = |v: [f32; 3]| DVec3::from(v.map_each(f64::from));
-        Bundle {
-            p: [v(node.p), v(node.px), v(node.py)],
-            d: [v(node.d), v(node.dx), v(node.dy)],
-            r_p: node.r_p.into(),
-            r_d: node.r_d.into(),
-        }
+        let (p, d) = ([node.p, node.px, node.py].map_each(v), [node.d, node.dx, node.dy].map_each(v));
+        let (r_p, r_d) = (f64::from(node.r_p), f64::from(node.r_d));
+        let Some(turned) = turned else { return Bundle { p, d, r_p, r_d } };
+        let [from_eye, x, y] = p.map_each(|v| turned.turned(v));
+        let d = d.map_each(|v| turned.turned(v));
+        Bundle { p: [turned.eye + from_eye, x, y], d, r_p: r_p + turned.perturb, r_d: r_d + PERTURB * size(&d) }
     }
 }
 

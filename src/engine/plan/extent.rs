@@ -37,17 +37,17 @@ impl SceneShape {
     fn spacing(&self) -> f64 {
         let Some((lo, hi)) = self.bounds else { return 0.0 };
         let extent = (hi - lo).max_element();
-        // an eye is at most 222 grains from its anchor: one grain away, a unit of f32 there is 1/75 of a pixel of 1/1000
+        // an eye is at most 887 grains from its anchor: one grain away, a unit of f32 there is 1/19 of a pixel of 1/1000
         let most = if self.grain > 0.0 { extent.min(GRAINS * self.grain) } else { extent };
         if most > 0.0 { (most / CELLS).log2().floor().exp2() } else { 0.0 }
     }
 }
 
 /// Distances between anchors along a scene.
-const CELLS: f64 = 8.0;
+const CELLS: f64 = 2.0;
 
 /// Largest extent of a scene, in such distances, that has one origin for all cameras.
-const SPACINGS: f64 = 64.0;
+const SPACINGS: f64 = 16.0;
 
 /// Upper limit, in grains, of the extent that the anchor spacing is computed from.
 const GRAINS: f64 = 2048.0;
@@ -60,7 +60,7 @@ pub struct SceneExtent {
     /// What hierarchies of the scene are relative to: a place near its center, whatever the camera; or the anchor where f32 numbers about that
     /// place do not tell triangles apart, since a few are far away from the others.
     pub origin: DVec3,
-    /// Centre of the scene. The widths of ray bundles are compared at its distance.
+    /// Centre of the scene, by which incoherent rays are sorted.
     pub centre: DVec3,
     /// Size of the scene, which scales the perturbation of rays: [`crate::camera::perturb`].
     pub scene_size: f64,

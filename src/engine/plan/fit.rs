@@ -31,9 +31,17 @@ pub const LOOSE_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
 /// The affine function nearest to values at places, by least squares: value at the centre and slopes; and the largest
 /// distance that remains. At least one place.
 pub fn affine(pairs: impl Iterator<Item = (DVec2, DVec3)> + Clone) -> ([DVec3; 3], f64) {
-    let n = pairs.clone().count() as f64;
-    let centre = pairs.clone().map(|(place, _)| place).sum::<DVec2>() / n;
-    let mean = pairs.clone().map(|(_, value)| value).sum::<DVec3>() / n;
+    let (mut n, mut centre, mut mean) = (0.0, DVec2::ZERO, DVec3::ZERO);
+    let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for (place, value) in pairs.clone() {
+        (n, centre, mean) = (n + 1.0, centre + place, mean + value);
+        (lo, hi) = (lo.min(value), hi.max(value));
+    }
+    if lo == hi {
+        // rays from one point, or parallel ones
+        return ([lo, DVec3::ZERO, DVec3::ZERO], 0.0);
+    }
+    (centre, mean) = (centre / n, mean / n);
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     let mut right = [DVec3::ZERO; 2];
     for (place, value) in pairs.clone() {

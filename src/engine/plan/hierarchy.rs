@@ -297,15 +297,20 @@ fn node_rows(node: &CwBvhNode) -> [[u32; 4]; NODE_ROWS] {
 /// Rows of a triangle at one time.
 const TRIANGLE_ROWS: usize = 3;
 
-/// Nodes from the root to the lowest: those below one come after it.
+/// Nodes from the root to the lowest.
 fn depth(nodes: &[CwBvhNode]) -> usize {
+    depths(nodes).into_iter().max().unwrap_or(0)
+}
+
+/// How many nodes lie on the way from the root to each node, itself included: those below one come after it.
+fn depths(nodes: &[CwBvhNode]) -> Vec<usize> {
     let mut depths = vec![1; nodes.len()];
     for (k, node) in nodes.iter().enumerate() {
         for child in (0..8).filter(|child| !node.is_leaf(*child)) {
             depths[node.child_node_index(child) as usize] = depths[k] + 1;
         }
     }
-    depths.into_iter().max().unwrap_or(0)
+    depths
 }
 
 /// A hierarchy as the kernels that light follow it in.

@@ -99,11 +99,11 @@ impl NodeRow {
     }
 }
 
-/// Where bundles are compared.
-#[derive(Debug, Clone, Copy)]
+/// Where the widths of bundles are compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WidthMeasure {
-    /// Of the scene, relative to the anchor.
-    pub centre: DVec3,
+    /// How far along a bundle's central ray, world units: [`crate::camera::perturb::scene_size`], which no pose changes.
+    pub distance: f64,
     pub t_range: [f64; 2],
     /// The rays are incoherent: cull descends to every tile.
     pub incoherent: bool,
@@ -112,10 +112,10 @@ pub struct WidthMeasure {
 }
 
 impl WidthMeasure {
-    /// Half-size of a bundle as far along its central ray as the scene's centre is.
+    /// Half-size of a bundle.
     fn width(&self, fit: &Fit) -> f64 {
         let [t0, t1] = self.t_range;
-        let t = (self.centre - fit.p[0]).length() / fit.d[0].length();
+        let t = self.distance / fit.d[0].length();
         let t = if t.is_finite() { t.min(t0.abs().max(t1.abs())) } else { 0.0 };
         let half = |c: &[DVec3; 3], r: f64| c[1].length() + c[2].length() + r;
         half(&fit.p, fit.r_p) + t * half(&fit.d, fit.r_d)

@@ -1,27 +1,40 @@
-//! A viewer that moves: tables that depend on its lens alone are kept from pose to pose, and the kernel `aim` turns the rays of the lens.
+//! A viewer that moves: tables that depend on its lens alone are kept from pose to pose, and the stage `aim` turns the rays of the lens and
+//! the bounds on them.
 
 use super::curves::RayTable;
-use super::fit::Fit;
-use super::tiles::{TileFits, Tiler, Tiles};
+use super::nodes::{Nodes, WidthMeasure};
+use super::tiles::{Tiler, Tiles};
 use super::{Rows, View};
 use crate::arrays::MapEach;
 use crate::camera::lens::LensRays;
+use crate::camera::perturb::PERTURB;
+use crate::camera::pieces::TurnedPieces;
 use crate::camera::view::View as Axes;
-use crate::camera::{Camera, Field, Rays};
-use crate::gpu::layout::{RAYS_NONE, ViewerPose, f64_pair_bits, split2};
+use crate::camera::{Camera, Field, Pieces, Rays};
+use crate::gpu::layout::{ViewerPose, f64_pair_bits, split2};
 use crate::parallel;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-/// The tables of a band for a lens at the origin, with the world's axes.
+/// The tables of a band for a viewer at the origin, with the world's axes.
 #[derive(Debug)]
 pub struct LensBand {
-    rays: Arc<LensRays>,
+    rays: UnturnedRays,
     rows: Rows,
+    sample_offsets: Vec<DVec2>,
+    measure: WidthMeasure,
     pub tiles: Arc<Tiles>,
-    fits: Vec<TileFits>,
-    /// Rays in the order of [`RayTable::of_field`]: six numbers each, or only the direction's three if all rays start in the eye.
+    /// Bounds on the rays, without perturbations.
+    pub nodes: Arc<Nodes>,
+    /// Of a field: rays in the order of [`RayTable::of_field`], six numbers each, or only the direction's three if all rays start in the eye.
     pub table: RayTable,
+}
+
+/// The rays of a viewer in its frame.
+#[derive(Debug, Clone)]
+enum UnturnedRays {
+    Field(Arc<LensRays>),
+    Pieces(Arc<Pieces>),
 }
 
 /// A band's lens, and the viewer's pose.
@@ -29,45 +42,50 @@ pub struct LensBand {
 pub struct Turned {
     pub lens: Arc<LensBand>,
     /// The eye relative to the anchor.
-    eye: DVec3,
+    pub eye: DVec3,
     axes: Axes,
+    /// How far perturbations move origins at most.
+    pub perturb: f64,
 }
 
 impl Turned {
-    /// Returns the lens and the pose of a band's rays, if the camera is a lens at a pose; takes the lens from `last`, the band of an earlier
+    /// Returns the lens and the pose of a band's rays, if the camera's rays are those of a viewer at a pose; takes the lens from `last`, the band of an earlier
     /// plan, if it is the same.
-    pub(super) fn of(view: View, rows: Rows, last: Option<&Turned>) -> Option<Turned> {
-        let [Rays::Field(field)] = view.camera.layers.as_slice() else { return None };
-        let (rays, viewer) = field.turned().filter(|_| view.sample_offsets.is_empty())?;
-        let is_same = |lens: &LensBand| Arc::ptr_eq(&lens.rays, rays) && lens.rows == rows;
+    pub(super) fn of(view: View, rows: Rows, measure: WidthMeasure, last: Option<&Turned>) -> Option<Turned> {
+        let (rays, eye, axes) = match view.camera.layers.as_slice() {
+            [Rays::Field(field)] => {
+                let (rays, viewer) = field.turned().filter(|_| view.sample_offsets.is_empty())?;
+                (UnturnedRays::Field(rays.clone()), viewer.eye, viewer.view)
+            }
+            [Rays::Pieces(pieces)] => {
+                let TurnedPieces { unturned, eye, view } = pieces.turned()?;
+                (UnturnedRays::Pieces(unturned.clone()), *eye, *view)
+            }
+            _ => return None,
+        };
+        // perturbations are added where bounds are turned: in `aim_nodes` and `in_view::rays`
+        let measure = WidthMeasure { scene_size: 0.0, ..measure };
+        let is_same = |lens: &LensBand| {
+            lens.rays.is_same(&rays)
+                && lens.rows == rows
+                && lens.sample_offsets == view.sample_offsets
+                && lens.measure == measure
+        };
         let lens = match last.filter(|last| is_same(&last.lens)) {
             Some(last) => last.lens.clone(),
-            None => Arc::new(LensBand::new(view, field.unturned()?, rays.clone(), rows)),
+            None => Arc::new(LensBand::new(view, rays, rows, measure, last.map(|last| &*last.lens))?),
         };
-        Some(Turned { lens, eye: viewer.eye - view.extent.anchor, axes: viewer.view })
-    }
-
-    /// Returns the bounds of the rays of a tile.
-    pub fn fits(&self, tile: usize) -> TileFits {
-        let turned = |fit: &Fit| {
-            let mut turned =
-                Fit { p: fit.p.map_each(|p| self.turned(p)), d: fit.d.map_each(|d| self.turned(d)), ..*fit };
-            if fit.rays != RAYS_NONE {
-                turned.p[0] += self.eye;
-            }
-            turned
-        };
-        let TileFits { whole, each, .. } = &self.lens.fits[tile];
-        TileFits { each: each.iter().map(turned).collect(), ..turned(whole).into() }
+        let perturb = PERTURB * view.extent.scene_size;
+        Some(Turned { lens, eye: eye - view.extent.anchor, axes, perturb })
     }
 
     /// Returns a vector of the viewer's frame in the world.
-    fn turned(&self, v: DVec3) -> DVec3 {
+    pub fn turned(&self, v: DVec3) -> DVec3 {
         self.axes.vector(v.x, v.y, v.z)
     }
 
     /// Returns the number of rays that the kernel writes.
-    pub fn count(&self) -> u32 {
+    pub fn ray_count(&self) -> u32 {
         self.lens.table.hi.len() as u32 / self.lens.numbers_a_ray()
     }
 
@@ -75,41 +93,93 @@ impl Turned {
     pub fn pose(&self) -> ViewerPose {
         let Turned { eye, axes: Axes { right, up, forward }, .. } = self;
         let numbers: Vec<f64> = [*eye, *right, *up, *forward].iter().flat_map(|v| v.to_array()).collect();
+        let [eye_f32, right_f32, up_f32, forward_f32] = [eye, right, up, forward].map_each(|v| v.as_vec3().to_array());
         ViewerPose {
             numbers: std::array::from_fn(|k| f64_pair_bits([numbers[2 * k], numbers[2 * k + 1]])),
-            count: self.count(),
+            eye: eye_f32,
+            ray_count: self.ray_count(),
+            right: right_f32,
             numbers_a_ray: self.lens.numbers_a_ray(),
-            pad1: 0,
-            pad2: 0,
+            up: up_f32,
+            node_count: self.lens.nodes.nodes.len() as u32,
+            forward: forward_f32,
+            perturb: (self.perturb * (1.0 + f64::from(f32::EPSILON))) as f32,
+        }
+    }
+}
+
+impl UnturnedRays {
+    fn is_same(&self, other: &UnturnedRays) -> bool {
+        match (self, other) {
+            (UnturnedRays::Field(a), UnturnedRays::Field(b)) => Arc::ptr_eq(a, b),
+            (UnturnedRays::Pieces(a), UnturnedRays::Pieces(b)) => Arc::ptr_eq(a, b),
+            _ => false,
         }
     }
 }
 
 impl LensBand {
-    fn new(view: View, field: Field, rays: Arc<LensRays>, rows: Rows) -> LensBand {
-        let table = match rays.is_central() {
-            true => directions_of(&field, rows),
-            false => RayTable::of_field(&field, DVec3::ZERO, rows.first, rows.count),
+    fn new(
+        view: View,
+        rays: UnturnedRays,
+        rows: Rows,
+        measure: WidthMeasure,
+        last: Option<&LensBand>,
+    ) -> Option<LensBand> {
+        let unturned = match (&rays, view.camera.layers.as_slice()) {
+            (UnturnedRays::Pieces(pieces), _) => Rays::Pieces(Pieces::clone(pieces)),
+            (_, [Rays::Field(field)]) => Rays::Field(field.unturned()?),
+            _ => return None,
         };
-        let camera = Camera { layers: vec![Rays::Field(field)], ..view.camera.clone() };
-        let Rows { first: row, count: rows_count } = rows;
-        let anchor = DVec3::ZERO;
+        let table = match (&rays, &unturned) {
+            (UnturnedRays::Field(rays), Rays::Field(field)) if rays.is_central() => directions_of(field, rows),
+            (_, Rays::Field(field)) => RayTable::of_field(field, DVec3::ZERO, rows.first, rows.count),
+            _ => RayTable::default(),
+        };
+        let camera = Camera { layers: vec![unturned], ..view.camera.clone() };
         let tiler = Tiler {
             camera: &camera,
             slabs: view.slabs,
             curves: None,
-            sample_offsets: &[],
-            anchor,
-            row,
-            rows: rows_count,
+            sample_offsets: view.sample_offsets,
+            anchor: DVec3::ZERO,
+            row: rows.first,
+            rows: rows.count,
         };
-        let (tiles, fits) = tiler.tiles();
-        LensBand { rays, rows, tiles: Arc::new(tiles), fits, table }
+        let (tiles, nodes) = match last.and_then(|last| Some((last, last.pieces_alike(&rays, rows, view)?))) {
+            // another lens, as after a zoom, whose pieces own the same pixels
+            Some((last, pieces)) => {
+                let tiles = tiler.moved(pieces, &last.tiles);
+                let nodes = Nodes::new(|k| tiler.fits(pieces, &tiles, k), (tiles.tiles_x, tiles.tiles_y), measure);
+                (tiles, nodes)
+            }
+            None => {
+                let (tiles, fits) = tiler.tiles();
+                let nodes = Nodes::new(|k| &fits[k], (tiles.tiles_x, tiles.tiles_y), measure);
+                (tiles, nodes)
+            }
+        };
+        let (tiles, nodes) = (Arc::new(tiles), Arc::new(nodes));
+        Some(LensBand { rays, rows, sample_offsets: view.sample_offsets.to_vec(), measure, tiles, nodes, table })
+    }
+
+    /// Returns the pieces of `rays` if they own the same pixels as the pieces of this lens.
+    fn pieces_alike<'a>(&self, rays: &'a UnturnedRays, rows: Rows, view: View) -> Option<&'a Pieces> {
+        match (&self.rays, rays) {
+            (UnturnedRays::Pieces(own), UnturnedRays::Pieces(other)) => {
+                let is_alike = self.rows == rows && self.sample_offsets == view.sample_offsets && other.own_alike(own);
+                is_alike.then_some(other)
+            }
+            _ => None,
+        }
     }
 
     /// Returns how many numbers the table has for each ray.
     fn numbers_a_ray(&self) -> u32 {
-        if self.rays.is_central() { 3 } else { 6 }
+        match &self.rays {
+            UnturnedRays::Field(rays) if rays.is_central() => 3,
+            _ => 6,
+        }
     }
 }
 

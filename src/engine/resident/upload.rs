@@ -1,13 +1,13 @@
 //! Uploads of chunks and of bands.
 
 use super::{ChunkOnDevice, Triangles};
-use crate::engine::clusters::Chunk;
+use crate::engine::clusters::{Chunk, Clustered};
 use crate::engine::plan::Band;
-use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::kernels::SurfaceKind;
 use crate::input::Result;
+use std::sync::Arc;
 use wgpu::BufferUsages;
 
 /// Uploads a chunk, into `buffers` where they are as large.
@@ -17,8 +17,11 @@ pub(super) fn chunk_on_device(
     triangles: Triangles,
     mut buffers: Buffers,
 ) -> Result<ChunkOnDevice> {
-    let (clustered, MovingMesh { mesh, .. }) = triangles;
-    place(gpu, &mut buffers, chunk, triangles)?;
+    let (clustered, all) = triangles;
+    let mesh = all.mesh;
+    let with_vertices = clustered.placed.is_none().then(|| chunk.with_vertices(all, clustered.anchor));
+    place(gpu, &mut buffers, with_vertices.as_ref().unwrap_or(chunk), clustered)?;
+    drop(with_vertices);
     buffers.upload_texels(gpu, "triangles", &chunk.triangles)?;
     let mut surface_rows = 1;
     match clustered.surfaces {
@@ -37,13 +40,13 @@ pub(super) fn chunk_on_device(
     Ok(ChunkOnDevice { buffers, id_first, id_count, clusters, slots, surface_rows, moving_bvh: None, placed_bvh: None })
 }
 
-/// Uploads the tables of a chunk that are relative to the anchor.
-pub(super) fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk, (clustered, all): Triangles) -> Result<()> {
+/// Uploads the tables of a chunk, which has its vertices, that are relative to the anchor.
+pub(super) fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk, clustered: &Clustered) -> Result<()> {
     if let Some(placed) = &clustered.placed {
         // no kernel reads boxes of clusters
         return buffers.upload_texels(gpu, "vertices", &placed.vertices());
     }
-    buffers.upload_texels(gpu, "vertices", &chunk.vertices(all, clustered.anchor))?;
+    buffers.upload_texels(gpu, "vertices", &chunk.vertices)?;
     buffers.upload_texels(gpu, "clusters", &chunk.clusters(clustered.anchor))?;
     buffers.upload(gpu, "triangle_groups", &chunk.triangle_groups(clustered.anchor))
 }
@@ -51,28 +54,38 @@ pub(super) fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk, (clustered,
 /// Bytes of a ray in each of its two tables.
 const RAY_BYTES: u64 = 24;
 
-/// A band's tables; those of its lens are there already with `keeps_lens`.
+/// A band's tables. With `keeps_lens` those of its lens are there already.
 pub(super) fn upload_band(gpu: &Gpu, band: &Band, keeps_lens: bool, buffers: &mut Buffers) -> Result<()> {
-    buffers.upload(gpu, "nodes", &band.nodes.nodes)?;
     if !band.moments.is_empty() {
         buffers.upload(gpu, "moments", &band.moments)?;
     }
     if let Some(turned) = &band.turned {
         buffers.upload_uniform(gpu, "viewer", &turned.pose())?;
     }
+    // cells and pieces hold rays of this pose; those of a field hold none
+    let keeps_cells = keeps_lens && band.turned.as_ref().is_some_and(|own| Arc::ptr_eq(&own.lens.tiles, &band.tiles));
+    if !keeps_cells {
+        buffers.upload(gpu, "cells", &band.tiles.cells)?;
+        buffers.upload_texels(gpu, "pieces", &band.tiles.pieces)?;
+    }
     if keeps_lens {
         return Ok(());
     }
+    let nodes = &band.nodes.nodes;
     if let Some(turned) = &band.turned {
-        buffers.upload(gpu, "lens_hi", &turned.lens.table.hi)?;
-        buffers.upload(gpu, "lens_lo", &turned.lens.table.lo)?;
-        let bytes = RAY_BYTES * u64::from(turned.count());
-        buffers.create(gpu, "rays_hi", bytes, BufferUsages::empty())?;
-        buffers.create(gpu, "rays_lo", bytes, BufferUsages::empty())?;
+        buffers.upload(gpu, "lens_nodes", nodes)?;
+        buffers.create(gpu, "nodes", size_of_val(&nodes[..]) as u64, BufferUsages::empty())?;
+        if turned.ray_count() > 0 {
+            buffers.upload(gpu, "lens_hi", &turned.lens.table.hi)?;
+            buffers.upload(gpu, "lens_lo", &turned.lens.table.lo)?;
+            let bytes = RAY_BYTES * u64::from(turned.ray_count());
+            buffers.create(gpu, "rays_hi", bytes, BufferUsages::empty())?;
+            buffers.create(gpu, "rays_lo", bytes, BufferUsages::empty())?;
+        }
+    } else {
+        buffers.upload(gpu, "nodes", nodes)?;
     }
     buffers.upload(gpu, "tile_start", &band.tiles.start)?;
-    buffers.upload(gpu, "cells", &band.tiles.cells)?;
-    buffers.upload_texels(gpu, "pieces", &band.tiles.pieces)?;
     if let Some(rays) = &band.rays {
         buffers.upload(gpu, "rays_hi", &rays.hi)?;
         buffers.upload(gpu, "rays_lo", &rays.lo)?;

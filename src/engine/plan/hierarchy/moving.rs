@@ -1,9 +1,10 @@
 //! A hierarchy that follows the triangles of a chunk when they move: boxes above moved triangles are fitted to them.
 
 use super::wide::Wide;
-use super::{NODE_ROWS, Place, TRIANGLE_ROWS, TracedBvh, boxed, primitive, scale_of};
+use super::{NODE_ROWS, Place, TRIANGLE_ROWS, TracedBvh, boxed, depths, primitive, scale_of};
 use crate::engine::clusters::Chunk;
 use crate::gpu::layout::CLUSTER;
+use crate::parallel;
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::node::CwBvhNode;
@@ -16,6 +17,8 @@ pub struct MovingBvh {
     /// The slot of each triangle in `traced`.
     slots: Vec<u32>,
     boxes: Vec<Aabb>,
+    /// The nodes by their depth, the root first. Those of one depth are fitted in parallel.
+    levels: Vec<Vec<u32>>,
     /// Sum of the nodes' surfaces when it was built.
     built_area: f32,
 }
@@ -34,13 +37,19 @@ impl MovingBvh {
     pub fn new(chunk: &Chunk, offset: DVec3) -> Option<MovingBvh> {
         let place = Place { offset, scale: scale_of(chunk, offset) };
         if chunk.triangles.is_empty() {
-            let (slots, boxes) = (Vec::new(), Vec::new());
-            return Some(MovingBvh { traced: TracedBvh::default(), place, slots, boxes, built_area: 0.0 });
+            let traced = TracedBvh::default();
+            let (slots, boxes, levels) = Default::default();
+            return Some(MovingBvh { traced, place, slots, boxes, levels, built_area: 0.0 });
         }
         let Wide { nodes, items } = Wide::build(chunk.triangles.len() as u32, |slot| boxed(chunk, slot, place));
         let traced = TracedBvh::of(chunk, place, &nodes, &items)?;
         let boxes = vec![Aabb::empty(); nodes.len()];
-        let mut own = MovingBvh { traced, place, slots: items, boxes, built_area: 0.0 };
+        let mut levels: Vec<Vec<u32>> = Vec::new();
+        for (k, depth) in (0..).zip(depths(&nodes)) {
+            levels.resize_with(levels.len().max(depth), Vec::new);
+            levels[depth - 1].push(k);
+        }
+        let mut own = MovingBvh { traced, place, slots: items, boxes, levels, built_area: 0.0 };
         own.fit(chunk, &|_| true);
         own.built_area = own.area();
         Some(own)
@@ -59,60 +68,78 @@ impl MovingBvh {
         }
         let has_moved = |slot: u32| is_changed[(slot / CLUSTER) as usize];
         let nodes = self.fit(chunk, &has_moved);
+        let moved = |k: usize| {
+            let slot = self.slots[k];
+            has_moved(slot).then(|| (k, primitive(chunk, slot, 0, self.place).rows(slot)))
+        };
         let mut triangles = Vec::new();
-        for (k, slot) in self.slots.iter().enumerate().filter(|(_, slot)| has_moved(**slot)) {
-            let rows = k * TRIANGLE_ROWS..(k + 1) * TRIANGLE_ROWS;
-            self.traced.triangles[rows.clone()].copy_from_slice(&primitive(chunk, *slot, 0, self.place).rows(*slot));
-            add(&mut triangles, rows);
+        for (k, rows) in parallel::flat_map(0..self.slots.len(), moved) {
+            let own = k * TRIANGLE_ROWS..(k + 1) * TRIANGLE_ROWS;
+            self.traced.triangles[own.clone()].copy_from_slice(&rows);
+            add(&mut triangles, own);
         }
         (self.area() <= GROWN_MAX * self.built_area).then_some(ChangedRows { nodes, triangles })
     }
 
     /// Fits the nodes above triangles that have moved; returns the rows of these nodes.
-    fn fit(&mut self, chunk: &Chunk, has_moved: &dyn Fn(u32) -> bool) -> Vec<Range<usize>> {
+    fn fit(&mut self, chunk: &Chunk, has_moved: &(dyn Fn(u32) -> bool + Sync)) -> Vec<Range<usize>> {
         let mut is_dirty = vec![false; self.boxes.len()];
-        let mut rows = Vec::new();
-        // nodes lie behind the nodes above them
-        for k in (0..self.boxes.len()).rev() {
-            let own_rows = 1 + k * NODE_ROWS..1 + (k + 1) * NODE_ROWS;
-            let mut node: CwBvhNode = bytemuck::cast(
-                <[[u32; 4]; NODE_ROWS]>::try_from(&self.traced.nodes[own_rows.clone()]).unwrap_or_default(),
-            );
-            let slots = |child: usize| {
-                let first = (node.primitive_base_idx + u32::from(node.child_meta[child] & 31)) as usize;
-                &self.slots[first..first + (node.child_meta[child] >> 5).count_ones() as usize]
+        for level in (0..self.levels.len()).rev() {
+            let fitted = |k: &u32| {
+                let (node, own) = self.fitted(*k as usize, chunk, has_moved, &is_dirty)?;
+                Some((*k as usize, node, own))
             };
-            let is_there = |child: &usize| node.child_meta[*child] != 0;
-            let changes = |child: usize| match node.is_leaf(child) {
-                true => slots(child).iter().any(|slot| has_moved(*slot)),
-                false => is_dirty[node.child_node_index(child) as usize],
-            };
-            if !(0..8).filter(is_there).any(changes) {
-                continue;
+            for (k, node, own) in parallel::flat_map(&self.levels[level], fitted) {
+                let packed: [[u32; 4]; NODE_ROWS] = bytemuck::cast(node);
+                self.traced.nodes[rows_of(k)].copy_from_slice(&packed);
+                (self.boxes[k], is_dirty[k]) = (own, true);
             }
-            let child_box = |child: usize| match node.is_leaf(child) {
-                true => {
-                    slots(child).iter().fold(Aabb::empty(), |all, slot| all.union(&boxed(chunk, *slot, self.place)))
-                }
-                false => self.boxes[node.child_node_index(child) as usize],
-            };
-            let children = [0, 1, 2, 3, 4, 5, 6, 7].map(|child| is_there(&child).then(|| child_box(child)));
-            let own = children.iter().flatten().fold(Aabb::empty(), |all, child| all.union(child));
-            pack(&mut node, &own, &children);
-            (self.boxes[k], is_dirty[k]) = (own, true);
-            let packed: [[u32; 4]; NODE_ROWS] = bytemuck::cast(node);
-            self.traced.nodes[own_rows.clone()].copy_from_slice(&packed);
-            rows.push(own_rows);
         }
-        rows.reverse();
-        let mut joined = Vec::new();
-        rows.into_iter().for_each(|range| add(&mut joined, range));
-        joined
+        let mut rows = Vec::new();
+        (0..is_dirty.len()).filter(|k| is_dirty[*k]).for_each(|k| add(&mut rows, rows_of(k)));
+        rows
+    }
+
+    /// A node, and its box, fitted to what is below it; `None` if nothing of that has moved.
+    fn fitted(
+        &self,
+        k: usize,
+        chunk: &Chunk,
+        has_moved: &(dyn Fn(u32) -> bool + Sync),
+        is_dirty: &[bool],
+    ) -> Option<(CwBvhNode, Aabb)> {
+        let rows: [[u32; 4]; NODE_ROWS] = self.traced.nodes[rows_of(k)].try_into().unwrap_or_default();
+        let mut node: CwBvhNode = bytemuck::cast(rows);
+        let slots = |child: usize| {
+            let first = (node.primitive_base_idx + u32::from(node.child_meta[child] & 31)) as usize;
+            &self.slots[first..first + (node.child_meta[child] >> 5).count_ones() as usize]
+        };
+        let is_there = |child: &usize| node.child_meta[*child] != 0;
+        let changes = |child: usize| match node.is_leaf(child) {
+            true => slots(child).iter().any(|slot| has_moved(*slot)),
+            false => is_dirty[node.child_node_index(child) as usize],
+        };
+        if !(0..8).filter(is_there).any(changes) {
+            return None;
+        }
+        let child_box = |child: usize| match node.is_leaf(child) {
+            true => slots(child).iter().fold(Aabb::empty(), |all, slot| all.union(&boxed(chunk, *slot, self.place))),
+            false => self.boxes[node.child_node_index(child) as usize],
+        };
+        let children = [0, 1, 2, 3, 4, 5, 6, 7].map(|child| is_there(&child).then(|| child_box(child)));
+        let own = children.iter().flatten().fold(Aabb::empty(), |all, child| all.union(child));
+        pack(&mut node, &own, &children);
+        Some((node, own))
     }
 
     fn area(&self) -> f32 {
         self.boxes.iter().map(Aabb::half_area).sum()
     }
+}
+
+/// The rows of a node.
+fn rows_of(k: usize) -> Range<usize> {
+    1 + k * NODE_ROWS..1 + (k + 1) * NODE_ROWS
 }
 
 /// Appends a range to a list; extends the last range if the new one begins at its end.
