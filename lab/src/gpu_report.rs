@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// The suites in the order of their worth to developers without such an adapter.
-const ORDER: [&str; 8] = ["stages", "glc", "dynamic", "pareto", "samples", "papers", "stiff", "beyond"];
+const ORDER: [&str; 9] = ["stages", "calls", "glc", "dynamic", "pareto", "samples", "papers", "stiff", "beyond"];
 
 const REPORT: &str = "report.json";
 
