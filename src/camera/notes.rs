@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Deref;
 use std::sync::{Arc, LazyLock};
 
-/// What was left out or approximated, a line each.
+/// Lines that say what was left out or approximated.
 #[derive(Clone)]
 pub enum Notes {
     Known(Vec<String>),

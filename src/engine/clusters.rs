@@ -385,7 +385,7 @@ fn has_area(all: MovingMesh, id: u32) -> bool {
     spans_area(all, first, order_by_position(all, id, first))
 }
 
-/// The same of a triangle with these corners at the first time step, in the order of [`order_by_position`].
+/// Whether a triangle has an area: `first` are its corners at the first time step, `order` is their [`order_by_position`].
 fn spans_area(all: MovingMesh, first: [DVec3; 3], order: [usize; 3]) -> bool {
     let [a, b, c] = order.map_each(|k| first[k]);
     all.steps.is_some() || a != b && b != c && (b - a).cross(c - a) != DVec3::ZERO

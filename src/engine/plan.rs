@@ -216,7 +216,7 @@ pub struct Band {
     pub row: u32,
     pub rows: u32,
     pub tiles: Arc<Tiles>,
-    /// Of a band that has `turned`: in the viewer's frame, and the stage `aim` turns them.
+    /// Bounds on the rays. If the band has `turned`, they are in the viewer's frame, and the stage `aim` turns them.
     pub nodes: Arc<Nodes>,
     /// What every pixel's ray or curve is, where the camera has no affine pieces.
     pub rays: Option<RayTable>,
@@ -515,18 +515,7 @@ impl Band {
                 };
             }
         }
-        let (tiles, nodes) = match target.known_tiles(camera, sample_offsets, of) {
-            Some((pieces, known)) => {
-                let tiles = tiler.moved(pieces, known);
-                let nodes = Nodes::new(|k| tiler.fits(pieces, &tiles, k), (tiles.tiles_x, tiles.tiles_y), measure);
-                (tiles, nodes)
-            }
-            None => {
-                let (tiles, fits) = tiler.tiles();
-                let nodes = Nodes::new(|k| &fits[k], (tiles.tiles_x, tiles.tiles_y), measure);
-                (tiles, nodes)
-            }
-        };
+        let (tiles, nodes) = tiler.tiles_and_nodes(target.known_tiles(camera, sample_offsets, of), measure);
         let rays = match (&curves, camera.layers.as_slice()) {
             (Some(table), _) => Some(table.rays(anchor)),
             (None, [Rays::Field(field)]) => Some(RayTable::of_field(field, anchor, row, rows)),
@@ -538,7 +527,6 @@ impl Band {
             }
             _ => Vec::new(),
         };
-        let (tiles, nodes) = (Arc::new(tiles), Arc::new(nodes));
         Band { row, rows, tiles, nodes, rays, turned: None, sample_ray_deltas, moments: Vec::new() }
     }
 }

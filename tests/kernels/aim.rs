@@ -38,7 +38,7 @@ const POSES: [(&str, DVec3); 3] = [
     ("eye = [-3e5, 1, 2e5]\ntarget = [0.1, 0, 0.3]", DVec3::new(-3e5, 4e4, 0.0)),
 ];
 
-/// What the kernel may add to radii, relative to its sums of sizes: 2^-20. A size there is a sum of components, up to the root of 3 times a length.
+/// The kernel adds 2^-20 of its sums of sizes to radii. A size there is a sum of components, up to the root of 3 times a length.
 const LOOSER_MAX: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// A stored ray: pairs of f32 hold 2^-48 of each number, and rotations in f64 round by a few 2^-53.

@@ -99,7 +99,7 @@ impl NodeRow {
     }
 }
 
-/// Where the widths of bundles are compared.
+/// The place along rays where the widths of bundles are compared, and what counts as their width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WidthMeasure {
     /// How far along a bundle's central ray, world units: [`crate::camera::perturb::scene_size`], which no pose changes.

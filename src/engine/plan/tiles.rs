@@ -3,7 +3,7 @@
 use super::cells::{Part, cells_of};
 use super::curves::{CurveTable, Net, nets};
 use super::fit::Fit;
-use super::nodes::above_cells;
+use super::nodes::{Nodes, WidthMeasure, above_cells};
 use super::slabs::Slabs;
 use crate::arrays::MapEach;
 use crate::camera::TILE;
@@ -11,6 +11,7 @@ use crate::camera::{Bundle, Camera, Curve, Field, Pieces, Rays};
 use crate::gpu::layout::{self, split2};
 use crate::parallel;
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 /// The tiles of one band.
 #[derive(Debug, Clone, Default)]
@@ -192,6 +193,24 @@ impl Tiler<'_> {
         (tiles, bounds)
     }
 
+    /// Returns the tiles and the tree of bounds over them; `known`: pieces, and the tiles of an earlier pose or lens whose pieces own the same
+    /// image places.
+    pub fn tiles_and_nodes(&self, known: Option<(&Pieces, &Tiles)>, measure: WidthMeasure) -> (Arc<Tiles>, Arc<Nodes>) {
+        let (tiles, nodes) = match known {
+            Some((pieces, known)) => {
+                let tiles = self.moved(pieces, known);
+                let nodes = Nodes::new(|k| self.fits(pieces, &tiles, k), (tiles.tiles_x, tiles.tiles_y), measure);
+                (tiles, nodes)
+            }
+            None => {
+                let (tiles, fits) = self.tiles();
+                let nodes = Nodes::new(|k| &fits[k], (tiles.tiles_x, tiles.tiles_y), measure);
+                (tiles, nodes)
+            }
+        };
+        (Arc::new(tiles), Arc::new(nodes))
+    }
+
     /// Returns `known`, the tiles of an earlier pose, with the bundles of this pose. Each piece must own the same image places in both.
     pub fn moved(&self, pieces: &Pieces, known: &Tiles) -> Tiles {
         let number = |cell: &layout::Cell| known.pieces[cell.piece as usize].number;
@@ -212,7 +231,7 @@ impl Tiler<'_> {
     }
 
     /// Returns the bounds of the rays of a tile, for a camera that is one layer of pieces.
-    pub fn fits(&self, pieces: &Pieces, tiles: &Tiles, tile: usize) -> TileFits {
+    fn fits(&self, pieces: &Pieces, tiles: &Tiles, tile: usize) -> TileFits {
         let at = self.place(tile as u32, tiles.tiles_x);
         let cells = tiles.start[tile] as usize..tiles.start[tile + 1] as usize;
         let owned: TileCells = cells.clone().map(|cell| tiles.pixels(cell)).collect();

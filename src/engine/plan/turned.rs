@@ -26,7 +26,7 @@ pub struct LensBand {
     pub tiles: Arc<Tiles>,
     /// Bounds on the rays, without perturbations.
     pub nodes: Arc<Nodes>,
-    /// Of a field: rays in the order of [`RayTable::of_field`], six numbers each, or only the direction's three if all rays start in the eye.
+    /// The rays of a field in the order of [`RayTable::of_field`]: six numbers each, or only the direction's three if all rays start in the eye.
     pub table: RayTable,
 }
 
@@ -146,20 +146,9 @@ impl LensBand {
             row: rows.first,
             rows: rows.count,
         };
-        let (tiles, nodes) = match last.and_then(|last| Some((last, last.pieces_alike(&rays, rows, view)?))) {
-            // another lens, as after a zoom, whose pieces own the same pixels
-            Some((last, pieces)) => {
-                let tiles = tiler.moved(pieces, &last.tiles);
-                let nodes = Nodes::new(|k| tiler.fits(pieces, &tiles, k), (tiles.tiles_x, tiles.tiles_y), measure);
-                (tiles, nodes)
-            }
-            None => {
-                let (tiles, fits) = tiler.tiles();
-                let nodes = Nodes::new(|k| &fits[k], (tiles.tiles_x, tiles.tiles_y), measure);
-                (tiles, nodes)
-            }
-        };
-        let (tiles, nodes) = (Arc::new(tiles), Arc::new(nodes));
+        // another lens, as after a zoom, may have pieces that own the same pixels
+        let known = last.and_then(|last| Some((last.pieces_alike(&rays, rows, view)?, &*last.tiles)));
+        let (tiles, nodes) = tiler.tiles_and_nodes(known, measure);
         Some(LensBand { rays, rows, sample_offsets: view.sample_offsets.to_vec(), measure, tiles, nodes, table })
     }
 
