@@ -155,7 +155,8 @@ fn check(
             format!("{wrong_safe} safe pixels wrong, {} not near, {certified_wrong} proven wrong", judged.not_near);
         println!("scene {number}, {}: {faults}", camera.kind);
         // of one scene alone, why
-        let wrong = (0..same.len()).filter(|k| count == 1 && !same[*k] && (judged.safe[*k] || judged.not_near > 0));
+        let matters = |k: &usize| judged.safe[*k] || judged.not_near > 0 || proven.get(*k).is_some_and(|p| *p > 0);
+        let wrong = (0..same.len()).filter(|k| count == 1 && !same[*k] && matters(k));
         for k in wrong.take(3) {
             let (x, y) = (k as u32 % SIZE.0, k as u32 / SIZE.0);
             println!("pixel {x},{y} shows {:?}, proven {:?}", ids(&frame)[k], proven.get(k));

@@ -36,6 +36,7 @@ fn in_layers() -> Camera {
 
 fn find(reference: &Reference, camera: &Camera, i: u32, j: u32) -> (Finding, Path) {
     let path = Path::of_pixel(camera, i, j);
+    let reference = Reference { is_layered: camera.layers.len() > 1, ..reference.clone() };
     (reference.finding(camera, &path, (i, j)), path)
 }
 
@@ -103,6 +104,25 @@ fn a_surface_exactly_in_a_shared_face_is_found_in_the_lower_layer() {
             let seen = finding.seen.unwrap();
             assert_eq!((seen.layer, seen.t()), (face, face as f64 + 1.0), "{i},{j}");
             assert!(finding.safe && !finding.may_miss && finding.candidates == [0], "{finding:?}");
+        }
+    }
+}
+
+/// The tolerance of planes grows with the scene; a ray that turns back before a wall still does not meet it.
+#[test]
+fn a_ray_that_turns_back_before_a_wall_misses_it_in_a_huge_scene() {
+    // down to the face z = 0, and up again from there
+    let down = part(2.0, 3.0);
+    let ends: [DVec3; 3] = std::array::from_fn(|k| down.p[k] + down.d[k]);
+    let turned = chain(vec![layer(down), layer(Bundle { p: ends, d: down.d.map(|d| -d), ..down })]);
+    let far = DVec3::splat(5e8);
+    let far = mesh(vec![far, far + DVec3::X, far + DVec3::Y], vec![[0, 1, 2]]);
+    for (z, is_met, is_safe) in [(-1e-4, false, false), (-1e-2, false, true), (1e-4, true, false), (1e-2, true, true)] {
+        let all = both(wall(z, 0.0), &far);
+        let reference = Reference::build(&all);
+        for (i, j) in pixels() {
+            let (finding, _) = find(&reference, &turned, i, j);
+            assert_eq!((finding.seen.is_some(), finding.safe), (is_met, is_safe), "{z} at {i},{j}: {finding:?}");
         }
     }
 }
