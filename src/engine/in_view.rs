@@ -1,9 +1,10 @@
 //! Parts of a scene that can change a frame. Kernels are compiled for these alone, so that a part that does not show costs nothing.
 //!
 //! A part is left out only if it provably changes no pixel: no ray of the image meets its box ([`rays`]), or it is a light that emits nothing or
-//! reaches no visible object. Curved rays and rays after a bounce have no bounds: every box counts as met in their frames.
+//! reaches nothing visible. Curved rays and rays after a bounce have no bounds: every box counts as met in their frames.
 
 pub mod beams;
+mod lamps;
 pub mod objects;
 pub mod rays;
 
@@ -18,6 +19,7 @@ use crate::scene::caustics::Receiver;
 use crate::scene::light::{Light, Source};
 use beams::Beams;
 use glam::DVec3;
+use lamps::Sides;
 use objects::{Kinds, Objects};
 use rays::ImageRays;
 use std::borrow::Cow;
@@ -35,6 +37,8 @@ pub struct InView {
     pub pictures: u64,
     /// Whether lights that emit nothing are kept.
     pub black_lights: bool,
+    /// Bit k is set if light k is a lamp whose light reaches nothing in view: [`lamps`].
+    pub hidden_lights: u64,
 }
 
 /// Facts about a scene that hold for all of its frames.
@@ -42,6 +46,7 @@ pub struct InView {
 pub struct SceneFacts {
     pub objects: Objects,
     pub beams: Beams,
+    sides: Sides,
 }
 
 /// Black light that replaces the lights of a scene when all are left out; without it the scene would get a headlight.
@@ -55,16 +60,17 @@ impl InView {
         caustics: true,
         pictures: u64::MAX,
         black_lights: true,
+        hidden_lights: 0,
     };
 
-    /// Returns the parts that can change a frame; `plan` is the plan for the whole scene.
+    /// Returns the parts that can change a frame, and those that were `seen` in an earlier one: a part that comes into view brings other kernels
+    /// and all triangles anew, once. `plan` is the plan for the whole scene.
     pub fn of(
-        scene: &Scene,
-        facts: &SceneFacts,
+        (scene, facts): (&Scene, &SceneFacts),
         camera: &Camera,
         plan: &Plan,
-        wanted: &Wanted,
-        run: &RunOptions,
+        (wanted, run): (&Wanted, &RunOptions),
+        seen: Option<InView>,
     ) -> InView {
         let is_checked = wanted.gradients || wanted.channels.contains(&Channel::Certified);
         if run.rival.is_some() || run.no_cull || run.moving || is_checked {
@@ -79,7 +85,13 @@ impl InView {
         let is_seen = |bounds| optics || is_met(bounds);
         // facets are no objects of the scene
         let pictures = if optics { u64::MAX } else { seen_pictures(scene, facts, is_seen) };
-        let lit = InView { pictures, black_lights: false, ..InView::ALL }.scene(scene);
+        let volume = scene.volume.as_ref().filter(|volume| is_seen(volume.grid.bounds()));
+        // a volume is lit through triangles
+        let hidden_lights = match optics || volume.is_some_and(|volume| volume.is_lit) {
+            true => 0,
+            false => lamps::hidden(scene, &facts.sides, rays.as_ref()),
+        };
+        let lit = InView { pictures, black_lights: false, hidden_lights, ..InView::ALL }.scene(scene);
         let has_shadow_rays =
             lit.has_shadows() && wanted.has_colour() || lit.hides_pictures() && wanted.needs_appearance();
         let needed = Kinds {
@@ -89,14 +101,17 @@ impl InView {
             motion: has_shadow_rays || !lit.projector_lights.is_empty(),
             ..Kinds::NONE
         };
-        InView {
+        let needed = seen.map_or(needed, |seen| needed | seen.kinds);
+        let in_view = InView {
             kinds: seen_kinds(scene, &facts.objects, plan.whole.0, needed, is_seen),
             optics,
-            volume: scene.volume.as_ref().is_some_and(|volume| is_seen(volume.grid.bounds())),
+            volume: volume.is_some(),
             caustics: scene.caustics.as_ref().is_some_and(|c| c.receivers.iter().any(|r| is_seen(receiver_box(r)))),
             pictures,
             black_lights: false,
-        }
+            hidden_lights,
+        };
+        seen.map_or(in_view, |seen| in_view.joined(seen))
     }
 
     /// The parts of either.
@@ -108,18 +123,20 @@ impl InView {
             caustics: self.caustics || other.caustics,
             pictures: self.pictures | other.pictures,
             black_lights: self.black_lights || other.black_lights,
+            hidden_lights: self.hidden_lights & other.hidden_lights,
         }
     }
 
     /// The scene without the parts that do not show, but for objects: these stay, so that every triangle has its number.
     pub fn scene<'a>(&self, scene: &'a Scene) -> Cow<'a, Scene> {
-        let is_kept = |light: &Light| self.black_lights || !is_black(light);
+        let is_kept = |(k, light): (usize, &Light)| !self.is_hidden(k) && (self.black_lights || !is_black(light));
+        let is_lit: Vec<bool> = scene.lights.iter().enumerate().map(is_kept).collect();
         let is_thrown = |k: usize| self.pictures.checked_shr(k as u32).is_none_or(|bits| bits & 1 == 1);
         let leaves = [
             scene.steps.is_some() && !self.kinds.motion,
             scene.volume.is_some() && !self.volume,
             scene.caustics.is_some() && !self.caustics,
-            !scene.lights.iter().all(is_kept),
+            is_lit.contains(&false),
             !(0..scene.projector_lights.len()).all(is_thrown),
         ];
         if !leaves.contains(&true) {
@@ -129,7 +146,8 @@ impl InView {
         shown.steps = shown.steps.filter(|_| self.kinds.motion);
         shown.volume = shown.volume.filter(|_| self.volume);
         shown.caustics = shown.caustics.filter(|_| self.caustics);
-        shown.lights.retain(is_kept);
+        let lights = scene.lights.iter().zip(is_lit);
+        shown.lights = lights.filter(|(_, is_kept)| *is_kept).map(|(light, _)| *light).collect();
         let thrown = scene.projector_lights.iter().enumerate().filter(|(k, _)| is_thrown(*k));
         shown.projector_lights = thrown.map(|(_, light)| light.clone()).collect();
         if shown.has_headlight() && !scene.has_headlight() {
@@ -152,6 +170,9 @@ impl InView {
             has_spheres: whole.has_spheres && self.kinds.spheres,
             has_images: whole.has_images && self.kinds.images,
             has_alpha_masks: whole.has_alpha_masks && self.kinds.alpha_masks,
+            has_normals: whole.has_normals && self.kinds.smooth_normals,
+            has_colors: whole.has_colors && self.kinds.vertex_colors,
+            has_style: shown.style.is_on_surfaces() || whole.has_style && self.kinds.patterns,
             has_caustics: whole.has_caustics && self.caustics,
             has_positional_lights: !shown.lights.iter().all(Light::is_plain),
             has_shadows: shown.has_shadows(),
@@ -162,9 +183,15 @@ impl InView {
         }
     }
 
+    /// Light `k` reaches nothing in view.
+    fn is_hidden(&self, k: usize) -> bool {
+        self.hidden_lights.checked_shr(k as u32).is_some_and(|bits| bits & 1 == 1)
+    }
+
     /// The number of black lights that are left out.
     pub fn black_lights_left_out(&self, scene: &Scene) -> usize {
-        if self.black_lights { 0 } else { scene.lights.iter().filter(|light| is_black(light)).count() }
+        let lights = scene.lights.iter().enumerate();
+        if self.black_lights { 0 } else { lights.filter(|(k, light)| is_black(light) && !self.is_hidden(*k)).count() }
     }
 
     /// The parts that are left out of a scene with the contents `whole`, for reports.
@@ -177,10 +204,20 @@ impl InView {
             (whole.steps > 1 && !self.kinds.motion, LeftOut::NotInView("time steps")),
             (whole.has_images && !self.kinds.images && wanted.needs_appearance(), LeftOut::NotInView("textures")),
             (whole.has_alpha_masks && !self.kinds.alpha_masks, LeftOut::NotInView("alpha masks")),
+            (whole.has_normals && !self.kinds.smooth_normals, LeftOut::NotInView("smooth normals")),
+            (
+                whole.has_colors && !self.kinds.vertex_colors && wanted.needs_appearance(),
+                LeftOut::NotInView("vertex colours"),
+            ),
+            (
+                whole.has_style && !self.kinds.patterns && !scene.style.is_on_surfaces() && wanted.needs_appearance(),
+                LeftOut::NotInView("patterns"),
+            ),
             (camera.optics.is_some() && !self.optics, LeftOut::NotInView("bounce, fit and meet")),
             (whole.volume.is_some() && !self.volume && wanted.needs_volume(), LeftOut::NotInView("volume")),
             (scene.caustics.is_some() && !self.caustics && is_lit, LeftOut::NotInView("caustics")),
             (black > 0 && is_lit, LeftOut::BlackLights(black)),
+            (self.hidden_lights != 0 && is_lit, LeftOut::HiddenLights(self.hidden_lights.count_ones() as usize)),
             (idle > 0 && wanted.needs_appearance(), LeftOut::IdleProjectorLights(idle)),
         ];
         rows.into_iter().filter_map(|(is_left_out, row)| is_left_out.then_some(row)).collect()
@@ -200,7 +237,12 @@ fn seen_kinds(
         motion: whole.steps > 1,
         images: whole.has_images,
         alpha_masks: whole.has_alpha_masks,
+        smooth_normals: whole.has_normals,
+        vertex_colors: whole.has_colors,
+        patterns: whole.has_style,
     };
+    // a scene of one object shows its own look, or nothing
+    let needed = if scene.objects.len() < 2 { needed | Kinds::LOOKS } else { needed };
     let mut found = needed & all;
     if scene.mesh.instances().is_some() {
         // boxes of objects are found from one mesh: instances would have to be copied

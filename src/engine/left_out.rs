@@ -63,6 +63,8 @@ pub enum LeftOut {
     NotInView(&'static str),
     /// Lights that send out nothing, by their number.
     BlackLights(usize),
+    /// Number of lamps below the ground, or behind another side of the box around the scene that triangles fill.
+    HiddenLights(usize),
     /// Number of projector lights that illuminate nothing in view.
     IdleProjectorLights(usize),
 }
@@ -123,6 +125,8 @@ impl LeftOut {
             LeftOut::IdleProjectorLights(count) => {
                 return [format!("{count} projector lights").into(), "light nothing in view".into()];
             }
+            LeftOut::HiddenLights(1) => ["1 light", "lights nothing in view"],
+            LeftOut::HiddenLights(count) => return [format!("{count} lights").into(), "light nothing in view".into()],
             LeftOut::BlackLights(1) => ["1 light", "black"],
             LeftOut::BlackLights(count) => return [format!("{count} lights").into(), "black".into()],
         };

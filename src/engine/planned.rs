@@ -319,7 +319,7 @@ impl Planner {
             ..last.plan.in_view
         });
         if let Some(last) = last.filter(|last| by.is_that_of(last)) {
-            let in_view = self.in_view(whole, &last.plan, wanted, run, seen);
+            let in_view = InView::of((scene, &whole.facts), camera, &last.plan, (wanted, run), seen);
             let shown = in_view.contents(&in_view.scene(scene), contents);
             let has_same_lights =
                 in_view.black_lights_left_out(scene) == in_view.black_lights_left_out(&last.whole.scene);
@@ -334,13 +334,6 @@ impl Planner {
             Some(moments) => plan.with_moments(&moments),
             None => plan,
         })
-    }
-
-    /// The parts of a scene that a frame shows, and those that an earlier one has shown: a part that comes into view brings other kernels and
-    /// all triangles anew, once.
-    fn in_view(&self, whole: &Whole, plan: &Plan, wanted: &Wanted, run: &RunOptions, seen: Option<InView>) -> InView {
-        let in_view = InView::of(&whole.scene, &whole.facts, &whole.camera, plan, wanted, run);
-        seen.map_or(in_view, |seen| in_view.joined(seen))
     }
 
     /// The plan of frames with these options of the parts of a scene that show, and of those that were `seen` before; what no pose changes is taken
@@ -360,7 +353,7 @@ impl Planner {
         let target = PlanTarget { has: self.has, binding_limit: self.limit, aims, last };
         let method_why = method(camera, contents, &all, self.has, run).1;
         let plan = Plan { method_why, ..Plan::on(target, variant_of_all, camera, contents, extent, &all) };
-        let in_view = self.in_view(whole, &plan, wanted, run, seen);
+        let in_view = InView::of((scene, &whole.facts), camera, &plan, (wanted, run), seen);
         if in_view == InView::ALL {
             return plan;
         }

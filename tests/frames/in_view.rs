@@ -229,6 +229,69 @@ fn black_lights() {
     assert_left_out("no other", [&pinhole(&[black, black]), &pinhole(&[dark])], &["2 lights"], "black");
 }
 
+#[test]
+fn lamps_below_the_ground() {
+    let ball = "[[mesh]]\nbuiltin = \"icosphere\"\nlevel = 2\nscale = 0.6\ntranslate = [0.4, 0.9, 0]\n";
+    let ground = "[[mesh]]\nbuiltin = \"plane\"\nsize = 8\n";
+    let sun = "[[light]]\ndirection = [-1, -2, -1]\n";
+    let of = |eye: &str, parts: &[&str]| {
+        let image = "image = { width = 64, height = 48 }";
+        let camera = format!("[camera]\nkind = \"pinhole\"\neye = {eye}\ntarget = [0, 0.4, 0]\nvfov = 40");
+        load(&format!("{image}\n{}{camera}", [&[ball, ground, sun], parts].concat().concat())).unwrap()
+    };
+    let lamp = |place: &str, shadows: bool| format!("[[light]]\nposition = {place}\nshadows = {shadows}\n");
+    let [above, below] = ["[0, 2, 5]", "[0, -2, 5]"];
+    let reason = "lights nothing in view";
+    let left = lamp("[0.5, -2, 1]", true);
+    assert_left_out("below", [&of(above, &[&left]), &of(above, &[])], &["1 light"], reason);
+    let both = lamp("[-3, -1, 4]", true) + &left;
+    assert_left_out("two below", [&of(above, &[&both]), &of(above, &[])], &["2 lights"], "light nothing in view");
+    for (name, eye, lamp) in [
+        ("seen from below", below, left.clone()),
+        ("without shadows", above, lamp("[0.5, -2, 1]", false)),
+        ("beside the ground", above, lamp("[5, -0.1, 1]", true)),
+        ("above", above, lamp("[1, 2, 1]", true)),
+    ] {
+        let [with, without] = [of(eye, &[&lamp]), of(eye, &[])];
+        assert_needed(name, [&with, &without]);
+        let Some(own) = rendered(&with, &RunOptions::default()) else { return };
+        assert_eq!(left_out(&own, reason), [""; 0], "{name}");
+    }
+    let hole = [ball, sun, "[[mesh]]\nbuiltin = \"plane\"\nsize = 8\ntranslate = [1, 0, 0]\n"].concat();
+    let over = of(above, &[&hole, &left]);
+    let Some(own) = rendered(&over, &RunOptions::default()) else { return };
+    assert_eq!(left_out(&own, reason), [""; 0], "two grounds that lap over");
+}
+
+/// What surfaces behind the camera look like: their normals, vertex colours and pattern.
+#[test]
+fn looks_of_things_behind_the_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    let colored = folder.path().join("colored.ply");
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                  property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n\
+                  property list uchar int vertex_indices\nend_header\n";
+    std::fs::write(&colored, format!("{header}0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2\n")).unwrap();
+    let city = "[[mesh]]\nbuiltin = \"city\"\ntriangles = 300\nscale = 0.02\n";
+    let of = |parts: &[&str]| {
+        let image = "image = { width = 64, height = 48 }";
+        load(&format!("{image}\n{city}{}[camera]\nkind = \"pinhole\"\n{VIEW}", parts.concat())).unwrap()
+    };
+    let at = |z: f64, keys: &str| format!("translate = [0, 0.4, {z}]\n{keys}\n");
+    let ball = |z: f64, keys: &str| format!("[[mesh]]\nbuiltin = \"icosphere\"\nscale = 0.3\n{}", at(z, keys));
+    let colored = |z: f64| format!("[[mesh]]\nfile = '{}'\n{}", colored.display(), at(z, ""));
+    let smooth = "smooth = true";
+    let checker = "smooth = true\npattern = { kind = \"checker\", size = 0.1 }";
+    for (name, [behind, seen], parts) in [
+        ("smooth", [8.0, 0.0].map(|z| ball(z, smooth)), &["smooth normals"][..]),
+        ("colored", [8.0, 0.0].map(colored), &["vertex colours"]),
+        ("pattern", [8.0, 0.0].map(|z| ball(z, checker)), &["smooth normals", "patterns"]),
+    ] {
+        assert_left_out(name, [&of(&[&behind]), &of(&[])], parts, "not in view");
+        assert_needed(name, [&of(&[&seen]), &of(&[])]);
+    }
+}
+
 /// A projector that throws an image of this value from above the things towards a place.
 fn projector(folder: &std::path::Path, value: u8, target: &str) -> String {
     let path = folder.join(format!("{value}.png"));

@@ -84,10 +84,15 @@ impl Frames {
         let contents = |shown: &Scene, whole: &Scene| in_view.contents(shown, SceneContents::of(whole));
         let lit = contents(&self.scene, &self.whole.scene.with_optics(&self.camera));
         let contents = contents(&in_view.scene(&scene), &scene);
-        let needed =
-            InView::of(&scene, &SceneFacts::default(), &self.whole.camera, &self.plan, &self.wanted, &self.run);
+        let needed = InView::of(
+            (&scene, &SceneFacts::default()),
+            &self.whole.camera,
+            &self.plan,
+            (&self.wanted, &self.run),
+            Some(in_view),
+        );
         let outlined = |s: &Scene| outlined_by(&s.style, &self.camera);
-        if lit != contents || in_view.joined(needed) != in_view || outlined(&self.scene) != outlined(&scene) {
+        if lit != contents || needed != in_view || outlined(&self.scene) != outlined(&scene) {
             return Err(Error::input(
                 "other kinds of materials or light than those that are lit; call Engine::prepare again",
             ));

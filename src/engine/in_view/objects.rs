@@ -1,6 +1,6 @@
 //! Boxes around the objects of a scene, and the kinds of content of each.
 
-use crate::geometry::mesh::{Mesh, NO_NORMAL, extremes, joined};
+use crate::geometry::mesh::{Material, Mesh, NO_COLOR, NO_NORMAL, extremes, joined};
 use crate::geometry::time_steps::MovingMesh;
 use crate::parallel;
 use crate::scene::Scene;
@@ -17,11 +17,22 @@ pub struct Kinds {
     /// Images lie on triangles.
     pub images: bool,
     pub alpha_masks: bool,
+    pub smooth_normals: bool,
+    pub vertex_colors: bool,
+    /// Patterns are drawn on surfaces.
+    pub patterns: bool,
 }
 
 impl Kinds {
-    pub const NONE: Kinds = Kinds { spheres: false, motion: false, images: false, alpha_masks: false };
-    pub const ALL: Kinds = Kinds { spheres: true, motion: true, images: true, alpha_masks: true };
+    pub const NONE: Kinds = Kinds::each(false);
+    pub const ALL: Kinds = Kinds::each(true);
+    /// Those of which a frame shows nothing but their own surfaces.
+    pub const LOOKS: Kinds = Kinds { spheres: false, motion: false, images: false, alpha_masks: false, ..Kinds::ALL };
+
+    const fn each(has: bool) -> Kinds {
+        let [spheres, motion, images, alpha_masks, smooth_normals, vertex_colors, patterns] = [has; 7];
+        Kinds { spheres, motion, images, alpha_masks, smooth_normals, vertex_colors, patterns }
+    }
 
     fn joined(self, other: Kinds, join: impl Fn(bool, bool) -> bool) -> Kinds {
         Kinds {
@@ -29,6 +40,9 @@ impl Kinds {
             motion: join(self.motion, other.motion),
             images: join(self.images, other.images),
             alpha_masks: join(self.alpha_masks, other.alpha_masks),
+            smooth_normals: join(self.smooth_normals, other.smooth_normals),
+            vertex_colors: join(self.vertex_colors, other.vertex_colors),
+            patterns: join(self.patterns, other.patterns),
         }
     }
 }
@@ -126,12 +140,17 @@ fn of_triangles(scene: &Scene, ids: Range<u32>) -> ObjectBox {
 
 /// The kinds of a triangle or sphere, but for motion.
 fn kinds(mesh: &Mesh, id: u32) -> Kinds {
-    let has_image = mesh.material(id).is_some_and(|material| material.texture.is_some());
+    let material = mesh.material(id);
+    let is = |of: fn(&Material) -> bool| material.is_some_and(of);
+    let has = |corners: &[[u32; 3]], none: u32| corners.get(id as usize).is_some_and(|c| *c != [none; 3]);
     Kinds {
         spheres: mesh.radius(id).is_some(),
         motion: false,
-        images: has_image && mesh.uvs_of(id as usize).is_some(),
+        images: is(|m| m.texture.is_some()) && mesh.uvs_of(id as usize).is_some(),
         alpha_masks: mesh.has_alpha(id),
+        smooth_normals: has(&mesh.corner_normals, NO_NORMAL),
+        vertex_colors: has(&mesh.corner_colors, NO_COLOR),
+        patterns: is(|m| m.pattern.is_some()),
     }
 }
 

@@ -44,6 +44,27 @@ impl<'a> ImageRays<'a> {
         })
     }
 
+    /// Returns `true` only if every ray starts beyond a plane, where the product of its place with the unit normal is larger than `at`.
+    pub fn start_beyond(&self, (normal, at): (DVec3, f64)) -> bool {
+        let starts_beyond = |node: &Node, turned: Option<&Turned>| {
+            let Bundle { p, d, r_p, r_d } = Bundle::of(node, turned);
+            let t0 = self.t_range[0];
+            let least = |c: &[DVec3; 3], radius: f64| {
+                normal.dot(c[0]) - normal.dot(c[1]).abs() - normal.dot(c[2]).abs() - radius
+            };
+            let (own, ahead) = (least(&p, r_p), if t0 > 0.0 { t0 * least(&d, r_d) } else { 0.0 });
+            let at = at - normal.dot(self.anchor);
+            let sizes = size(&p) + r_p + t0 * (size(&d) + r_d) + at.abs() + self.anchor.length();
+            own + ahead > at + BOX_TOLERANCE * sizes
+        };
+        self.t_range[0] >= 0.0
+            && self.bands.iter().all(|band| {
+                let Level { start, width, height, .. } = band.nodes.levels[band.nodes.levels.len() - 1];
+                let top = &band.nodes.nodes[start as usize..(start + width * height) as usize];
+                top.iter().all(|node| node.rays == RAYS_NONE || starts_beyond(node, band.turned.as_ref()))
+            })
+    }
+
     /// Returns `false` only if no ray meets the box between these corners.
     pub fn may_meet(&self, (lo, hi): (DVec3, DVec3)) -> bool {
         if lo.cmpgt(hi).any() {
