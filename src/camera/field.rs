@@ -191,6 +191,12 @@ impl Field {
         Some(Field { turned, map: None, ..self.clone() })
     }
 
+    /// Returns the rays of a lens in whose eye all start, if this is its field at the origin with the world's axes: see [`Field::unturned`].
+    pub fn unturned_rays(&self) -> Option<&LensRays> {
+        let (rays, viewer) = self.turned.as_ref()?;
+        (rays.is_central() && viewer.is_unturned()).then_some(&**rays)
+    }
+
     /// The formula of the rays, if any.
     pub fn map(&self) -> Option<&Arc<dyn RayMap>> {
         self.map.as_ref().map(|m| &m.map)
@@ -229,6 +235,7 @@ impl Field {
     }
 
     /// Origin and direction of the pixel's ray.
+    #[inline]
     pub fn ray(&self, i: u32, j: u32) -> Option<(DVec3, DVec3)> {
         self.get(i as i64, j as i64)
     }
@@ -265,6 +272,7 @@ impl Field {
         }
     }
 
+    #[inline]
     fn get(&self, i: i64, j: i64) -> Option<(DVec3, DVec3)> {
         if i < 0 || j < 0 || i >= self.width as i64 || j >= self.height as i64 {
             return None;

@@ -52,7 +52,13 @@ impl Viewer {
         Viewer { eye: DVec3::ZERO, view: View::UNTURNED, lens: self.lens.clone() }
     }
 
+    /// Returns whether rays in the world are those of the lens.
+    pub fn is_unturned(&self) -> bool {
+        self.eye == DVec3::ZERO && self.view == View::UNTURNED
+    }
+
     /// Returns a ray of the lens in the world.
+    #[inline]
     pub fn turned(&self, ray: Ray) -> Ray {
         self.view.ray(self.eye, ray)
     }
@@ -125,6 +131,7 @@ impl LensRays {
     }
 
     /// Returns the ray of pixel `(i, j)` in the viewer's frame; `None` if it has no ray.
+    #[inline]
     pub fn get(&self, i: u32, j: u32) -> Option<Ray> {
         let k = j as usize * self.size.0 as usize + i as usize;
         let (direction, origin) = (self.directions[k], self.origins.get(k).copied().unwrap_or(DVec3::ZERO));
@@ -134,6 +141,12 @@ impl LensRays {
     /// Returns whether all rays start in the eye.
     pub fn is_central(&self) -> bool {
         self.origins.is_empty()
+    }
+
+    /// Returns the directions of a row of pixels in the viewer's frame, zero for a pixel without a ray; nothing beyond the image.
+    pub fn directions_of_row(&self, j: u32) -> &[DVec3] {
+        let width = self.size.0 as usize;
+        if j < self.size.1 { &self.directions[j as usize * width..(j as usize + 1) * width] } else { &[] }
     }
 
     /// Returns whether any pixel has a ray.

@@ -18,11 +18,13 @@ impl View {
     pub const UNTURNED: View = View { forward: DVec3::Z, right: DVec3::X, up: DVec3::Y };
 
     /// The vector with these components to the right, up and forward.
+    #[inline]
     pub fn vector(&self, right: f64, up: f64, forward: f64) -> DVec3 {
         right * self.right + up * self.up + forward * self.forward
     }
 
     /// Transforms a ray from the frame of a viewer at `eye` to the world.
+    #[inline]
     pub fn ray(&self, eye: DVec3, Ray { origin: p, direction: d }: Ray) -> Ray {
         Ray { origin: eye + self.vector(p.x, p.y, p.z), direction: self.vector(d.x, d.y, d.z) }
     }

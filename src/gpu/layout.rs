@@ -710,6 +710,7 @@ pub struct ReceiverTriangle {
 }
 
 /// `value` as the sum of two f32 with an error of 2^-48 |value| at most.
+#[inline]
 pub fn split2(value: f64) -> [f32; 2] {
     let hi = value as f32;
     [hi, (value - hi as f64) as f32]

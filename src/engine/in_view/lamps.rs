@@ -2,6 +2,7 @@
 //! ground.
 
 use super::rays::ImageRays;
+use crate::arrays::MapEach;
 use crate::geometry::exact::Exact;
 use crate::geometry::mesh::Mesh;
 use crate::parallel;
@@ -55,27 +56,26 @@ impl Side {
 
     /// Returns whether opaque triangles in the side fill it. Triangles that lie side by side must have whole edges in common.
     fn is_filled(&self, mesh: &Mesh) -> bool {
-        let ids: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
         let is_in_side = |p: DVec3| p[self.axis] == self.at();
-        let within = |id: &u32| {
-            let corners = mesh.triangles[*id as usize].map(|v| mesh.positions[v as usize]);
-            let is_opaque = mesh.radius(*id).is_none() && !mesh.has_alpha(*id);
+        let within = |id: u32| {
+            let corners = mesh.triangles[id as usize].map_each(|v| mesh.positions[v as usize]);
+            let is_opaque = mesh.radius(id).is_none() && !mesh.has_alpha(id);
             (is_opaque && corners.into_iter().all(is_in_side)).then_some(corners)
         };
-        let triangles: Vec<[DVec3; 3]> = parallel::map(&ids, within).into_iter().flatten().collect();
+        let triangles: Vec<[DVec3; 3]> = parallel::flat_map(0..mesh.triangles.len() as u32, within);
         // With all triangles counter-clockwise, opposite edges of neighbours cancel. If what is left lies on the rim, the triangles cover every
         // place of the side equally often: as often as the edges that are left go around it.
         let [x, y] = self.along();
         let mut edges: HashMap<[[u64; 2]; 2], i32> = HashMap::new();
         for corners in triangles {
-            let [a, mut b, mut c] = corners.map(|p| DVec2::new(p[x] + 0.0, p[y] + 0.0));
+            let [a, mut b, mut c] = corners.map_each(|p| DVec2::new(p[x] + 0.0, p[y] + 0.0));
             match turn(a, b, c) {
                 0 => continue,
                 1 => {}
                 _ => std::mem::swap(&mut b, &mut c),
             }
             for (from, to) in [(a, b), (b, c), (c, a)] {
-                let [from, to] = [from, to].map(|p| p.to_array().map(f64::to_bits));
+                let [from, to] = [from, to].map_each(|p| p.to_array().map_each(f64::to_bits));
                 let (ends, count) = if from < to { ([from, to], 1) } else { ([to, from], -1) };
                 *edges.entry(ends).or_default() += count;
             }

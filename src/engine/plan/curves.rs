@@ -35,11 +35,12 @@ impl RayTable {
         let halves = table.hi.chunks_exact_mut(numbers).zip(table.lo.chunks_exact_mut(numbers));
         parallel::for_each(halves.enumerate(), |(j, (hi, lo))| {
             let j = row + j as u32;
-            let pixels = hi.chunks_exact_mut(6).zip(lo.chunks_exact_mut(6)).zip(0..=field.width);
-            for ((hi, lo), i) in pixels {
+            let [hi, lo] = [hi, lo].map_each(|half| bytemuck::cast_slice_mut::<f32, [f32; 6]>(half));
+            for ((hi, lo), i) in hi.iter_mut().zip(lo).zip(0..=field.width) {
                 let (p, d) = field.ray_or_beyond(i, j).unwrap_or((anchor, DVec3::ZERO));
-                let ray = (p - anchor).to_array().into_iter().chain(d.to_array());
-                hi.iter_mut().zip(lo).zip(ray).for_each(|((hi, lo), v)| [*hi, *lo] = split2(v));
+                let [[a, b, c], [d, e, f]] = [p - anchor, d].map_each(|v| v.to_array().map_each(split2));
+                *hi = [a[0], b[0], c[0], d[0], e[0], f[0]];
+                *lo = [a[1], b[1], c[1], d[1], e[1], f[1]];
             }
         });
         table

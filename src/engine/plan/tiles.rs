@@ -333,10 +333,20 @@ impl Tiler<'_> {
         let (columns, rows) = self.tile_size(at);
         let mut mask = 0;
         let mut rays = Vec::with_capacity((TILE * TILE) as usize);
-        for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
-            if let Some((p, d)) = field.ray(left + x, top + y) {
-                mask |= 1u64 << (y * TILE + x);
-                rays.push(TileRay { place: place_in_tile(x, y), p: p - self.anchor, d });
+        let mut take = |x: u32, y: u32, (p, d): (DVec3, DVec3)| {
+            mask |= 1u64 << (y * TILE + x);
+            rays.push(TileRay { place: place_in_tile(x, y), p: p - self.anchor, d });
+        };
+        let lens = field.unturned_rays();
+        for y in 0..rows {
+            match lens.map(|lens| lens.directions_of_row(top + y)) {
+                Some(directions) => {
+                    let own = (0..).zip(&directions[left as usize..(left + columns) as usize]);
+                    own.filter(|(_, d)| **d != DVec3::ZERO).for_each(|(x, d)| take(x, y, (DVec3::ZERO, *d)));
+                }
+                None => (0..columns)
+                    .filter_map(|x| Some((x, field.ray(left + x, top + y)?)))
+                    .for_each(|(x, ray)| take(x, y, ray)),
             }
         }
         if mask == 0 {
@@ -547,6 +557,7 @@ fn bits(mask: u64) -> impl Iterator<Item = u32> {
     (0..TILE * TILE).filter(move |bit| mask >> bit & 1 == 1)
 }
 
+#[inline]
 pub(super) fn place_in_tile(x: u32, y: u32) -> DVec2 {
     (DVec2::new(x as f64, y as f64) - TILE_REACH) / (TILE as f64 / 2.0)
 }

@@ -132,7 +132,7 @@ impl LensBand {
             _ => return None,
         };
         let table = match (&rays, &unturned) {
-            (UnturnedRays::Field(rays), Rays::Field(field)) if rays.is_central() => directions_of(field, rows),
+            (UnturnedRays::Field(rays), Rays::Field(field)) if rays.is_central() => directions_of(field, rays, rows),
             (_, Rays::Field(field)) => RayTable::of_field(field, DVec3::ZERO, rows.first, rows.count),
             _ => RayTable::default(),
         };
@@ -173,15 +173,20 @@ impl LensBand {
 }
 
 /// Returns a band's directions, with one column and one row more; zeros for pixels without a ray.
-fn directions_of(field: &Field, Rows { first, count }: Rows) -> RayTable {
+fn directions_of(field: &Field, rays: &LensRays, Rows { first, count }: Rows) -> RayTable {
     let numbers = 3 * (field.width as usize + 1);
     let size = numbers * (count as usize + 1);
     let mut table = RayTable { hi: vec![0.0; size], lo: vec![0.0; size] };
     let halves = table.hi.chunks_exact_mut(numbers).zip(table.lo.chunks_exact_mut(numbers));
     parallel::for_each(halves.enumerate(), |(j, (hi, lo))| {
-        for ((hi, lo), i) in hi.chunks_exact_mut(3).zip(lo.chunks_exact_mut(3)).zip(0..=field.width) {
-            let direction = field.ray_or_beyond(i, first + j as u32).map_or(DVec3::ZERO, |(_, d)| d);
-            hi.iter_mut().zip(lo).zip(direction.to_array()).for_each(|((hi, lo), v)| [*hi, *lo] = split2(v));
+        let j = first + j as u32;
+        let within = rays.directions_of_row(j);
+        let beyond =
+            (within.len() as u32..=field.width).map(|i| field.ray_or_beyond(i, j).map_or(DVec3::ZERO, |ray| ray.1));
+        let [hi, lo] = [hi, lo].map_each(|half| bytemuck::cast_slice_mut::<f32, [f32; 3]>(half));
+        for ((hi, lo), direction) in hi.iter_mut().zip(lo).zip(within.iter().copied().chain(beyond)) {
+            let [x, y, z] = direction.to_array().map_each(split2);
+            (*hi, *lo) = ([x[0], y[0], z[0]], [x[1], y[1], z[1]]);
         }
     });
     table
