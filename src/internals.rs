@@ -144,7 +144,7 @@ pub mod geometry {
         pub use crate::geometry::load::Object;
     }
     pub mod instances {
-        pub use crate::geometry::instances::{Instance, Instances};
+        pub use crate::geometry::instances::{Instance, Instances, at_places};
     }
     pub mod mesh {
         pub use crate::geometry::mesh::{DIELECTRIC, Material, Mesh, NO_COLOR, NO_UV};

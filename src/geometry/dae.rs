@@ -2,6 +2,7 @@
 
 mod geometry;
 
+use super::instances::at_places;
 use super::lex::{Tokens, parse_f64};
 use super::load::copied;
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, Part};
@@ -195,7 +196,7 @@ impl<'a> Scene<'a> {
         if triangles == 0 {
             return Ok(());
         }
-        let mut mesh = copied((mesh, Some([world_from_node].into())), self.limits)?;
+        let mut mesh = copied(at_places(mesh, [world_from_node]), self.limits)?;
         for material in &mut mesh.materials {
             let bound = instance
                 .descendants()

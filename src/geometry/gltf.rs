@@ -15,11 +15,12 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-use glam::{DMat3, DMat4, DVec2, DVec3, Vec2};
+use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4, Vec2};
 use gltf::mesh::Mode;
 use gltf::texture::Info;
 use gltf::{Document, Node, Primitive, Semantic};
 
+use crate::geometry::instances::{Run, saves_memory};
 use crate::geometry::mesh::{MAX_TRIANGLES, Material, Mesh, NO_COLOR, NO_NORMAL, NO_UV, Part, check_memory};
 use crate::geometry::place::{transformed_normal, world_normal_from_object};
 use crate::geometry::spec::AnimationSpec;
@@ -39,7 +40,8 @@ pub enum Files {
 /// Reads a `.gltf` file with its buffers (files that `files` allows, or `data:` URIs), or a `.glb` file.
 ///
 /// The default scene (or else the first, or else all nodes that are no other's child) is walked depth-first, in
-/// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each. Strips and
+/// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each; where copies would take much memory, it
+/// is read once, and [`Mesh::runs`] says where it stands. Strips and
 /// fans become triangles as the glTF specification lists them; lines and points are skipped. The base colour
 /// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`. A masked material has a
 /// surface where its opacity reaches its cutoff, a blended one where it reaches one half. The opacity is the factor's times the image's; times the
@@ -114,6 +116,40 @@ struct Placed {
     normals: HashMap<usize, Vec<u32>>,
 }
 
+/// A mesh of a node, or of an instance of it.
+struct Placement<'a> {
+    node: Node<'a>,
+    mesh: gltf::Mesh<'a>,
+    world_from_mesh: DMat4,
+}
+
+/// The triangles of a mesh, by the counts of its accessors.
+fn triangle_count(mesh: &gltf::Mesh) -> usize {
+    let of_primitive = |primitive: Primitive| {
+        let positions = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
+        let corners = primitive.indices().map_or(positions, |indices| indices.count());
+        match primitive.mode() {
+            Mode::Triangles => corners / 3,
+            Mode::TriangleStrip | Mode::TriangleFan => corners.saturating_sub(2),
+            _ => 0,
+        }
+    };
+    mesh.primitives().map(of_primitive).fold(0, usize::saturating_add)
+}
+
+/// Whether a copy of each mesh at each place would take much more memory than the meshes, and each place can do without one.
+fn are_shared(all: &[Placement]) -> bool {
+    let mut count_of: HashMap<usize, usize> = HashMap::new();
+    let count = |mesh: &gltf::Mesh| *count_of.entry(mesh.index()).or_insert_with(|| triangle_count(mesh));
+    let total = all.iter().map(|placement| &placement.mesh).map(count).fold(0, usize::saturating_add);
+    let once = count_of.into_values().fold(0, usize::saturating_add);
+    let has_normals = |placement: &Placement| {
+        let m = placement.world_from_mesh;
+        m.row(3) == DVec4::W && world_normal_from_object(DMat3::from_mat4(m)).is_some()
+    };
+    saves_memory(total, once, all.len()) && all.iter().all(has_normals)
+}
+
 /// How the vertices of a primitive get into the world.
 struct Placing<'p> {
     node: &'p Node<'p>,
@@ -179,9 +215,43 @@ impl<'a> Builder<'a> {
         Ok(self.mesh)
     }
 
-    /// Walks the nodes depth-first, with a stack of its own: a chain of nodes may be long.
+    /// Places the meshes of all nodes; each once, with its places beside, where that takes much less memory.
     fn place_scene(&mut self) -> Result<()> {
+        let all = self.placements()?;
+        let is_shared = self.pose.is_none() && are_shared(&all);
+        let mut known: HashMap<usize, Run> = HashMap::new();
+        for Placement { node, mesh, world_from_mesh } in &all {
+            let at_node = |e: Error| e.at(format!("node {}", node.index()));
+            let run = match known.get(&mesh.index()) {
+                Some(run) => run.clone(),
+                None => {
+                    let first = Run::whole(&self.mesh, DAffine3::IDENTITY);
+                    let matrix = if is_shared { DMat4::IDENTITY } else { *world_from_mesh };
+                    self.place_mesh(node, mesh, matrix).map_err(at_node)?;
+                    let last = Run::whole(&self.mesh, DAffine3::IDENTITY);
+                    Run {
+                        triangles: first.triangles.end..last.triangles.end,
+                        vertices: first.vertices.end..last.vertices.end,
+                        normals: first.normals.end..last.normals.end,
+                        ..first
+                    }
+                }
+            };
+            let name = node.name().or(mesh.name()).unwrap_or_default().to_owned();
+            let triangles = run.triangles.len();
+            self.mesh.parts.extend((triangles > 0).then_some(Part { name, triangles }));
+            if is_shared {
+                known.insert(mesh.index(), run.clone());
+                self.mesh.runs.push(Run { matrix: DAffine3::from_mat4(*world_from_mesh), ..run });
+            }
+        }
+        Ok(())
+    }
+
+    /// The meshes of all nodes, depth-first, with a stack of its own: a chain of nodes may be long.
+    fn placements(&self) -> Result<Vec<Placement<'a>>> {
         let document = &self.source.document;
+        let (mut all, mut triangles) = (Vec::new(), 0_usize);
         let mut is_placed = vec![false; document.nodes().len()];
         let mut stack: Vec<(Node, DMat4)> = roots(document).into_iter().map(|root| (root, DMat4::IDENTITY)).collect();
         stack.reverse();
@@ -200,24 +270,29 @@ impl<'a> Builder<'a> {
             };
             let world_from_node = world_from_parent * own;
             if let Some(mesh) = node.mesh() {
-                let at_node = |e: Error| e.at(format!("node {}", node.index()));
                 let instances = match &kept.instances {
-                    Some(instances) => self.source.read_instances(instances).map_err(at_node)?,
+                    Some(instances) => {
+                        let at_node = |e: Error| e.at(format!("node {}", node.index()));
+                        self.source.read_instances(instances).map_err(at_node)?
+                    }
                     None => vec![DMat4::IDENTITY],
                 };
-                for node_from_instance in instances {
-                    let first = self.mesh.triangles.len();
-                    self.place_mesh(&node, &mesh, world_from_node * node_from_instance).map_err(at_node)?;
-                    let name = node.name().or(mesh.name()).unwrap_or_default().to_owned();
-                    let triangles = self.mesh.triangles.len() - first;
-                    self.mesh.parts.extend((triangles > 0).then_some(Part { name, triangles }));
+                // instances can ask for far more triangles than the file has bytes
+                triangles = triangles.saturating_add(triangle_count(&mesh).saturating_mul(instances.len()));
+                if triangles > MAX_TRIANGLES {
+                    return Err(Error::input("more than 2^28 triangles; split the file"));
                 }
+                all.extend(instances.into_iter().map(|node_from_instance| Placement {
+                    node: node.clone(),
+                    mesh: mesh.clone(),
+                    world_from_mesh: world_from_node * node_from_instance,
+                }));
             }
             let first_child = stack.len();
             stack.extend(node.children().map(|child| (child, world_from_node)));
             stack[first_child..].reverse();
         }
-        Ok(())
+        Ok(all)
     }
 
     fn place_mesh(&mut self, node: &Node, mesh: &gltf::Mesh, world_from_mesh: DMat4) -> Result<()> {

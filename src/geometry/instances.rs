@@ -6,7 +6,7 @@ use crate::geometry::place::{self, size_of, transformed_normal, world_normal_fro
 use crate::input::{Error, Limits, Result};
 use crate::parallel;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -34,8 +34,34 @@ pub struct Instance {
     pub matrix: Option<DAffine3>,
 }
 
-/// A mesh, and the matrices of its places; `None`: it stands once, where it is.
-pub type Part = (Mesh, Option<Arc<[DAffine3]>>);
+/// A run of a mesh's triangles, with their vertices and normals, and its place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    pub triangles: Range<u32>,
+    pub vertices: Range<u32>,
+    pub normals: Range<u32>,
+    pub matrix: DAffine3,
+}
+
+/// A mesh, and its runs in the order of their triangle ids; `None`: it stands once, where it is.
+pub type Part = (Mesh, Option<Arc<[Run]>>);
+
+/// A whole mesh at each of some places.
+pub fn at_places(mesh: Mesh, places: impl IntoIterator<Item = DAffine3>) -> Part {
+    let runs = places.into_iter().map(|place| Run::whole(&mesh, place)).collect();
+    (mesh, Some(runs))
+}
+
+impl Run {
+    /// A whole mesh.
+    pub fn whole(mesh: &Mesh, matrix: DAffine3) -> Run {
+        // `merge` refuses more than a u32 holds
+        let all = |count: usize| 0..count.min(u32::MAX as usize) as u32;
+        let [triangles, vertices, normals] =
+            [mesh.triangles.len(), mesh.positions.len(), mesh.normals.len()].map_each(all);
+        Run { triangles, vertices, normals, matrix }
+    }
+}
 
 /// A place takes the memory of so many triangles.
 const TRIANGLES_A_PLACE: usize = 16;
@@ -44,32 +70,38 @@ const TRIANGLES_A_PLACE: usize = 16;
 const COPIED_MAX: usize = 1 << 16;
 
 impl Instances {
-    /// Meshes and their places, in the order of their triangle ids.
+    /// Meshes and their runs, in the order of their triangle ids.
     ///
     /// # Errors
     /// [`Error::Input`] if there are more than 2^28 triangles in all places, or 2^32 - 1 or more vertices or other attributes in the meshes.
     pub fn new(parts: Vec<Part>) -> Result<Instances> {
-        let places = |part: &Part| part.1.as_ref().map_or(1, |places| places.len());
-        let count = |part: &Part| part.0.triangles.len().saturating_mul(places(part));
-        let triangles = parts.iter().map(count).fold(0, usize::saturating_add);
-        check_triangles(triangles)?;
+        let of_runs = |runs: &Arc<[Run]>| runs.iter().map(|run| run.triangles.len()).fold(0, usize::saturating_add);
+        let count = |(mesh, runs): &Part| runs.as_ref().map_or(mesh.triangles.len(), of_runs);
+        check_triangles(parts.iter().map(count).fold(0, usize::saturating_add))?;
         let mut list = Vec::new();
-        let (mut first_id, mut ends) = (0, [0_u32; 3]);
-        for (mesh, places) in &parts {
-            let counts = [mesh.triangles.len(), mesh.positions.len(), mesh.normals.len()];
-            let [triangles, vertices, normals] = [0, 1, 2].map_each(|k| {
-                let first = ends[k];
-                // `merge` refuses more than a u32 holds
-                ends[k] = ends[k].saturating_add(counts[k].min(u32::MAX as usize) as u32);
-                first..ends[k]
-            });
-            let bounds = bounds_of(&mesh.positions);
-            let matrices = places.as_ref().map_or(vec![None], |places| places.iter().copied().map(Some).collect());
-            for matrix in matrices {
-                let [triangles, vertices, normals] = [&triangles, &vertices, &normals].map_each(Range::clone);
-                list.push(Instance { first_id, triangles, vertices, normals, bounds, matrix });
-                first_id += counts[0] as u32;
+        let (mut first_id, mut firsts) = (0, [0_u32; 3]);
+        for (mesh, runs) in &parts {
+            let mut boxes: HashMap<Range<u32>, (DVec3, DVec3)> = HashMap::new();
+            let mut add = |run: &Run, matrix: Option<DAffine3>| {
+                let own = run.vertices.clone();
+                let bounds = boxes.entry(own.clone()).or_insert_with(|| {
+                    bounds_of(mesh.positions.get(own.start as usize..own.end as usize).unwrap_or_default())
+                });
+                let [triangles, vertices, normals] = [0, 1, 2].map_each(|k| {
+                    let own = [&run.triangles, &run.vertices, &run.normals][k];
+                    own.start.saturating_add(firsts[k])..own.end.saturating_add(firsts[k])
+                });
+                first_id += triangles.len() as u32;
+                let first_id = first_id - triangles.len() as u32;
+                list.push(Instance { first_id, triangles, vertices, normals, bounds: *bounds, matrix });
+            };
+            let whole = Run::whole(mesh, DAffine3::IDENTITY);
+            match runs {
+                Some(runs) => runs.iter().for_each(|run| add(run, Some(run.matrix))),
+                None => add(&whole, None),
             }
+            let ends = [whole.triangles.end, whole.vertices.end, whole.normals.end];
+            firsts = [0, 1, 2].map_each(|k| firsts[k].saturating_add(ends[k]));
         }
         let base = Arc::new(place::merge(parts.into_iter().map(|part| part.0).collect())?);
         Ok(Instances { base, list })
@@ -138,13 +170,13 @@ impl Instances {
         })
     }
 
-    /// Appends a mesh and its places.
+    /// Appends a mesh and its runs.
     ///
     /// # Errors
     /// As [`Instances::new`]; the instances are then as before.
-    pub fn append(&mut self, (mesh, places): Part) -> Result<()> {
+    pub fn append(&mut self, (mesh, runs): Part) -> Result<()> {
         place::check_counts([&*self.base, &mesh])?;
-        let own = Instances::new(vec![(mesh, places)])?;
+        let own = Instances::new(vec![(mesh, runs)])?;
         let triangles = self.triangle_count() + own.triangle_count();
         check_triangles(triangles)?;
         let Mesh { triangles, positions, normals, .. } = &*self.base;
@@ -166,10 +198,7 @@ impl Instances {
 
     /// Whether a copy of each mesh at each of its places would take much more memory. Spheres are always copied.
     pub fn saves_memory(&self) -> bool {
-        let triangles = self.triangle_count();
-        let is_worth_it =
-            triangles >= 2 * self.base.triangles.len() && triangles >= TRIANGLES_A_PLACE * self.list.len();
-        !self.base.has_spheres() && triangles > COPIED_MAX && is_worth_it
+        !self.base.has_spheres() && saves_memory(self.triangle_count(), self.base.triangles.len(), self.list.len())
     }
 
     /// The number of triangles in all places.
@@ -190,6 +219,20 @@ impl Instances {
         (1..used.len()).for_each(|k| used[k] += used[k - 1]);
         let used_of = |range: &Range<u32>| (used[range.end as usize] - used[range.start as usize]) as usize;
         self.list.iter().map(|instance| instance.vertices.len() - used_of(&instance.vertices)).sum()
+    }
+
+    /// The first instance of each mesh, and the mesh of each instance by its place among these.
+    pub fn meshes(&self) -> (Vec<&Instance>, Vec<usize>) {
+        let (mut meshes, mut of_instance) = (Vec::new(), Vec::with_capacity(self.list.len()));
+        let mut known = HashMap::new();
+        for instance in &self.list {
+            let mesh = *known.entry([&instance.triangles, &instance.vertices]).or_insert_with(|| {
+                meshes.push(instance);
+                meshes.len() - 1
+            });
+            of_instance.push(mesh);
+        }
+        (meshes, of_instance)
     }
 
     /// The instance of a triangle, by its index.
@@ -308,6 +351,7 @@ impl Instances {
             materials: base.materials.clone(),
             missing: base.missing.clone(),
             parts: Vec::new(),
+            runs: Vec::new(),
         }
     }
 
@@ -347,6 +391,11 @@ impl Instances {
         let what = format_args!("a copy of each mesh at each of {places} places, {triangles} triangles in all,");
         check_memory(limits, (triangles as u64, vertices as u64), what, "use fewer places")
     }
+}
+
+/// Whether so many triangles in places take much less memory as meshes of so many triangles, and their places.
+pub fn saves_memory(triangles: usize, of_meshes: usize, places: usize) -> bool {
+    triangles > COPIED_MAX && triangles >= 2 * of_meshes && triangles >= TRIANGLES_A_PLACE * places
 }
 
 /// Refuses more triangles than ids can number.
@@ -445,13 +494,13 @@ fn rounding_of(matrix: &DAffine3, (lo, hi): (DVec3, DVec3)) -> DVec3 {
 }
 
 /// A vertex of a mesh in its places that is not finite, or a corner of the box around them that is not.
-pub fn infinite_vertex((mesh, places): &Part) -> Option<DVec3> {
+pub fn infinite_vertex((mesh, runs): &Part) -> Option<DVec3> {
     let is_far = |p: &DVec3| !p.is_finite();
     let of_mesh = parallel::reduce(&mesh.positions, |p| is_far(p).then_some(*p), |first, _| first);
     of_mesh.or_else(|| {
-        let places = places.as_ref().filter(|_| !mesh.positions.is_empty())?;
+        let runs = runs.as_ref().filter(|_| !mesh.positions.is_empty())?;
         let bounds = bounds_of(&mesh.positions);
-        places.iter().map(|place| placed_box(place, bounds)).flat_map(|(lo, hi)| [lo, hi]).find(is_far)
+        runs.iter().map(|run| placed_box(&run.matrix, bounds)).flat_map(|(lo, hi)| [lo, hi]).find(is_far)
     })
 }
 

@@ -1,6 +1,6 @@
 //! Loading the meshes of a scene: read or generated, with their materials, and placed in the world.
 
-use super::instances::{Instances, Part};
+use super::instances::{Instances, Part, Run};
 use super::mesh::{self, HALF, MAX_TRIANGLES, Material, Mesh, Missing, NO_COLOR, NO_UV};
 use super::parts::separate;
 use super::place::{STRETCHES, keeps_spheres, size_of};
@@ -10,6 +10,7 @@ use super::texture::{Images, ImagesRead, Texture};
 use super::{dae, generate, gltf, heights, obj, off, place, ply, smooth, stl};
 use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
+use glam::DAffine3;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -29,26 +30,38 @@ pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images, loading: &Loading)
 /// A mesh in the world, and its objects: one, or one for each part with [`MeshSpec::has_parts`]. A mesh with places is not at them yet; each
 /// copy has objects of its own, whose names end in #0, #1 and so on.
 pub(crate) fn placed(mut mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Result<(Part, Vec<Object>)> {
-    let (name, triangles) = (spec.called(), mesh.triangles.len());
+    let runs = std::mem::take(&mut mesh.runs);
+    let of_runs = runs.iter().map(|run| run.triangles.len()).sum();
+    let (name, triangles) = (spec.called(), if runs.is_empty() { mesh.triangles.len() } else { of_runs });
     if mesh.has_spheres() && !spec.keeps_spheres() {
         return Err(Error::input(format!("spheres {name}: the scale {STRETCHES}")));
     }
     let parts = std::mem::take(&mut mesh.parts);
-    if spec.has_parts {
+    // runs have vertices of their own
+    if spec.has_parts && runs.is_empty() {
         separate(&mut mesh, &parts);
     }
     let objects = |name: &str, copy: &str| match spec.has_parts && !parts.is_empty() {
         true => parts.iter().map(|part| part_object(name, copy, part)).collect(),
         false => vec![Object { name: format!("{name}{copy}"), triangles }],
     };
-    let mesh = place::place(mesh, spec.scale, spec.rotate, spec.translate);
+    // what stands at a place goes there by its matrix
+    let mesh = if runs.is_empty() { place::place(mesh, spec.scale, spec.rotate, spec.translate) } else { mesh };
+    let at = |place: DAffine3| match runs.as_slice() {
+        [] => vec![Run::whole(&mesh, place)],
+        runs => {
+            let moved = place * place::matrix(spec.scale, spec.rotate, spec.translate);
+            runs.iter().map(|run| Run { matrix: moved * run.matrix, ..run.clone() }).collect()
+        }
+    };
     let check = |scale: f64| {
         let radii: Vec<f64> = mesh.radii.iter().map(|radius| radius * scale).collect();
         check_radii(&radii).map_err(|why| Error::input(format!("spheres {name}: {why}")))
     };
     let Some(places) = &spec.places else {
         check(1.0)?;
-        return Ok(((mesh, None), objects(&name, "")));
+        let own = (!runs.is_empty()).then(|| at(DAffine3::IDENTITY).into());
+        return Ok(((mesh, own), objects(&name, "")));
     };
     let places = places.load(loading)?;
     if triangles.saturating_mul(places.len()) > MAX_TRIANGLES {
@@ -62,20 +75,30 @@ pub(crate) fn placed(mut mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Resu
         places.iter().try_for_each(|place| check(size_of(place)))?;
     }
     let objects = (0..places.len()).flat_map(|k| objects(&name, &format!("#{k}"))).collect();
-    Ok(((mesh, Some(places)), objects))
+    let all = places.iter().flat_map(|place| at(*place)).collect();
+    Ok(((mesh, Some(all)), objects))
 }
 
-/// A copy of a mesh at each of its places.
+/// A mesh with a copy of each of its runs.
 ///
 /// # Errors
 /// As [`Instances::new`] and [`Instances::check_copies`].
-pub(crate) fn copied((mesh, places): Part, limits: Limits) -> Result<Mesh> {
-    if places.is_none() {
+pub(crate) fn copied((mesh, runs): Part, limits: Limits) -> Result<Mesh> {
+    if runs.is_none() {
         return Ok(mesh);
     }
-    let instances = Instances::new(vec![(mesh, places)])?;
+    let instances = Instances::new(vec![(mesh, runs)])?;
     instances.check_copies(limits)?;
     Ok(instances.copies())
+}
+
+/// A mesh whose file says where it stands, there.
+fn unrolled(mut mesh: Mesh, limits: Limits) -> Result<Mesh> {
+    if mesh.runs.is_empty() {
+        return Ok(mesh);
+    }
+    let (runs, parts) = (std::mem::take(&mut mesh.runs), std::mem::take(&mut mesh.parts));
+    Ok(Mesh { parts, ..copied((mesh, Some(runs.into())), limits)? })
 }
 
 /// The object of a part, named after the part, or after the mesh if the part has no name.
@@ -105,6 +128,7 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images, lo
         MeshSource::File(path) => load_file(path, (files, spec.animation.as_ref()), of_file, loading)?,
         MeshSource::Between(paths, share) => {
             let [from, to] = [&paths[0], &paths[1]].map_each(|path| load_file(path, (files, None), of_file, loading));
+            let [from, to] = [from?, to?].map_each(|mesh| unrolled(mesh, loading.limits()));
             let (from, to) = (from?, to?);
             let names = || format!("{} and {}", paths[0].display(), paths[1].display());
             blended(from, &to, *share).ok_or_else(|| {
@@ -113,6 +137,7 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images, lo
         }
     };
     if spec.smooth {
+        mesh = unrolled(mesh, loading.limits())?;
         smooth::smooth(&mut mesh);
     }
     let has_own_color =

@@ -1,5 +1,6 @@
 //! Triangles and spheres as every loader and generator returns them, in f64.
 
+use super::instances::Run;
 use super::opacity::Threshold;
 use super::pattern::Pattern;
 use super::texture::Texture;
@@ -55,6 +56,8 @@ pub struct Mesh {
     pub missing: Vec<Missing>,
     /// Nodes or groups of its file, in the order of their triangles; empty: the file has none, or the mesh is placed.
     pub parts: Vec<Part>,
+    /// Where runs of the triangles stand, if its file says that some stand more than once; empty once it is placed.
+    pub runs: Vec<Run>,
 }
 
 /// A node or group of a mesh file: consecutive triangles.

@@ -26,6 +26,11 @@ pub fn place(mut mesh: Mesh, scale: DVec3, rotate_deg: DVec3, translate: DVec3) 
     mesh
 }
 
+/// The matrix of [`place`].
+pub fn matrix(scale: DVec3, rotate_deg: DVec3, translate: DVec3) -> DAffine3 {
+    DAffine3 { matrix3: rotation_xyz(rotate_deg) * DMat3::from_diagonal(scale), translation: translate }
+}
+
 /// What is wrong with a transform of spheres.
 pub const STRETCHES: &str =
     "stretches spheres, which stay spheres only by rotation, translation and one scale for all axes; use only these";
@@ -253,6 +258,7 @@ mod tests {
             material_of: vec![0],
             missing: Vec::new(),
             parts: Vec::new(),
+            runs: Vec::new(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! What queries walk: a hierarchy over all triangles; or one over the places where meshes stand, and one over the triangles of each mesh.
 
 use super::bvh::{Bvh, Item, Probe};
-use crate::geometry::instances::Instances;
+use crate::geometry::instances::{Instance, Instances};
 
 /// Hierarchies over the triangles of a scene.
 #[derive(Debug)]
@@ -22,14 +22,9 @@ pub struct PlacedMeshes {
 impl PlacedMeshes {
     /// `item` gives the box of a triangle of the base mesh; `None` if it is never hit.
     pub fn new(instances: &Instances, item: impl Fn(u32) -> Option<Item>) -> PlacedMeshes {
-        let (mut meshes, mut mesh_at, mut last) = (Vec::new(), Vec::new(), None);
-        for instance in &instances.list {
-            if last != Some(&instance.triangles) {
-                last = Some(&instance.triangles);
-                meshes.push(Bvh::build(instance.triangles.clone().filter_map(&item).collect()));
-            }
-            mesh_at.push(meshes.len() - 1);
-        }
+        let (firsts, mesh_at) = instances.meshes();
+        let hierarchy = |first: &&Instance| Bvh::build(first.triangles.clone().filter_map(&item).collect());
+        let meshes = firsts.iter().map(hierarchy).collect();
         let boxed = |(id, (lo, hi))| Item { lo, hi, id };
         let is_there = |item: &Item| item.lo.cmple(item.hi).all();
         let places = (0..).zip(instances.boxes()).map(boxed).filter(is_there);

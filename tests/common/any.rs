@@ -11,7 +11,7 @@ use anamorph::internals::camera::kinds::glc::Glc;
 use anamorph::internals::camera::kinds::orthographic::Orthographic;
 use anamorph::internals::camera::kinds::pinhole::Pinhole;
 use anamorph::internals::camera::spec::CameraKind;
-use anamorph::internals::geometry::instances::Instances;
+use anamorph::internals::geometry::instances::{Instances, at_places};
 use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::geometry::place;
 use anamorph::internals::geometry::spheres::spheres_of;
@@ -138,10 +138,10 @@ pub fn any_placed(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
 /// Puts the mesh of a scene in several places, and a part of it in one.
 fn place_mesh(rng: &mut Rng, scene: &mut Scene) {
     let mesh = (**scene.mesh).clone();
-    let places = (0..1 + rng.below(8)).map(|_| any_place(rng, scene)).collect();
+    let places: Vec<DAffine3> = (0..1 + rng.below(8)).map(|_| any_place(rng, scene)).collect();
     let parts = match rng.below(2) {
-        0 => vec![(mesh, Some(places))],
-        _ => vec![(mesh.clone(), None), (mesh, Some(places))],
+        0 => vec![at_places(mesh, places)],
+        _ => vec![(mesh.clone(), None), at_places(mesh, places)],
     };
     scene.mesh = Arc::new(Arc::new(Instances::new(parts).unwrap()).into());
 }

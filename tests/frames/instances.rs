@@ -7,7 +7,7 @@ use anamorph::internals::engine::planned::Planned;
 use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Method, RunOptions};
 use anamorph::internals::geometry::generate;
-use anamorph::internals::geometry::instances::Instances;
+use anamorph::internals::geometry::instances::{Instances, at_places};
 use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::geometry::scene_mesh::SceneMesh;
 use anamorph::internals::image::frame::{Channel, Frame};
@@ -59,12 +59,12 @@ fn color_difference(a: &Frame, b: &Frame) -> f32 {
 /// Balls and crowds of triangles in 40 places, and some triangles that stand once.
 fn instances(seed: u64) -> Instances {
     let mut rng = Rng(seed);
-    let [balls, crowds] = [30, 10].map(|n| (0..n).map(|_| matrix(&mut rng, 0.9)).collect());
+    let [balls, crowds] = [30, 10].map(|n| (0..n).map(|_| matrix(&mut rng, 0.9)).collect::<Vec<_>>());
     let parts = vec![
-        (ball(), Some(balls)),
+        at_places(ball(), balls),
         (soup(&mut rng, 40, 0.3), None),
-        (soup(&mut rng, 200, 0.4), Some(crowds)),
-        (soup(&mut rng, 5, 0.3), Some([].into())),
+        at_places(soup(&mut rng, 200, 0.4), crowds),
+        at_places(soup(&mut rng, 5, 0.3), []),
     ];
     Instances::new(parts).unwrap()
 }

@@ -51,19 +51,19 @@ impl PlacedMeshes {
         let base = &*instances.base;
         let (mut meshes, mut of_instance): (Vec<MeshSlots>, Vec<(usize, u32)>) = Default::default();
         let mut order: Vec<u32> = Vec::new();
-        let (mut last, mut first_slot) = (None, 0);
-        for instance in &instances.list {
-            if last != Some(&instance.triangles) {
-                last = Some(&instance.triangles);
-                let own = morton_order(base.into(), instance.triangles.clone());
-                let slots = order.len() as u32..(order.len() + own.len()) as u32;
-                order.extend(own);
-                let (lo, hi) = instance.bounds;
-                let origin = if lo.cmple(hi).all() { (lo + hi) / 2.0 } else { DVec3::ZERO };
-                meshes.push(MeshSlots { slots, vertices: instance.vertices.clone(), origin });
-            }
-            of_instance.push((meshes.len() - 1, first_slot));
-            first_slot += meshes.last().map_or(0, |mesh| mesh.slots.len() as u32);
+        let (firsts, mesh_of) = instances.meshes();
+        for first in firsts {
+            let own = morton_order(base.into(), first.triangles.clone());
+            let slots = order.len() as u32..(order.len() + own.len()) as u32;
+            order.extend(own);
+            let (lo, hi) = first.bounds;
+            let origin = if lo.cmple(hi).all() { (lo + hi) / 2.0 } else { DVec3::ZERO };
+            meshes.push(MeshSlots { slots, vertices: first.vertices.clone(), origin });
+        }
+        let mut first_slot = 0;
+        for mesh in mesh_of {
+            of_instance.push((mesh, first_slot));
+            first_slot += meshes[mesh].slots.len() as u32;
         }
         let mut slot_of_id = vec![NONE; base.triangles.len()];
         (0..).zip(&order).for_each(|(slot, id)| slot_of_id[*id as usize] = slot);

@@ -4,7 +4,7 @@ use crate::geometry::mesh::{Material, NO_COLOR, NO_UV};
 use crate::testing::Rng;
 use glam::Vec2;
 
-fn matrices(count: usize) -> Arc<[DAffine3]> {
+fn matrices(count: usize) -> Vec<DAffine3> {
     let mut rng = Rng(5);
     let mut vector = |size: f64| DVec3::new(rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5) * size;
     (0..count)
@@ -37,7 +37,7 @@ fn copies_are_in_order_and_share_texture_coordinates_colours_and_materials() {
     let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
     let shear = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(1.0, 0.0, 1.0));
     let matrices = [rotated, mirror, shear].map(|m| DAffine3 { matrix3: m, translation: 5.0 * DVec3::Z });
-    let mesh = Instances::new(vec![(triangle(), Some(matrices.into()))]).unwrap().copies();
+    let mesh = Instances::new(vec![at_places(triangle(), matrices)]).unwrap().copies();
     let at = |x: f64, y: f64| DVec3::new(x, y, 5.0);
     let corners = [[at(0.0, 0.0), at(0.0, 1.0), at(-1.0, 0.0)], [at(0.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0)]];
     assert_eq!(mesh.positions[..6], corners.concat());
@@ -56,16 +56,16 @@ fn copies_are_in_order_and_share_texture_coordinates_colours_and_materials() {
     assert_eq!((&mesh.uvs, &mesh.materials), (&triangle().uvs, &triangle().materials));
     assert_eq!((mesh.corner_uvs, mesh.material_of), (vec![[0, NO_UV, 0]; 3], vec![0; 3]));
     assert_eq!((mesh.colors, mesh.corner_colors), (triangle().colors, vec![[NO_COLOR, 0, 0]; 3]));
-    assert!(Instances::new(vec![(triangle(), Some([].into()))]).unwrap().copies().triangles.is_empty());
+    assert!(Instances::new(vec![at_places(triangle(), [])]).unwrap().copies().triangles.is_empty());
 }
 
 #[test]
 fn triangles_are_found_where_their_copies_are() {
     let parts = vec![
-        (soup(1, 700), Some(matrices(90))),
+        at_places(soup(1, 700), matrices(90)),
         (soup(2, 300), None),
-        (soup(4, 10), Some([].into())),
-        (soup(3, 500), Some(matrices(40))),
+        at_places(soup(4, 10), []),
+        at_places(soup(3, 500), matrices(40)),
     ];
     let instances = Instances::new(parts).unwrap();
     let copies = instances.copies();
@@ -77,10 +77,10 @@ fn triangles_are_found_where_their_copies_are() {
     assert_eq!(instances.vertex_count(), copies.positions.len());
     assert_eq!(instances.unused_vertices(), copies.unused_vertices());
     assert!(instances.saves_memory());
-    let mut appended = Instances::new(vec![(soup(1, 700), Some(matrices(90)))]).unwrap();
+    let mut appended = Instances::new(vec![at_places(soup(1, 700), matrices(90))]).unwrap();
     appended.append((soup(2, 300), None)).unwrap();
-    appended.append((soup(4, 10), Some([].into()))).unwrap();
-    appended.append((soup(3, 500), Some(matrices(40)))).unwrap();
+    appended.append(at_places(soup(4, 10), [])).unwrap();
+    appended.append(at_places(soup(3, 500), matrices(40))).unwrap();
     assert!(appended == instances);
     for id in [0, 699, 700, 62_999, 63_000, 63_299, 63_300, 83_299] {
         let corners = copies.triangles[id as usize].map(|v| copies.positions[v as usize]);
@@ -115,7 +115,7 @@ fn runs_of_a_mesh_are_instances_and_vertices_without_triangles_keep_their_place(
 
 #[test]
 fn few_triangles_save_nothing_and_too_many_are_refused() {
-    let of = |triangles: u64, places: usize| Instances::new(vec![(soup(1, triangles), Some(matrices(places)))]);
+    let of = |triangles: u64, places: usize| Instances::new(vec![at_places(soup(1, triangles), matrices(places))]);
     assert!(!of(100, 100).unwrap().saves_memory());
     assert!(!of(80_000, 1).unwrap().saves_memory());
     assert!(of(1 << 20, 257).unwrap_err().to_string().contains("2^28"));

@@ -1,6 +1,7 @@
 //! Nodes, scenes and instances.
 
 use super::*;
+use crate::geometry::instances::Instances;
 
 #[test]
 fn nodes_place_instances_depth_first() {
@@ -110,4 +111,36 @@ fn nodes_have_instances_or_are_hidden_and_are_parts() {
     assert!(gone.unwrap_err().to_string().contains("have accessor 9, which does not exist"));
     let all = load(&|json| drop(json["nodes"][1].as_object_mut().unwrap().remove("extensions"))).unwrap();
     assert_eq!(all.parts.len(), 5);
+}
+
+/// 1,000 quads 40 times over, and as many strips, in turn: nodes of two meshes.
+#[test]
+fn meshes_of_many_nodes_are_read_once_where_copies_would_take_much_memory() {
+    let load = |nodes: usize, edit: &dyn Fn(&mut serde_json::Value)| {
+        load_quad(|json| {
+            let quad = serde_json::json!({"attributes": {"POSITION": 0}, "indices": 1});
+            let strip = serde_json::json!({"attributes": {"POSITION": 0}, "indices": 2, "mode": 5});
+            json["meshes"] = [quad, strip].map(|mesh| serde_json::json!({"primitives": vec![mesh; 40]})).into();
+            let node = |k: usize| serde_json::json!({"mesh": k % 2, "name": k.to_string(), "translation": [k, 0, 1], "scale": [1, -2, 1]});
+            json["scenes"][0]["nodes"] = (0..nodes).collect();
+            json["nodes"] = (0..nodes).map(node).collect();
+            edit(json);
+        })
+        .unwrap()
+    };
+    let shared = load(2000, &|_| {});
+    assert_eq!((shared.triangles.len(), shared.positions.len(), shared.runs.len()), (160, 8, 2000));
+    let parts = shared.parts.clone();
+    assert_eq!((parts.len(), &parts[7]), (2000, &Part { name: "7".into(), triangles: 80 }));
+    // a place without volume has no normals, so each mesh is copied
+    let copied = load(2000, &|json| json["nodes"][1999]["scale"] = serde_json::json!([1, 0, 1]));
+    assert_eq!((copied.triangles.len(), copied.runs.len()), (160_000, 0));
+    let runs = shared.runs.clone();
+    let instances = Instances::new(vec![(Mesh { runs: Vec::new(), ..shared }, Some(runs.into()))]).unwrap();
+    assert_eq!((instances.triangle_count(), instances.meshes().0.len()), (160_000, 2));
+    for id in [0, 79, 80, 81, 159, 160, 80_003, 159_919] {
+        let corners = copied.triangles[id].map(|v| copied.positions[v as usize]);
+        assert_eq!(instances.corners(id as u32), corners, "{id}");
+    }
+    assert_eq!(load(20, &|_| {}).runs.len(), 0);
 }
