@@ -101,7 +101,7 @@ pub struct Reference<'a> {
     /// The mesh's size, by which rays are perturbed: [`crate::camera::perturb`].
     scene_size: f64,
     /// The camera has several layers: no hit is moved to an end of `t_range`.
-    is_layered: bool,
+    has_layers: bool,
     /// Those that are thrown onto it.
     pictures: Arc<Pictures<'a>>,
 }
@@ -137,10 +137,10 @@ impl<'a> Reference<'a> {
         Reference { moving, ..Reference::new(all.mesh, tree, scene_size(all.bounds())) }
     }
 
-    /// Of a still mesh in one place.
+    /// Makes the reference of a still mesh in one place.
     fn new(mesh: &'a Mesh, tree: Arc<Tree>, scene_size: f64) -> Reference<'a> {
         let pictures = Arc::default();
-        Reference { mesh, instances: None, moving: None, sample: None, tree, scene_size, is_layered: false, pictures }
+        Reference { mesh, instances: None, moving: None, sample: None, tree, scene_size, has_layers: false, pictures }
     }
 
     /// The mesh as it is at a moment.
@@ -151,7 +151,7 @@ impl<'a> Reference<'a> {
     /// The mesh as a pixel of a camera sees it: at the moment of its exposure, and by its sample.
     pub fn at_pixel(&self, scene: &Scene, camera: &Camera, pixel: (u32, u32)) -> Reference<'a> {
         let sample = camera.sample.map(|sample| (pixel, sample));
-        Reference { sample, is_layered: camera.layers.len() > 1, ..self.at(scene.moment(camera, pixel)) }
+        Reference { sample, has_layers: camera.layers.len() > 1, ..self.at(scene.moment(camera, pixel)) }
     }
 
     /// The visible hit of the bundle's central ray: the smallest `t` in `t_range` (ends inclusive), the
@@ -227,7 +227,7 @@ impl<'a> Reference<'a> {
         let m = intersect::meet(aim, &corners)?;
         let seen = m.sign < 0 || self.two_sided(id);
         let end = || intersect::end_on_plane(&aim.centre, &corners, t_range, self.scene_size);
-        let t = if self.is_layered { m.t } else { end().unwrap_or(m.t) };
+        let t = if self.has_layers { m.t } else { end().unwrap_or(m.t) };
         let in_range = t_range[0] <= t && t <= t_range[1];
         let hit = Hit { t, triangle: id, bary: m.bary };
         (seen && in_range && self.is_there(hit.triangle, hit.bary)).then_some(hit)

@@ -8,7 +8,6 @@ use crate::geometry::scene_mesh::SceneMesh;
 use crate::geometry::time_steps::TimeSteps;
 use crate::input::{Error, Result};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
-use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -75,8 +74,8 @@ impl Scene {
     pub fn move_object(&mut self, name: &str, matrix: [[f64; 4]; 3]) -> Result<()> {
         let column = |k: usize| DVec3::new(matrix[0][k], matrix[1][k], matrix[2][k]);
         let place = DAffine3::from_mat3_translation(DMat3::from_cols(column(0), column(1), column(2)), column(3));
-        if let Some(instance) = self.instance_of(name)? {
-            return self.move_instance(name, instance, place);
+        if let Some(instances) = self.instances_of(name)? {
+            return self.move_instances(name, instances, place);
         }
         let rest = self.rest(name)?;
         let triangles = rest.triangles.clone();
@@ -118,9 +117,9 @@ impl Scene {
         Ok(())
     }
 
-    /// The instance that is an object, where objects can move by a matrix alone: no vertex was set or moves while images are taken, and there are
+    /// The instances that are an object, where objects can move by matrices alone: no vertex was set or moves while images are taken, and there are
     /// no spheres. From the first such move on the scene is made of instances.
-    fn instance_of(&mut self, name: &str) -> Result<Option<usize>> {
+    fn instances_of(&mut self, name: &str) -> Result<Option<Range<usize>>> {
         let ids = triangles_of(&self.scene, name)?;
         let has_other_moves = !self.rests.is_empty() || self.scene.steps.is_some();
         if has_other_moves || self.scene.caustics.is_some() || self.scene.mesh.base().has_spheres() {
@@ -138,20 +137,24 @@ impl Scene {
         Ok(self.at_rest.as_ref().and_then(|at_rest| at_rest.exactly(&ids)))
     }
 
-    /// Moves an object that is an instance.
-    fn move_instance(&mut self, name: &str, instance: usize, place: DAffine3) -> Result<()> {
+    /// Moves an object that is some instances.
+    fn move_instances(&mut self, name: &str, instances: Range<usize>, place: DAffine3) -> Result<()> {
         let Some(at_rest) = &self.at_rest else { return Ok(()) };
-        let Instance { matrix: own, bounds, .. } = &at_rest.list[instance];
-        let matrix = match own {
-            _ if place == DAffine3::IDENTITY => *own,
-            Some(own) => Some(place * *own),
-            None => Some(place),
+        let moved = |own: &Instance| {
+            let matrix = match own.matrix {
+                _ if place == DAffine3::IDENTITY => own.matrix,
+                Some(own) => Some(place * own),
+                None => Some(place),
+            };
+            Instance { matrix, ..own.clone() }
         };
-        let (lo, hi) = Instance { matrix, ..at_rest.list[instance].clone() }.placed_box(*bounds);
-        if let Some(v) = [lo, hi].into_iter().find(|p| !p.is_finite()) {
+        let moved: Vec<Instance> = at_rest.list[instances.clone()].iter().map(moved).collect();
+        let corners = moved.iter().filter(|own| !own.vertices.is_empty()).map(|own| own.placed_box(own.bounds));
+        if let Some(v) = corners.flat_map(|(lo, hi)| [lo, hi]).find(|p| !p.is_finite()) {
             return Err(Error::input(format!("{name}: a vertex would lie at {v}; use finite numbers")));
         }
-        Arc::make_mut(&mut self.scene.mesh).place(instance, matrix);
+        let mesh = Arc::make_mut(&mut self.scene.mesh);
+        instances.zip(moved).for_each(|(k, own)| mesh.place(k, own.matrix));
         Ok(())
     }
 
@@ -162,28 +165,40 @@ impl Scene {
         let Some(now) = self.scene.mesh.instances().cloned() else { return Ok(()) };
         let mesh = self.scene.mesh.mesh().clone();
         let moved = crate::scene::Scene { mesh: Arc::new(mesh.into()), ..self.scene.clone() };
-        let ends = moved.objects.iter().scan(0, |end, object| {
-            *end += object.triangles;
-            Some((*end - object.triangles..*end, object.name.as_str()))
+        // where the copies of each instance's vertices and normals begin
+        let starts = at_rest.list.iter().scan((0, 0), |(vertex, normal), instance| {
+            let own = (*vertex, *normal);
+            (*vertex, *normal) = (*vertex + instance.vertices.len(), *normal + instance.normals.len());
+            Some(own)
         });
-        let names: HashMap<Range<usize>, &str> = ends.filter(|(ids, _)| !ids.is_empty()).collect();
-        let (mut rests, mut first_vertex, mut first_normal) = (Vec::new(), 0, 0);
-        for (was, is) in at_rest.list.iter().zip(&now.list) {
-            let ids = was.first_id as usize..was.first_id as usize + was.triangles.len();
-            if let Some(name) = names.get(&ids).filter(|_| was.matrix != is.matrix) {
-                let mut rest = Rest::of(&moved, name)?;
-                // the object as it was, where the copies have it now
-                let own = |k: usize, first: usize, range: &Range<u32>| k - first + range.start as usize;
-                for (k, p) in rest.vertices.clone().zip(&mut rest.positions) {
-                    *p = was.placed(at_rest.base.positions[own(k, first_vertex, &was.vertices)]);
-                }
-                for (k, n) in rest.normals.clone().zip(&mut rest.directions) {
-                    *n = was.placed_normal(at_rest.base.normals[own(k, first_normal, &was.normals)]);
-                }
-                rests.push(rest);
+        let starts: Vec<(usize, usize)> = starts.collect();
+        let (mut rests, mut first_id) = (Vec::new(), 0);
+        for object in &moved.objects {
+            let ids = first_id..first_id + object.triangles;
+            first_id = ids.end;
+            let Some(own) = at_rest.exactly(&ids) else { continue };
+            if own.clone().all(|k| at_rest.list[k].matrix == now.list[k].matrix) {
+                continue;
             }
-            first_vertex += was.vertices.len();
-            first_normal += was.normals.len();
+            // the object as it was, where the copies have it now
+            let mut rest = Rest::of(&moved, &object.name)?;
+            for k in own {
+                let (was, (first_vertex, first_normal)) = (&at_rest.list[k], starts[k]);
+                for v in was.vertices.clone() {
+                    let copy = first_vertex + (v - was.vertices.start) as usize;
+                    if rest.vertices.contains(&copy) {
+                        rest.positions[copy - rest.vertices.start] = was.placed(at_rest.base.positions[v as usize]);
+                    }
+                }
+                for n in was.normals.clone() {
+                    let copy = first_normal + (n - was.normals.start) as usize;
+                    if rest.normals.contains(&copy) {
+                        rest.directions[copy - rest.normals.start] =
+                            was.placed_normal(at_rest.base.normals[n as usize]);
+                    }
+                }
+            }
+            rests.push(rest);
         }
         (self.scene, self.rests, self.at_rest) = (moved, rests, None);
         Ok(())
@@ -230,5 +245,46 @@ impl Scene {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::generate::soup;
+    use crate::geometry::instances::at_places;
+    use crate::geometry::load::Object;
+
+    /// An object of 80 instances, as a glTF file of many nodes, before an object of one.
+    #[test]
+    fn an_object_of_several_instances_moves_as_one() {
+        let part = |seed: u64, places: u32| {
+            at_places(soup(seed, 1000), (0..places).map(|k| DAffine3::from_translation(3.0 * f64::from(k) * DVec3::X)))
+        };
+        let object = |name: &str, triangles: usize| Object { name: name.into(), triangles };
+        let mut scene = Scene::new();
+        let instances = Instances::new(vec![part(1, 80), part(2, 1)]).unwrap();
+        scene.scene.mesh = Arc::new(Arc::new(instances).into());
+        scene.scene.objects = vec![object("many", 80_000), object("one", 1000)];
+        let at_rest = scene.scene.mesh.instances().unwrap().copies();
+        let up = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 5.0], [0.0, 0.0, 1.0, 0.0]];
+        scene.move_object("many", up).unwrap();
+        let count = 80 * soup(1, 1000).positions.len();
+        let moved = |scene: &Scene| -> Vec<DVec3> {
+            let positions = &scene.scene.mesh.positions;
+            positions.iter().zip(&at_rest.positions).map(|(now, was)| *now - *was).collect()
+        };
+        let is_up = |offsets: &[DVec3]| offsets.iter().all(|v| (*v - 5.0 * DVec3::Y).length() < 1e-12);
+        let offsets = moved(&scene);
+        assert!(is_up(&offsets[..count]) && offsets[count..].iter().all(|v| *v == DVec3::ZERO));
+        assert!(scene.scene.mesh.instances().is_some());
+        // other vertices of another object copy all instances; the first object can still go back
+        let vertices: Vec<[f64; 3]> = at_rest.positions[count..].iter().map(|p| p.to_array()).collect();
+        scene.set_vertices("one", &vertices).unwrap();
+        assert!(scene.scene.mesh.instances().is_none() && is_up(&moved(&scene)[..count]));
+        scene.move_object("many", [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap();
+        assert!(scene.scene.mesh.positions == at_rest.positions);
+        let far = [[1.0, 0.0, 0.0, f64::INFINITY], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        assert!(scene.move_object("many", far).is_err());
     }
 }

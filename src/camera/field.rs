@@ -191,7 +191,7 @@ impl Field {
         Some(Field { turned, map: None, ..self.clone() })
     }
 
-    /// Returns the rays of a lens in whose eye all start, if this is its field at the origin with the world's axes: see [`Field::unturned`].
+    /// Returns the rays of a lens if all rays start in the eye, the eye is the origin, and the axes are the world's: see [`Field::unturned`].
     pub fn unturned_rays(&self) -> Option<&LensRays> {
         let (rays, viewer) = self.turned.as_ref()?;
         (rays.is_central() && viewer.is_unturned()).then_some(&**rays)

@@ -63,8 +63,19 @@ impl InView {
         hidden_lights: 0,
     };
 
-    /// Returns the parts that can change a frame, and those that were `seen` in an earlier one: a part that comes into view brings other kernels
-    /// and all triangles anew, once. `plan` is the plan for the whole scene.
+    /// No part but what surfaces look like.
+    pub const LOOKS: InView = InView {
+        kinds: Kinds::LOOKS,
+        optics: false,
+        volume: false,
+        caustics: false,
+        pictures: 0,
+        black_lights: false,
+        hidden_lights: u64::MAX,
+    };
+
+    /// Returns the parts that can change a frame, and those that were `seen` in an earlier one: a part that comes into view changes the kernels
+    /// and uploads all triangles, once. `plan` is the plan for the whole scene.
     pub fn of(
         (scene, facts): (&Scene, &SceneFacts),
         camera: &Camera,

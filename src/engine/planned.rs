@@ -318,6 +318,9 @@ impl Planner {
                 || last.whole.scene.lights != scene.lights && last.plan.variant.lights == variant.lights,
             ..last.plan.in_view
         });
+        // objects that change from call to call are not looked through for kinds of looks
+        let has_changed = last.is_some_and(|last| !same_triangles(last, scene));
+        let seen = if has_changed { Some(InView::LOOKS) } else { seen };
         if let Some(last) = last.filter(|last| by.is_that_of(last)) {
             let in_view = InView::of((scene, &whole.facts), camera, &last.plan, (wanted, run), seen);
             let shown = in_view.contents(&in_view.scene(scene), contents);

@@ -20,7 +20,7 @@ use gltf::mesh::Mode;
 use gltf::texture::Info;
 use gltf::{Document, Node, Primitive, Semantic};
 
-use crate::geometry::instances::{Run, saves_memory};
+use crate::geometry::instances::{Run, placed_box, saves_memory};
 use crate::geometry::mesh::{MAX_TRIANGLES, Material, Mesh, NO_COLOR, NO_NORMAL, NO_UV, Part, check_memory};
 use crate::geometry::place::{transformed_normal, world_normal_from_object};
 use crate::geometry::spec::AnimationSpec;
@@ -40,9 +40,9 @@ pub enum Files {
 /// Reads a `.gltf` file with its buffers (files that `files` allows, or `data:` URIs), or a `.glb` file.
 ///
 /// The default scene (or else the first, or else all nodes that are no other's child) is walked depth-first, in
-/// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each; where copies would take much memory, it
-/// is read once, and [`Mesh::runs`] says where it stands. Strips and
-/// fans become triangles as the glTF specification lists them; lines and points are skipped. The base colour
+/// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each. Where copies would take much memory, each
+/// mesh is stored once, and [`Mesh::runs`] are its places. Strips and fans become triangles as the glTF specification lists them; lines and
+/// points are skipped. The base colour
 /// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`. A masked material has a
 /// surface where its opacity reaches its cutoff, a blended one where it reaches one half. The opacity is the factor's times the image's; times the
 /// mean of `COLOR_0` at the corners it is judged for whole triangles, which keep their ids where they are left out, as triangles without area.
@@ -116,20 +116,31 @@ struct Placed {
     normals: HashMap<usize, Vec<u32>>,
 }
 
-/// A mesh of a node, or of an instance of it.
+/// A mesh of a node, or of an instance of the node.
 struct Placement<'a> {
     node: Node<'a>,
     mesh: gltf::Mesh<'a>,
     world_from_mesh: DMat4,
 }
 
-/// The triangles of a mesh, by the counts of its accessors.
+const NOT_FINITE: &str = "a placed vertex is not finite; check the node's transform and POSITION";
+
+/// The least and the greatest corner of a box.
+type Corners = (DVec3, DVec3);
+
+/// So many places need no look at how much memory is free.
+const UNCHECKED_PLACES: usize = 1 << 20;
+
+/// The least number of triangles in all nodes that is worth instances: frames through instances take longer, and many need copies.
+const SHARED_MIN: usize = 1 << 21;
+
+/// The triangles of a mesh, by the counts of its accessors; one for a rest of corners, which is an error.
 fn triangle_count(mesh: &gltf::Mesh) -> usize {
     let of_primitive = |primitive: Primitive| {
-        let positions = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
+        let Some(positions) = primitive.get(&Semantic::Positions).map(|positions| positions.count()) else { return 0 };
         let corners = primitive.indices().map_or(positions, |indices| indices.count());
         match primitive.mode() {
-            Mode::Triangles => corners / 3,
+            Mode::Triangles => corners.div_ceil(3),
             Mode::TriangleStrip | Mode::TriangleFan => corners.saturating_sub(2),
             _ => 0,
         }
@@ -137,7 +148,7 @@ fn triangle_count(mesh: &gltf::Mesh) -> usize {
     mesh.primitives().map(of_primitive).fold(0, usize::saturating_add)
 }
 
-/// Whether a copy of each mesh at each place would take much more memory than the meshes, and each place can do without one.
+/// Whether a copy of each mesh at each place would take much more memory than the meshes, and every node's matrix has an inverse.
 fn are_shared(all: &[Placement]) -> bool {
     let mut count_of: HashMap<usize, usize> = HashMap::new();
     let count = |mesh: &gltf::Mesh| *count_of.entry(mesh.index()).or_insert_with(|| triangle_count(mesh));
@@ -147,7 +158,7 @@ fn are_shared(all: &[Placement]) -> bool {
         let m = placement.world_from_mesh;
         m.row(3) == DVec4::W && world_normal_from_object(DMat3::from_mat4(m)).is_some()
     };
-    saves_memory(total, once, all.len()) && all.iter().all(has_normals)
+    total >= SHARED_MIN && saves_memory(total, once, all.len()) && all.iter().all(has_normals)
 }
 
 /// How the vertices of a primitive get into the world.
@@ -205,6 +216,7 @@ impl<'a> Builder<'a> {
         if self.mesh.corner_normals.iter().flatten().all(|&n| n == NO_NORMAL) {
             self.mesh.normals = Vec::new();
             self.mesh.corner_normals = Vec::new();
+            self.mesh.runs.iter_mut().for_each(|run| run.normals = 0..0);
         }
         if !self.mesh.colors.is_empty() {
             self.mesh.corner_colors.resize(self.mesh.triangles.len(), [NO_COLOR; 3]);
@@ -215,34 +227,35 @@ impl<'a> Builder<'a> {
         Ok(self.mesh)
     }
 
-    /// Places the meshes of all nodes; each once, with its places beside, where that takes much less memory.
+    /// Places the meshes of all nodes. Each mesh is stored once, with a list of its places, where that takes much less memory.
     fn place_scene(&mut self) -> Result<()> {
         let all = self.placements()?;
         let is_shared = self.pose.is_none() && are_shared(&all);
-        let mut known: HashMap<usize, Run> = HashMap::new();
+        let mut known: HashMap<usize, (Run, Corners)> = HashMap::new();
         for Placement { node, mesh, world_from_mesh } in &all {
             let at_node = |e: Error| e.at(format!("node {}", node.index()));
-            let run = match known.get(&mesh.index()) {
-                Some(run) => run.clone(),
+            let (run, bounds) = match known.get(&mesh.index()) {
+                Some(known) => known.clone(),
                 None => {
-                    let first = Run::whole(&self.mesh, DAffine3::IDENTITY);
+                    let before = Run::whole(&self.mesh, DAffine3::IDENTITY);
                     let matrix = if is_shared { DMat4::IDENTITY } else { *world_from_mesh };
                     self.place_mesh(node, mesh, matrix).map_err(at_node)?;
-                    let last = Run::whole(&self.mesh, DAffine3::IDENTITY);
-                    Run {
-                        triangles: first.triangles.end..last.triangles.end,
-                        vertices: first.vertices.end..last.vertices.end,
-                        normals: first.normals.end..last.normals.end,
-                        ..first
-                    }
+                    let run = Run::whole(&self.mesh, DAffine3::IDENTITY).after(&before);
+                    let bounds = run.bounds(&self.mesh);
+                    (run, bounds)
                 }
             };
             let name = node.name().or(mesh.name()).unwrap_or_default().to_owned();
             let triangles = run.triangles.len();
             self.mesh.parts.extend((triangles > 0).then_some(Part { name, triangles }));
             if is_shared {
-                known.insert(mesh.index(), run.clone());
-                self.mesh.runs.push(Run { matrix: DAffine3::from_mat4(*world_from_mesh), ..run });
+                known.entry(mesh.index()).or_insert_with(|| (run.clone(), bounds));
+                let run = Run { matrix: DAffine3::from_mat4(*world_from_mesh), ..run };
+                let (lo, hi) = placed_box(&run.matrix, bounds);
+                if !run.vertices.is_empty() && !(lo.is_finite() && hi.is_finite()) {
+                    return Err(at_node(Error::input(NOT_FINITE)));
+                }
+                self.mesh.runs.push(run);
             }
         }
         Ok(())
@@ -269,18 +282,22 @@ impl<'a> Builder<'a> {
                 None => kept.local.parent_from_node(),
             };
             let world_from_node = world_from_parent * own;
-            if let Some(mesh) = node.mesh() {
+            // other meshes have only lines and points
+            if let Some(mesh) = node.mesh().filter(|mesh| triangle_count(mesh) > 0) {
+                let at_node = |e: Error| e.at(format!("node {}", node.index()));
                 let instances = match &kept.instances {
-                    Some(instances) => {
-                        let at_node = |e: Error| e.at(format!("node {}", node.index()));
-                        self.source.read_instances(instances).map_err(at_node)?
-                    }
+                    Some(instances) => self.source.read_instances(instances).map_err(at_node)?,
                     None => vec![DMat4::IDENTITY],
                 };
                 // instances can ask for far more triangles than the file has bytes
                 triangles = triangles.saturating_add(triangle_count(&mesh).saturating_mul(instances.len()));
                 if triangles > MAX_TRIANGLES {
-                    return Err(Error::input("more than 2^28 triangles; split the file"));
+                    return Err(at_node(Error::input("more than 2^28 triangles; split the file")));
+                }
+                let places = all.len() + instances.len();
+                if places > UNCHECKED_PLACES {
+                    let what = format_args!("a scene of {places} places");
+                    check_memory(self.source.limits, (2 * places as u64, 0), what, "split the file")?;
                 }
                 all.extend(instances.into_iter().map(|node_from_instance| Placement {
                     node: node.clone(),
@@ -315,12 +332,6 @@ impl<'a> Builder<'a> {
         let Some(positions) = primitive.get(&Semantic::Positions) else { return Ok(()) };
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             return Ok(());
-        }
-        // Instances can ask for far more triangles than the file has bytes: find that out first.
-        let corners = primitive.indices().map_or(positions.count(), |indices| indices.count());
-        let most_added = if mode == Mode::Triangles { corners / 3 } else { corners };
-        if self.mesh.triangles.len().saturating_add(most_added) > MAX_TRIANGLES {
-            return Err(Error::input("more than 2^28 triangles; split the file"));
         }
         let placing = self.placing(node, primitive, positions.count(), world_from_node)?;
         // what moves vertices may differ from primitive to primitive
@@ -410,7 +421,7 @@ impl<'a> Builder<'a> {
         for (k, p) in self.morphed(from, Semantic::Positions, placing)?.into_iter().enumerate() {
             let p_world = placing.world_from_node(k).transform_point3(p);
             if !p_world.is_finite() {
-                return Err(Error::input("a placed vertex is not finite; check the node's transform and POSITION"));
+                return Err(Error::input(NOT_FINITE));
             }
             self.mesh.positions.push(p_world);
         }

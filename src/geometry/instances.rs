@@ -61,6 +61,19 @@ impl Run {
             [mesh.triangles.len(), mesh.positions.len(), mesh.normals.len()].map_each(all);
         Run { triangles, vertices, normals, matrix }
     }
+
+    /// What comes after an earlier end of the same mesh.
+    pub fn after(self, earlier: &Run) -> Run {
+        let triangles = earlier.triangles.end..self.triangles.end;
+        let vertices = earlier.vertices.end..self.vertices.end;
+        Run { triangles, vertices, normals: earlier.normals.end..self.normals.end, ..self }
+    }
+
+    /// The box around the run's vertices, before its matrix.
+    pub fn bounds(&self, mesh: &Mesh) -> (DVec3, DVec3) {
+        let own = self.vertices.start as usize..self.vertices.end as usize;
+        bounds_of(mesh.positions.get(own).unwrap_or_default())
+    }
 }
 
 /// A place takes the memory of so many triangles.
@@ -83,17 +96,14 @@ impl Instances {
         for (mesh, runs) in &parts {
             let mut boxes: HashMap<Range<u32>, (DVec3, DVec3)> = HashMap::new();
             let mut add = |run: &Run, matrix: Option<DAffine3>| {
-                let own = run.vertices.clone();
-                let bounds = boxes.entry(own.clone()).or_insert_with(|| {
-                    bounds_of(mesh.positions.get(own.start as usize..own.end as usize).unwrap_or_default())
-                });
+                let bounds = boxes.entry(run.vertices.clone()).or_insert_with(|| run.bounds(mesh));
                 let [triangles, vertices, normals] = [0, 1, 2].map_each(|k| {
                     let own = [&run.triangles, &run.vertices, &run.normals][k];
                     own.start.saturating_add(firsts[k])..own.end.saturating_add(firsts[k])
                 });
+                let own = first_id;
                 first_id += triangles.len() as u32;
-                let first_id = first_id - triangles.len() as u32;
-                list.push(Instance { first_id, triangles, vertices, normals, bounds: *bounds, matrix });
+                list.push(Instance { first_id: own, triangles, vertices, normals, bounds: *bounds, matrix });
             };
             let whole = Run::whole(mesh, DAffine3::IDENTITY);
             match runs {
@@ -152,11 +162,13 @@ impl Instances {
         Some(Instances { base: mesh.clone(), list })
     }
 
-    /// The instance that is exactly these triangles, by its index.
-    pub fn exactly(&self, ids: &Range<usize>) -> Option<usize> {
-        let k = self.index_of(ids.start as u32);
-        let own = self.list.get(k).filter(|_| !ids.is_empty())?;
-        (own.first_id as usize == ids.start && own.triangles.len() == ids.len()).then_some(k)
+    /// The instances that are exactly these triangles, by their indices.
+    pub fn exactly(&self, ids: &Range<usize>) -> Option<Range<usize>> {
+        let last_id = ids.end.checked_sub(1).filter(|_| !ids.is_empty())?;
+        let [first, last] = [ids.start, last_id].map_each(|id| self.index_of(id as u32));
+        let own = self.list.get(first..=last)?;
+        let (start, end) = (own.first()?.first_id as usize, own.last()?);
+        (start == ids.start && end.first_id as usize + end.triangles.len() == ids.end).then_some(first..last + 1)
     }
 
     /// Whether rays can be taken to the base mesh from each place: see [`Instance::inverse`]. No mesh may be far smaller than all together.
@@ -475,7 +487,8 @@ impl Instance {
     }
 }
 
-fn placed_box(matrix: &DAffine3, (lo, hi): (DVec3, DVec3)) -> (DVec3, DVec3) {
+/// A box that holds a box at a place, whatever is rounded.
+pub fn placed_box(matrix: &DAffine3, (lo, hi): (DVec3, DVec3)) -> (DVec3, DVec3) {
     if lo.cmpgt(hi).any() {
         return (lo, hi);
     }
@@ -493,14 +506,18 @@ fn rounding_of(matrix: &DAffine3, (lo, hi): (DVec3, DVec3)) -> DVec3 {
     BOX_ROUNDING * (sizes[0] * far.x + sizes[1] * far.y + sizes[2] * far.z + matrix.translation.abs())
 }
 
-/// A vertex of a mesh in its places that is not finite, or a corner of the box around them that is not.
+/// A vertex of a mesh that is not finite, or a corner of the box around a run of the mesh that is not.
 pub fn infinite_vertex((mesh, runs): &Part) -> Option<DVec3> {
     let is_far = |p: &DVec3| !p.is_finite();
     let of_mesh = parallel::reduce(&mesh.positions, |p| is_far(p).then_some(*p), |first, _| first);
     of_mesh.or_else(|| {
-        let runs = runs.as_ref().filter(|_| !mesh.positions.is_empty())?;
-        let bounds = bounds_of(&mesh.positions);
-        runs.iter().map(|run| placed_box(&run.matrix, bounds)).flat_map(|(lo, hi)| [lo, hi]).find(is_far)
+        let mut boxes = HashMap::new();
+        let placed = |run: &Run| {
+            let bounds = *boxes.entry(run.vertices.clone()).or_insert_with(|| run.bounds(mesh));
+            let (lo, hi) = placed_box(&run.matrix, bounds);
+            (!run.vertices.is_empty()).then_some([lo, hi])
+        };
+        runs.iter().flat_map(|runs| runs.iter()).filter_map(placed).flatten().find(is_far)
     })
 }
 

@@ -30,6 +30,11 @@ pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images, loading: &Loading)
 /// A mesh in the world, and its objects: one, or one for each part with [`MeshSpec::has_parts`]. A mesh with places is not at them yet; each
 /// copy has objects of its own, whose names end in #0, #1 and so on.
 pub(crate) fn placed(mut mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Result<(Part, Vec<Object>)> {
+    let own = place::matrix(spec.scale, spec.rotate, spec.translate);
+    if !mesh.runs.is_empty() && place::world_normal_from_object(own.matrix3).is_none() {
+        // a matrix without inverse leaves no normals
+        mesh = with_runs_copied(mesh, loading.limits())?;
+    }
     let runs = std::mem::take(&mut mesh.runs);
     let of_runs = runs.iter().map(|run| run.triangles.len()).sum();
     let (name, triangles) = (spec.called(), if runs.is_empty() { mesh.triangles.len() } else { of_runs });
@@ -37,7 +42,7 @@ pub(crate) fn placed(mut mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Resu
         return Err(Error::input(format!("spheres {name}: the scale {STRETCHES}")));
     }
     let parts = std::mem::take(&mut mesh.parts);
-    // runs have vertices of their own
+    // each run has its own vertices already
     if spec.has_parts && runs.is_empty() {
         separate(&mut mesh, &parts);
     }
@@ -45,12 +50,12 @@ pub(crate) fn placed(mut mesh: Mesh, spec: &MeshSpec, loading: &Loading) -> Resu
         true => parts.iter().map(|part| part_object(name, copy, part)).collect(),
         false => vec![Object { name: format!("{name}{copy}"), triangles }],
     };
-    // what stands at a place goes there by its matrix
+    // runs are placed by their matrices, not by their vertices
     let mesh = if runs.is_empty() { place::place(mesh, spec.scale, spec.rotate, spec.translate) } else { mesh };
     let at = |place: DAffine3| match runs.as_slice() {
         [] => vec![Run::whole(&mesh, place)],
         runs => {
-            let moved = place * place::matrix(spec.scale, spec.rotate, spec.translate);
+            let moved = place * own;
             runs.iter().map(|run| Run { matrix: moved * run.matrix, ..run.clone() }).collect()
         }
     };
@@ -92,8 +97,8 @@ pub(crate) fn copied((mesh, runs): Part, limits: Limits) -> Result<Mesh> {
     Ok(instances.copies())
 }
 
-/// A mesh whose file says where it stands, there.
-fn unrolled(mut mesh: Mesh, limits: Limits) -> Result<Mesh> {
+/// Copies each run of a mesh to the place that its file gives the run.
+fn with_runs_copied(mut mesh: Mesh, limits: Limits) -> Result<Mesh> {
     if mesh.runs.is_empty() {
         return Ok(mesh);
     }
@@ -127,8 +132,8 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images, lo
         MeshSource::Spheres(spheres) => spheres.load(&spec.called(), loading)?,
         MeshSource::File(path) => load_file(path, (files, spec.animation.as_ref()), of_file, loading)?,
         MeshSource::Between(paths, share) => {
-            let [from, to] = [&paths[0], &paths[1]].map_each(|path| load_file(path, (files, None), of_file, loading));
-            let [from, to] = [from?, to?].map_each(|mesh| unrolled(mesh, loading.limits()));
+            let [from, to] = [&paths[0], &paths[1]]
+                .map_each(|path| with_runs_copied(load_file(path, (files, None), of_file, loading)?, loading.limits()));
             let (from, to) = (from?, to?);
             let names = || format!("{} and {}", paths[0].display(), paths[1].display());
             blended(from, &to, *share).ok_or_else(|| {
@@ -137,7 +142,7 @@ pub(crate) fn load_dressed(spec: &MeshSpec, given: Mesh, images: &mut Images, lo
         }
     };
     if spec.smooth {
-        mesh = unrolled(mesh, loading.limits())?;
+        mesh = with_runs_copied(mesh, loading.limits())?;
         smooth::smooth(&mut mesh);
     }
     let has_own_color =

@@ -54,9 +54,9 @@ pub struct Mesh {
     pub material_of: Vec<u32>,
     /// Missing files and attributes that its file refers to.
     pub missing: Vec<Missing>,
-    /// Nodes or groups of its file, in the order of their triangles; empty: the file has none, or the mesh is placed.
+    /// Nodes or groups of its file, in the order of their triangles, in all runs; empty: the file has none, or the mesh is placed.
     pub parts: Vec<Part>,
-    /// Where runs of the triangles stand, if its file says that some stand more than once; empty once it is placed.
+    /// The places of runs of the triangles, if the mesh's file places some runs more than once; empty once the mesh is placed.
     pub runs: Vec<Run>,
 }
 

@@ -34,6 +34,7 @@ struct Candidates<'a> {
 impl Reference<'_> {
     /// A path's first hit: the lowest layer with a visible hit, the smallest t there, the lowest id among equals.
     pub fn first(&self, path: &Path) -> Option<Seen> {
+        let reference = Reference { has_layers: path.segments.len() > 1, ..self.clone() };
         (0..path.segments.len()).find_map(|layer| {
             let (piece, segment) = path.segments[layer].as_ref()?;
             let range = path.range(layer);
@@ -43,7 +44,7 @@ impl Reference<'_> {
                 best.map_or(f64::INFINITY, |b| past(b.t))
             };
             match segment {
-                Segment::Straight(bundle) => self.each_hit_of_ray(bundle, range, visit),
+                Segment::Straight(bundle) => reference.each_hit_of_ray(bundle, range, visit),
                 Segment::Curved(curve) => self.each_hit_of_curves(&[*curve], &[range], |_, hit| visit(hit)),
             }
             best.map(|hit| Seen { layer, piece: *piece, hit: Hit { t: path.within(hit.t), ..hit } })

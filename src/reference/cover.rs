@@ -42,7 +42,7 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
     let (mut sets, mut open) = join(&nearby);
     for (k, n) in nearby.iter().enumerate().filter(|(_, n)| n.may_hit) {
         let mut depth = Depth::over_box(bundle, &beam, &n.corners, reference.scene_size);
-        let in_range = depth.take_ends(bundle, &n.corners, t_range, (reference.scene_size, reference.is_layered));
+        let in_range = depth.take_ends(bundle, &n.corners, t_range, (reference.scene_size, reference.has_layers));
         let set = sets.root(k);
         open[set] |= !in_range || reference.mesh.has_alpha(reference.own(n.id));
     }

@@ -145,21 +145,21 @@ impl Depth {
     }
 
     /// Moves hits to the ends of `t_range`, as the definition says; whether all hits of the box are then in the range.
-    /// Of a layer of several it moves none: rounding may move those that are as near to an end, which the tolerance of planes bounds.
+    /// If the camera has several layers, no hit is moved: a hit out of the range and within the tolerance of an end may count or not.
     pub fn take_ends(
         &mut self,
         b: &Bundle,
         c: &Corners,
         t_range: [f64; 2],
-        (scene_size, is_layered): (f64, bool),
+        (scene_size, has_layers): (f64, bool),
     ) -> bool {
         let mut in_range = self.span[0] >= t_range[0] && self.span[1] <= t_range[1];
         let tolerance = plane_tolerance((c.v[1] - c.v[0]).cross(c.v[2] - c.v[0]), scene_size);
         for end in t_range.into_iter().filter(|end| end.is_finite()) {
             match self.on_plane(b, end, tolerance) {
                 OnPlane::Never => continue,
-                _ if is_layered && in_range => {}
-                OnPlane::Always if !is_layered => (self.span, in_range) = ([end; 2], true),
+                _ if has_layers && in_range => {}
+                OnPlane::Always if !has_layers => (self.span, in_range) = ([end; 2], true),
                 OnPlane::Always | OnPlane::Sometimes => {
                     self.span = [self.span[0].min(end), self.span[1].max(end)];
                     in_range = false;

@@ -119,7 +119,7 @@ impl Reference<'_> {
             return None;
         }
         let mut depth = Depth::over_box(bundle, beam, &corners, self.scene_size);
-        let in_range = depth.take_ends(bundle, &corners, t_range, (self.scene_size, self.is_layered));
+        let in_range = depth.take_ends(bundle, &corners, t_range, (self.scene_size, self.has_layers));
         let may_be = |sign: i8| sides.may_be(sign) && depth.facing != -sign;
         let may_be_seen = may_be(-1) || (may_be(1) && self.two_sided(id));
         let [near, far] = depth.span;

@@ -115,7 +115,7 @@ impl Frames {
         lit.steps.clone_from(&self.whole.scene.steps);
         self.scene = Arc::new(in_view.scene(&lit).into_owned());
         if self.whole.camera.optics.is_none() {
-            self.whole.scene = Arc::new(lit);
+            (self.whole.scene, self.whole.facts) = (Arc::new(lit), Arc::default());
         }
         let was_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
         let keeps_masks = if self.moving.is_some() {

@@ -1,5 +1,7 @@
-//! Lamps outside of the box around a scene, behind a side of it that triangles fill: their light enters it nowhere, as that of a lamp below the
-//! ground.
+//! Lamps behind a side of the scene's box that triangles fill, such as a lamp below the ground. No light of these lamps enters the box.
+//!
+//! Kernels start shadow rays a little above a surface. Where a surface that faces down touches the ground, a ray may start below the ground and
+//! reach the lamp: without the lamp, that false light is gone too.
 
 use super::rays::ImageRays;
 use crate::arrays::MapEach;
@@ -48,7 +50,7 @@ impl Side {
     }
 
     /// Returns whether a place is outside of the box, straight behind this side.
-    fn is_before(&self, place: DVec3) -> bool {
+    fn is_behind(&self, place: DVec3) -> bool {
         let (lo, hi) = self.bounds;
         let is_outside = if self.is_upper { place[self.axis] > self.at() } else { place[self.axis] < self.at() };
         is_outside && self.along().iter().all(|&k| lo[k] <= place[k] && place[k] <= hi[k])
@@ -63,8 +65,11 @@ impl Side {
             (is_opaque && corners.into_iter().all(is_in_side)).then_some(corners)
         };
         let triangles: Vec<[DVec3; 3]> = parallel::flat_map(0..mesh.triangles.len() as u32, within);
-        // With all triangles counter-clockwise, opposite edges of neighbours cancel. If what is left lies on the rim, the triangles cover every
-        // place of the side equally often: as often as the edges that are left go around it.
+        if triangles.len() > TRIANGLES_MAX {
+            return false;
+        }
+        // With all triangles counter-clockwise, opposite edges of neighbours cancel. If the edges that are left lie on the rim, the triangles cover
+        // every place of the side equally often: as often as these edges go around the side.
         let [x, y] = self.along();
         let mut edges: HashMap<[[u64; 2]; 2], i32> = HashMap::new();
         for corners in triangles {
@@ -88,6 +93,9 @@ impl Side {
     }
 }
 
+/// A side of more triangles counts as not filled.
+const TRIANGLES_MAX: usize = 1 << 17;
+
 /// The sign of the area of a triangle, without rounding.
 fn turn(a: DVec2, b: DVec2, c: DVec2) -> i32 {
     // a x b + b x c + c x a
@@ -96,15 +104,15 @@ fn turn(a: DVec2, b: DVec2, c: DVec2) -> i32 {
     sum.sign().into()
 }
 
-/// A bit for each of the first lamps whose light reaches nothing that these rays meet. `None`: rays are not bounded.
+/// A bit for each of the first 64 lights: whether it is a lamp whose light reaches nothing that `rays` meet. `None`: rays are not bounded.
 pub fn hidden(scene: &Scene, sides: &Sides, rays: Option<&ImageRays>) -> u64 {
     let is_still = scene.steps.is_none() && scene.mesh.instances().is_none();
     let (Some(rays), Some(bounds), true) = (rays, scene.mesh.bounds(), is_still) else { return 0 };
     let is_hidden = |light: &Light| {
         let Source::Point { position, .. } = light.source else { return false };
-        let before = Side::all(bounds).zip(&sides.0).find(|(side, _)| side.is_before(position));
+        let behind = Side::all(bounds).zip(&sides.0).find(|(side, _)| side.is_behind(position));
         light.casts_shadows
-            && before.is_some_and(|(side, known)| {
+            && behind.is_some_and(|(side, known)| {
                 rays.start_beyond(side.plane()) && *known.get_or_init(|| side.is_filled(scene.mesh.mesh()))
             })
     };
@@ -149,16 +157,16 @@ mod tests {
     #[test]
     fn lamps_stand_straight_behind_one_side() {
         let bounds = (DVec3::ZERO, DVec3::splat(2.0));
-        let before = |x: f64, y: f64, z: f64| {
+        let behind = |x: f64, y: f64, z: f64| {
             Side::all(bounds)
-                .filter(|side| side.is_before(DVec3::new(x, y, z)))
+                .filter(|side| side.is_behind(DVec3::new(x, y, z)))
                 .map(|s| (s.axis, s.is_upper))
                 .collect::<Vec<_>>()
         };
-        assert_eq!(before(1.0, -1.0, 1.0), [(1, false)]);
-        assert_eq!(before(3.0, 1.0, 2.0), [(0, true)]);
-        assert_eq!(before(1.0, 1.0, 1.0), []);
-        assert_eq!(before(1.0, 0.0, 1.0), []);
-        assert_eq!(before(-1.0, -1.0, 1.0), []);
+        assert_eq!(behind(1.0, -1.0, 1.0), [(1, false)]);
+        assert_eq!(behind(3.0, 1.0, 2.0), [(0, true)]);
+        assert_eq!(behind(1.0, 1.0, 1.0), []);
+        assert_eq!(behind(1.0, 0.0, 1.0), []);
+        assert_eq!(behind(-1.0, -1.0, 1.0), []);
     }
 }

@@ -26,7 +26,7 @@ pub struct Kinds {
 impl Kinds {
     pub const NONE: Kinds = Kinds::each(false);
     pub const ALL: Kinds = Kinds::each(true);
-    /// Those of which a frame shows nothing but their own surfaces.
+    /// Kinds that change only the surfaces that have them.
     pub const LOOKS: Kinds = Kinds { spheres: false, motion: false, images: false, alpha_masks: false, ..Kinds::ALL };
 
     const fn each(has: bool) -> Kinds {

@@ -55,7 +55,7 @@ impl<'a> ImageRays<'a> {
             let (own, ahead) = (least(&p, r_p), if t0 > 0.0 { t0 * least(&d, r_d) } else { 0.0 });
             let at = at - normal.dot(self.anchor);
             let sizes = size(&p) + r_p + t0 * (size(&d) + r_d) + at.abs() + self.anchor.length();
-            own + ahead > at + BOX_TOLERANCE * sizes
+            own + ahead > at + BOX_TOLERANCE * sizes + PLACE_TOLERANCE * self.scene_size
         };
         self.t_range[0] >= 0.0
             && self.bands.iter().all(|band| {

@@ -101,9 +101,9 @@ fn runs_of_a_mesh_are_instances_and_vertices_without_triangles_keep_their_place(
     let mesh = Arc::new(Mesh { corner_colors: Vec::new(), ..Mesh::clone(&mesh) });
     let mut runs = Instances::of_runs(&mesh, [2, 0, 1].into_iter()).unwrap();
     assert!(runs.copies() == *mesh);
-    assert_eq!(runs.exactly(&(0..2)), Some(1));
+    assert_eq!((runs.exactly(&(0..2)), runs.exactly(&(0..3))), (Some(1..2), Some(1..4)));
     assert_eq!((runs.exactly(&(0..1)), runs.exactly(&(2..2))), (None, None));
-    let third = runs.exactly(&(2..3)).unwrap();
+    let third = runs.exactly(&(2..3)).unwrap().start;
     runs.list[third].matrix = Some(DAffine3::from_translation(DVec3::Z));
     let copies = runs.copies();
     let is_moved = |k: usize| copies.positions[k] != mesh.positions[k];

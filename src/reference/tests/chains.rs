@@ -36,7 +36,7 @@ fn in_layers() -> Camera {
 
 fn find(reference: &Reference, camera: &Camera, i: u32, j: u32) -> (Finding, Path) {
     let path = Path::of_pixel(camera, i, j);
-    let reference = Reference { is_layered: camera.layers.len() > 1, ..reference.clone() };
+    let reference = Reference { has_layers: camera.layers.len() > 1, ..reference.clone() };
     (reference.finding(camera, &path, (i, j)), path)
 }
 

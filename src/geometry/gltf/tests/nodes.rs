@@ -113,32 +113,44 @@ fn nodes_have_instances_or_are_hidden_and_are_parts() {
     assert_eq!(all.parts.len(), 5);
 }
 
-/// 1,000 quads 40 times over, and as many strips, in turn: nodes of two meshes.
+/// Nodes of two meshes in turn, of 1,200 triangles each: 2,400,000 triangles.
 #[test]
 fn meshes_of_many_nodes_are_read_once_where_copies_would_take_much_memory() {
+    let both: [[u16; 6]; 2] = [[0, 1, 2, 2, 1, 3], [3, 1, 2, 2, 1, 0]];
+    let indices: Vec<u8> = both.iter().flat_map(|own| own.repeat(600)).flat_map(u16::to_le_bytes).collect();
+    let binary = [quad_bytes(), indices].concat();
     let load = |nodes: usize, edit: &dyn Fn(&mut serde_json::Value)| {
-        load_quad(|json| {
-            let quad = serde_json::json!({"attributes": {"POSITION": 0}, "indices": 1});
-            let strip = serde_json::json!({"attributes": {"POSITION": 0}, "indices": 2, "mode": 5});
-            json["meshes"] = [quad, strip].map(|mesh| serde_json::json!({"primitives": vec![mesh; 40]})).into();
-            let node = |k: usize| serde_json::json!({"mesh": k % 2, "name": k.to_string(), "translation": [k, 0, 1], "scale": [1, -2, 1]});
-            json["scenes"][0]["nodes"] = (0..nodes).collect();
-            json["nodes"] = (0..nodes).map(node).collect();
-            edit(json);
-        })
-        .unwrap()
+        let mut json = quad_json();
+        json["buffers"][0] = serde_json::json!({"byteLength": binary.len()});
+        for k in 0..2 {
+            let view = serde_json::json!({"buffer": 0, "byteOffset": 64 + 7200 * k, "byteLength": 7200});
+            json["bufferViews"].as_array_mut().unwrap().push(view);
+            let accessor =
+                serde_json::json!({"bufferView": 3 + k, "componentType": 5123, "count": 3600, "type": "SCALAR"});
+            json["accessors"].as_array_mut().unwrap().push(accessor);
+        }
+        let mesh = |k: usize| serde_json::json!({"primitives": [{"attributes": {"POSITION": 0}, "indices": 3 + k}]});
+        json["meshes"] = (0..2).map(mesh).collect();
+        let node = |k: usize| {
+            let translation = [k, 0, 1];
+            serde_json::json!({"mesh": k % 2, "name": k.to_string(), "translation": translation, "scale": [1, -2, 1]})
+        };
+        json["scenes"][0]["nodes"] = (0..nodes).collect();
+        json["nodes"] = (0..nodes).map(node).collect();
+        edit(&mut json);
+        parse(document_glb(&json, &binary), here(&Loading::default()), &Images::default(), None).unwrap()
     };
     let shared = load(2000, &|_| {});
-    assert_eq!((shared.triangles.len(), shared.positions.len(), shared.runs.len()), (160, 8, 2000));
+    assert_eq!((shared.triangles.len(), shared.positions.len(), shared.runs.len()), (2400, 8, 2000));
     let parts = shared.parts.clone();
-    assert_eq!((parts.len(), &parts[7]), (2000, &Part { name: "7".into(), triangles: 80 }));
+    assert_eq!((parts.len(), &parts[7]), (2000, &Part { name: "7".into(), triangles: 1200 }));
     // a place without volume has no normals, so each mesh is copied
     let copied = load(2000, &|json| json["nodes"][1999]["scale"] = serde_json::json!([1, 0, 1]));
-    assert_eq!((copied.triangles.len(), copied.runs.len()), (160_000, 0));
+    assert_eq!((copied.triangles.len(), copied.runs.len()), (2_400_000, 0));
     let runs = shared.runs.clone();
     let instances = Instances::new(vec![(Mesh { runs: Vec::new(), ..shared }, Some(runs.into()))]).unwrap();
-    assert_eq!((instances.triangle_count(), instances.meshes().0.len()), (160_000, 2));
-    for id in [0, 79, 80, 81, 159, 160, 80_003, 159_919] {
+    assert_eq!((instances.triangle_count(), instances.meshes().0.len()), (2_400_000, 2));
+    for id in [0, 1199, 1200, 1201, 2399, 2400, 80_003, 2_398_799] {
         let corners = copied.triangles[id].map(|v| copied.positions[v as usize]);
         assert_eq!(instances.corners(id as u32), corners, "{id}");
     }
