@@ -252,7 +252,8 @@ impl<'a> Builder<'a> {
                 known.entry(mesh.index()).or_insert_with(|| (run.clone(), bounds));
                 let run = Run { matrix: DAffine3::from_mat4(*world_from_mesh), ..run };
                 let (lo, hi) = placed_box(&run.matrix, bounds);
-                if !run.vertices.is_empty() && !(lo.is_finite() && hi.is_finite()) {
+                let is_finite = lo.is_finite() && hi.is_finite();
+                if !is_finite && !run.vertices.is_empty() {
                     return Err(at_node(Error::input(NOT_FINITE)));
                 }
                 self.mesh.runs.push(run);

@@ -35,7 +35,7 @@ impl RayTable {
         let halves = table.hi.chunks_exact_mut(numbers).zip(table.lo.chunks_exact_mut(numbers));
         parallel::for_each(halves.enumerate(), |(j, (hi, lo))| {
             let j = row + j as u32;
-            let [hi, lo] = [hi, lo].map_each(|half| bytemuck::cast_slice_mut::<f32, [f32; 6]>(half));
+            let [hi, lo] = [hi, lo].map_each(bytemuck::cast_slice_mut::<f32, [f32; 6]>);
             for ((hi, lo), i) in hi.iter_mut().zip(lo).zip(0..=field.width) {
                 let (p, d) = field.ray_or_beyond(i, j).unwrap_or((anchor, DVec3::ZERO));
                 let [[a, b, c], [d, e, f]] = [p - anchor, d].map_each(|v| v.to_array().map_each(split2));

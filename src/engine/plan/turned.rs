@@ -183,7 +183,7 @@ fn directions_of(field: &Field, rays: &LensRays, Rows { first, count }: Rows) ->
         let within = rays.directions_of_row(j);
         let beyond =
             (within.len() as u32..=field.width).map(|i| field.ray_or_beyond(i, j).map_or(DVec3::ZERO, |ray| ray.1));
-        let [hi, lo] = [hi, lo].map_each(|half| bytemuck::cast_slice_mut::<f32, [f32; 3]>(half));
+        let [hi, lo] = [hi, lo].map_each(bytemuck::cast_slice_mut::<f32, [f32; 3]>);
         for ((hi, lo), direction) in hi.iter_mut().zip(lo).zip(within.iter().copied().chain(beyond)) {
             let [x, y, z] = direction.to_array().map_each(split2);
             (*hi, *lo) = ([x[0], y[0], z[0]], [x[1], y[1], z[1]]);
