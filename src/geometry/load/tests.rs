@@ -1,6 +1,7 @@
 use super::*;
 use crate::geometry::places::Places;
 use crate::geometry::spec::MeshSpec;
+use glam::DVec3;
 use std::path::PathBuf;
 
 /// A mesh file in a folder of its own, loaded and placed with these keys.
@@ -77,4 +78,56 @@ fn unlit_materials_shine_with_their_color() {
     let with_colors = gltf(unlit).replace("\"POSITION\": 0", "\"POSITION\": 0, \"COLOR_0\": 0");
     let (mesh, _) = load("a.gltf", &with_colors, |_| {}).unwrap();
     assert_eq!((mesh.materials[0].emissive, mesh.missing[0].what.as_str()), ([0.0; 3], "unlit material \"sign\""));
+}
+
+/// Three runs of two meshes, as of nodes of a glTF file: placed by their matrices, or copied and then placed.
+#[test]
+fn runs_of_a_file_lie_where_their_copies_would() {
+    let two = [
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n",
+        "v 5 0 0\nv 6 0 0\nv 5 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\nf 3//1 2//1 1//1\n",
+    ];
+    let [a, b] = two.map(|text| load("a.obj", text, |_| {}).unwrap().0);
+    let turned =
+        DAffine3::from_mat3_translation(place::rotation_xyz(DVec3::new(20.0, 30.0, 40.0)), DVec3::new(1.0, 2.0, 3.0));
+    let stretched = DAffine3::from_scale(DVec3::new(1.0, -2.0, 0.5));
+    let own = Run { triangles: 0..1, vertices: 0..3, normals: 0..1, matrix: turned };
+    let other = Run { triangles: 1..3, vertices: 3..6, normals: 1..2, matrix: stretched };
+    let runs = vec![own.clone(), other, Run { matrix: DAffine3::IDENTITY, ..own }];
+    let part = |name: &str, triangles: usize| mesh::Part { name: name.into(), triangles };
+    let parts = vec![part("a", 1), part("b", 2), part("c", 1)];
+    let file = Mesh { runs, parts, ..place::merge(vec![a, b]).unwrap() };
+    let loading = Loading::default();
+    let spread = with_runs_copied(file.clone(), loading.limits()).unwrap();
+    assert_eq!((spread.triangles.len(), spread.positions.len(), spread.runs.len(), spread.parts.len()), (4, 9, 0, 3));
+    type Keys = fn(&mut MeshSpec);
+    let keys: [Keys; 4] = [
+        |_| {},
+        |spec| spec.has_parts = true,
+        |spec| (spec.scale, spec.rotate, spec.translate) = (DVec3::new(2.0, 3.0, -1.0), DVec3::X * 50.0, DVec3::Y),
+        |spec| {
+            let places = [DAffine3::from_translation(DVec3::X), DAffine3::from_rotation_y(1.0)];
+            (spec.scale, spec.has_parts, spec.places) = (DVec3::splat(0.3), true, Some(Places::Given(places.into())));
+        },
+    ];
+    for keys in keys {
+        let mut spec = MeshSpec::of(MeshSource::Given);
+        keys(&mut spec);
+        let of = |mesh: &Mesh| {
+            let (part, objects) = placed(mesh.clone(), &spec, &loading).unwrap();
+            (copied(part, loading.limits()).unwrap(), objects)
+        };
+        let ((by_matrices, objects), (by_vertices, expected)) = (of(&file), of(&spread));
+        assert_eq!(objects, expected);
+        assert_eq!(by_matrices.triangles, by_vertices.triangles);
+        assert_eq!(by_matrices.corner_normals, by_vertices.corner_normals);
+        let positions = by_matrices.positions.iter().zip(&by_vertices.positions);
+        assert!(positions.clone().all(|(p, q)| p.distance(*q) < 1e-14 * (1.0 + q.length())));
+        let normals = by_matrices.normals.iter().zip(&by_vertices.normals);
+        assert!(normals.clone().all(|(p, q)| p.distance(*q) < 1e-6));
+    }
+    // a scale without inverse leaves no normals
+    let flat = MeshSpec { scale: DVec3::new(1.0, 0.0, 1.0), ..MeshSpec::of(MeshSource::Given) };
+    let (flattened, _) = placed(file, &flat, &loading).unwrap();
+    assert!(flattened.0.normals.is_empty() && flattened.0.corner_normals.is_empty());
 }
