@@ -241,7 +241,7 @@ impl<'a> Builder<'a> {
                     let matrix = if is_shared { DMat4::IDENTITY } else { *world_from_mesh };
                     self.place_mesh(node, mesh, matrix).map_err(at_node)?;
                     let run = Run::whole(&self.mesh, DAffine3::IDENTITY).after(&before);
-                    let bounds = run.bounds(&self.mesh);
+                    let bounds = if is_shared { run.bounds(&self.mesh) } else { Default::default() };
                     (run, bounds)
                 }
             };

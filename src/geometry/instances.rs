@@ -62,7 +62,7 @@ impl Run {
         Run { triangles, vertices, normals, matrix }
     }
 
-    /// What comes after an earlier end of the same mesh.
+    /// The rest of a mesh after its state when it was `earlier`.
     pub fn after(self, earlier: &Run) -> Run {
         let triangles = earlier.triangles.end..self.triangles.end;
         let vertices = earlier.vertices.end..self.vertices.end;

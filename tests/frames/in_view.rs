@@ -263,7 +263,7 @@ fn lamps_below_the_ground() {
     assert_eq!(left_out(&own, reason), [""; 0], "two grounds that lap over");
 }
 
-/// What surfaces behind the camera look like: their normals, vertex colours and pattern.
+/// Normals, vertex colours and patterns of surfaces behind the camera.
 #[test]
 fn looks_of_things_behind_the_camera() {
     let folder = tempfile::tempdir().unwrap();
