@@ -77,6 +77,11 @@ impl Scene {
         if let Some(instances) = self.instances_of(name)? {
             return self.move_instances(name, instances, place);
         }
+        self.or_unchanged(|scene| scene.move_vertices(name, place))
+    }
+
+    /// Moves an object's vertices and normals.
+    fn move_vertices(&mut self, name: &str, place: DAffine3) -> Result<()> {
         let rest = self.rest(name)?;
         let triangles = rest.triangles.clone();
         let is_sphere = |id: usize| self.scene.mesh.radius(id as u32).is_some();
@@ -101,20 +106,36 @@ impl Scene {
     /// # Errors
     /// As [`Scene::move_object`], and if there are more or fewer vertices.
     pub fn set_vertices(&mut self, name: &str, vertices: &[[f64; 3]]) -> Result<()> {
-        let count = self.rest(name)?.positions.len();
-        if vertices.len() != count {
-            let given = vertices.len();
-            return Err(Error::input(format!(
-                "{name}: {given} vertices for an object of {count}, from the first to the last that a triangle uses"
-            )));
+        self.or_unchanged(|scene| {
+            let count = scene.rest(name)?.positions.len();
+            if vertices.len() != count {
+                let given = vertices.len();
+                return Err(Error::input(format!(
+                    "{name}: {given} vertices for an object of {count}, from the first to the last that a triangle uses"
+                )));
+            }
+            let positions: Vec<DVec3> = vertices.iter().map(|v| DVec3::from_array(*v)).collect();
+            scene.put(name, positions.clone(), None)?;
+            if let Some(rest) = scene.rests.iter_mut().find(|rest| rest.name == name) {
+                rest.positions = positions;
+                rest.directions = Vec::new();
+            }
+            Ok(())
+        })
+    }
+
+    /// Runs a change of vertices. If it fails, the scene's instances and the objects that have moved are as before.
+    pub(super) fn or_unchanged(&mut self, change: impl FnOnce(&mut Scene) -> Result<()>) -> Result<()> {
+        let instances = self.at_rest.clone().map(|at_rest| (self.scene.clone(), at_rest));
+        let known = self.rests.len();
+        let done = change(self);
+        if done.is_err() {
+            self.rests.truncate(known);
+            if let Some((scene, at_rest)) = instances {
+                (self.scene, self.at_rest) = (scene, Some(at_rest));
+            }
         }
-        let positions: Vec<DVec3> = vertices.iter().map(|v| DVec3::from_array(*v)).collect();
-        self.put(name, positions.clone(), None)?;
-        if let Some(rest) = self.rests.iter_mut().find(|rest| rest.name == name) {
-            rest.positions = positions;
-            rest.directions = Vec::new();
-        }
-        Ok(())
+        done
     }
 
     /// The instances that are an object, where objects can move by matrices alone: no vertex was set or moves while images are taken, and there are
@@ -278,6 +299,10 @@ mod tests {
         let offsets = moved(&scene);
         assert!(is_up(&offsets[..count]) && offsets[count..].iter().all(|v| *v == DVec3::ZERO));
         assert!(scene.scene.mesh.instances().is_some());
+        // a refused change leaves a scene of instances as it was
+        assert!(scene.set_vertices("one", &[[0.0; 3]; 2]).is_err() && scene.set_vertices("none", &[]).is_err());
+        assert!(scene.set_vertices("one", &vec![[f64::NAN; 3]; at_rest.positions.len() - count]).is_err());
+        assert!(scene.scene.mesh.instances().is_some() && scene.rests.is_empty() && is_up(&moved(&scene)[..count]));
         // other vertices of another object copy all instances; the first object can still go back
         let vertices: Vec<[f64; 3]> = at_rest.positions[count..].iter().map(|p| p.to_array()).collect();
         scene.set_vertices("one", &vertices).unwrap();

@@ -39,6 +39,10 @@ impl Scene {
     /// [`Error::Input`] if the scene has no such object or has caustics, times do not ascend or are more than 256 in all, counts differ, or a
     /// number is not finite; the scene is then unchanged.
     pub fn animate(&mut self, name: &str, times: &[f64], vertices: &[Vec<[f64; 3]>]) -> Result<()> {
+        self.or_unchanged(|scene| scene.animate_vertices(name, times, vertices))
+    }
+
+    fn animate_vertices(&mut self, name: &str, times: &[f64], vertices: &[Vec<[f64; 3]>]) -> Result<()> {
         let (range, count) = {
             let rest = self.rest(name)?;
             (rest.vertices(), rest.vertices().len())

@@ -11,7 +11,7 @@ use super::pages::PageStore;
 use super::planned::Planned;
 use super::readback::{FrameLayout, PendingReads, RawFrame, Readback};
 use super::resident::{BvhState, Resident};
-use super::running::{RasterTrial, Running};
+use super::running::{RasterTrial, Running, Savings};
 use super::{Counts, MethodUsed, Rendered, RunOptions};
 use crate::camera::Camera;
 use crate::engine::clusters::{Clustered, cluster_scene, cluster_shown};
@@ -69,8 +69,10 @@ pub struct Frames {
     pub(super) moving: Option<Clustered>,
     /// Something failed while another scene, camera or light was sent, of which a part may be there.
     pub(super) is_partly_uploaded: bool,
-    /// Sum of the costs that tracing would have saved since the triangles came, in the units of costs; counted until hierarchies are built.
-    pub(super) saved_by_tracing: u64,
+    /// What tracing saves along a path.
+    pub(super) savings: Savings,
+    /// [`Resident::fit_cost`] of the triangles that moved before the present frame, if that was not paid by what tracing had saved.
+    pub(super) fit_cost: u64,
     /// When raster is tried again in frames that are traced.
     pub(super) trial: RasterTrial,
     /// Trace could not follow all paths of a frame.
@@ -289,13 +291,15 @@ impl Frames {
     /// From the next frame on, renders another planned frame; uploads only what differs. Returns false, with nothing changed, if a new
     /// `Frames` is needed instead.
     pub(super) fn show(&mut self, planned: &Planned) -> Result<bool> {
-        let is_other_method = self.choose_method();
-        self.show_by(planned, is_other_method)
+        self.show_by(planned, true)
     }
 
-    /// Shows another planned frame as [`Frames::show`] does, without choosing whether raster is tried. `is_other_method`: that choice has
-    /// changed since the last frame.
-    pub(super) fn show_by(&mut self, planned: &Planned, is_other_method: bool) -> Result<bool> {
+    /// Shows another planned frame. `chooses`: whether raster is tried, and hierarchies follow moved triangles, is chosen anew for this frame.
+    pub(super) fn show_by(&mut self, planned: &Planned, chooses: bool) -> Result<bool> {
+        let bvh = self.resident.bvh;
+        if chooses {
+            self.choose_method();
+        }
         let Planned { scene, camera, plan, clustered, wanted, .. } = planned;
         let is_plain = self.atlas.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
         let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.slabs.count(), camera.width, plan.rows_max());
@@ -315,13 +319,20 @@ impl Frames {
         let is_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
         let changes = if is_partly_uploaded { Changes::ALL } else { Changes::between(&shown, planned) };
         let triangles = (&**clustered, clustered.mesh(scene));
+        self.fit_cost = 0;
         if changes.triangles {
-            (self.saved_by_tracing, self.trial) = Default::default();
+            (self.savings, self.trial) = Default::default();
             self.resident.upload_scene(&self.gpu, triangles, plan.origin)?;
         } else if changes.places {
             let moved = clustered.moved.as_ref().filter(|moved| Arc::ptr_eq(&moved.from, &self.places));
-            let is_about_its_anchor = plan.anchor == self.plan.anchor;
-            self.resident.move_scene(&self.gpu, triangles, moved.filter(|_| is_about_its_anchor), plan.origin)?;
+            let moved = moved.filter(|_| plan.anchor == self.plan.anchor);
+            let fit_cost = self.resident.fit_cost(moved);
+            if chooses && !self.pay_for_fit(fit_cost) {
+                self.trial = RasterTrial::default();
+                self.resident.forget_bvh(&self.gpu, triangles, plan.origin)?;
+            }
+            self.fit_cost = if self.resident.bvh == BvhState::None { fit_cost } else { 0 };
+            self.resident.move_scene(&self.gpu, triangles, moved, plan.origin)?;
         } else if changes.positions {
             self.resident.anchor_scene(&self.gpu, triangles)?;
             if plan.origin != self.plan.origin {
@@ -332,7 +343,7 @@ impl Frames {
         (self.slots, self.places) = (clustered.slots.clone(), clustered.places.clone());
         if changes.plan {
             self.resident.aim(&self.gpu, scene, camera, plan)?;
-        } else if changes.triangles || is_other_method {
+        } else if changes.triangles || self.resident.bvh != bvh {
             self.resident.write_params(&self.gpu, camera, plan)?;
         }
         let casts_itself = scene.casters.is_none() && self.scene.casters.is_none();

@@ -63,8 +63,10 @@ pub struct Resident {
     /// Frames may trace rays.
     traces: bool,
     /// Some rays are always traced.
-    always_traces: bool,
+    pub always_traces: bool,
     pub bvh: BvhState,
+    /// Hierarchies were built again when triangles last moved.
+    rebuilds: bool,
     costs: &'static Costs,
     /// Triangles without area.
     pub without_area: usize,
@@ -145,6 +147,7 @@ impl Resident {
             traces: plan.variant.traces(),
             always_traces,
             bvh: BvhState::None,
+            rebuilds: false,
             costs: if gpu.has.software { &Costs::SOFTWARE } else { &Costs::GPU },
             shadow_casters: None,
             pictures: None,
@@ -187,14 +190,18 @@ impl Resident {
 
     /// What building the hierarchies would cost that are not there yet.
     pub fn build_cost(&self) -> u64 {
-        let slots: u64 = self.chunks.iter().map(|chunk| u64::from(chunk.slots)).sum();
-        if self.bvh == BvhState::None { self.costs.triangle * slots } else { 0 }
+        if self.bvh == BvhState::None { self.rebuild_cost() } else { 0 }
+    }
+
+    /// What building all hierarchies costs.
+    pub fn rebuild_cost(&self) -> u64 {
+        self.costs.triangle * self.chunks.iter().map(|chunk| u64::from(chunk.slots)).sum::<u64>()
     }
 
     /// Puts the triangles of a mesh on the device, anew where they were there before.
     pub fn upload_scene(&mut self, gpu: &Gpu, triangles: Triangles, origin: DVec3) -> Result<()> {
         let clustered = triangles.0;
-        self.without_area = clustered.without_area;
+        (self.without_area, self.rebuilds) = (clustered.without_area, false);
         self.bvh = if self.always_traces { BvhState::Built } else { BvhState::None };
         let mut there = std::mem::take(&mut self.chunks).into_iter().map(|c| c.buffers);
         let mut each = || there.next().unwrap_or_default();

@@ -24,6 +24,8 @@ pub(super) struct Running {
     raster_rounds: u32,
     /// The hierarchies when it was submitted: a later frame may have built them.
     bvh: BvhState,
+    /// What fitting hierarchies to the triangles that moved before it cost, or would have cost, in the units of costs.
+    fit_cost: u64,
     /// Time that its kernels took to compile, ms.
     pub(super) compile_ms: f64,
     started: Instant,
@@ -45,7 +47,8 @@ impl Frames {
         let started = Instant::now();
         let (copies, recorded) = self.submit(&steps)?;
         let (capacities, raster_rounds) = (self.resident.capacities, self.resident.raster_rounds);
-        Ok(Running { copies, recorded, capacities, raster_rounds, bvh: self.resident.bvh, compile_ms, started })
+        let (bvh, fit_cost) = (self.resident.bvh, self.fit_cost);
+        Ok(Running { copies, recorded, capacities, raster_rounds, bvh, fit_cost, compile_ms, started })
     }
 
     /// Submits a whole frame of `planned`, which is shown, and returns without waiting for it.
@@ -72,12 +75,12 @@ impl Frames {
                 let (frame_ms, stages) = (vec![running.ms()], raw.stages.clone());
                 let rest =
                     Rendered { frame_ms, call, stages, grown, ..self.statistics(&frame_layout.plan, &running, &raw) };
-                self.weigh_tracing(&frame_layout.plan, &rest.counts)?;
+                self.weigh_tracing(&frame_layout.plan, &running, &rest.counts)?;
                 return Ok(Readback { frame_layout, raw, rest });
             };
             let growing = Instant::now();
             // raster that was stopped counts as a cost, too
-            self.weigh_tracing(&planned.plan, &Counts::of(&raw.status))?;
+            self.weigh_tracing(&planned.plan, &running, &Counts::of(&raw.status))?;
             // the lists are to hold this frame
             if !self.show_by(&planned, false)? {
                 return Err(Error::work("a frame cannot be shown again"));
@@ -109,18 +112,33 @@ impl Frames {
         std::mem::replace(&mut self.resident.bvh, next) != next
     }
 
-    /// Builds the hierarchies that trace follows, once tracing would have saved as much in the frames so far as building them costs.
-    fn weigh_tracing(&mut self, plan: &Plan, counts: &Counts) -> Result<()> {
-        if self.plan.variant.method != Method::Auto || self.resident.bvh != BvhState::None {
+    /// Counts what tracing saves in a frame that was submitted with the hierarchies `bvh`. Builds them, once the frames so far would have saved
+    /// as much as that costs.
+    fn weigh_tracing(&mut self, plan: &Plan, running: &Running, counts: &Counts) -> Result<()> {
+        if self.plan.variant.method != Method::Auto || self.resident.bvh == BvhState::GivenUp {
             return Ok(());
         }
-        let trace = self.resident.trace_cost(plan);
-        self.saved_by_tracing += self.resident.raster_cost(counts.raster_cost()).saturating_sub(trace + trace / 8);
-        if self.saved_by_tracing < self.resident.build_cost() {
+        let rebuild_cost = self.resident.rebuild_cost();
+        if running.bvh != BvhState::Preferred {
+            let trace = self.resident.trace_cost(plan);
+            let saved = self.resident.raster_cost(counts.raster_cost()).saturating_sub(trace + trace / 8);
+            let least = if running.bvh == BvhState::None { rebuild_cost } else { 0 };
+            self.savings.note(saved, (counts.taken_over > 0).then_some(least));
+        }
+        self.savings.add(running.fit_cost, rebuild_cost);
+        if self.resident.bvh != BvhState::None || !self.savings.pay(rebuild_cost) {
             return Ok(());
         }
         self.build_bvh()?;
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
+    }
+
+    /// Takes the cost of fitting the hierarchies to moved triangles out of what tracing has saved. Returns whether that was enough; rays that are
+    /// always traced need the hierarchies whatever they cost.
+    pub(super) fn pay_for_fit(&mut self, cost: u64) -> bool {
+        let is_built = matches!(self.resident.bvh, BvhState::Built | BvhState::Preferred);
+        let has_choice = self.plan.variant.method == Method::Auto && is_built && !self.resident.always_traces;
+        !has_choice || self.savings.pay_for_fit(cost)
     }
 
     /// The rays of these frames could not be followed to their ends: there is nothing to trace them with, or it took too many steps.
@@ -201,6 +219,47 @@ impl Frames {
     }
 }
 
+/// What tracing has saved over raster along a path, and has not spent on hierarchies yet, in the units of costs.
+#[derive(Debug, Default)]
+pub struct Savings {
+    total: i64,
+    /// Saved in a frame, by the last one in which raster was tried.
+    a_frame: i64,
+}
+
+impl Savings {
+    /// Notes what tracing saves in a frame in which raster was tried. Where trace took over, raster was stopped before all of its cost was known,
+    /// and tracing saves `stopped` at least.
+    fn note(&mut self, saved: u64, stopped: Option<u64>) {
+        let saved = saved as i64;
+        self.a_frame = stopped.map_or(saved, |least| self.a_frame.max(saved).max(least as i64));
+    }
+
+    /// Adds a frame, less `fit_cost` if that was not paid before. A scene that stands still does not save up for more than new hierarchies.
+    fn add(&mut self, fit_cost: u64, rebuild_cost: u64) {
+        self.total = (self.total + self.a_frame - fit_cost as i64).clamp(0, rebuild_cost as i64);
+    }
+
+    /// Pays for new hierarchies, if enough was saved.
+    fn pay(&mut self, cost: u64) -> bool {
+        let is_enough = self.total >= cost as i64;
+        if is_enough {
+            self.total = 0;
+        }
+        is_enough
+    }
+
+    /// Pays for fitting hierarchies to moved triangles, on credit of the coming frame. If that is not enough, nothing is saved any more.
+    fn pay_for_fit(&mut self, cost: u64) -> bool {
+        self.total -= cost as i64;
+        let is_enough = self.total + self.a_frame >= 0;
+        if !is_enough {
+            self.total = 0;
+        }
+        is_enough
+    }
+}
+
 /// When raster is tried again in frames that trace took over: after one frame, then after twice as many as the last time.
 #[derive(Debug, Default)]
 pub struct RasterTrial {
@@ -249,4 +308,56 @@ struct Shortage {
     needs_bvh: bool,
     /// Trace did not follow all paths to their ends.
     is_lost: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Savings;
+
+    /// Whether hierarchies are built within 1,000 frames that each would save so much.
+    fn is_built(saved: u64, fit_cost: u64) -> bool {
+        let mut savings = Savings::default();
+        (0..1000).any(|_| {
+            savings.note(saved, None);
+            savings.add(fit_cost, 50);
+            savings.pay(50)
+        })
+    }
+
+    /// Whether hierarchies are kept for 1,000 frames before each of which triangles move.
+    fn is_kept(saved: u64, fit_cost: u64) -> bool {
+        let mut savings = Savings::default();
+        savings.note(saved, None);
+        (0..1000).all(|_| {
+            let is_kept = savings.pay_for_fit(fit_cost);
+            savings.add(0, 50);
+            is_kept
+        })
+    }
+
+    #[test]
+    fn hierarchies_are_kept_while_tracing_saves_what_fitting_them_costs() {
+        assert!(is_built(1, 0) && !is_built(0, 0));
+        assert!(is_built(13, 12) && !is_built(12, 12));
+        assert!(is_kept(12, 12) && !is_kept(12, 13));
+        // frames between two moves pay together, yet not for more than new hierarchies and the next frame
+        let mut savings = Savings::default();
+        savings.note(10, None);
+        for (cost, is_kept) in [(60, true), (61, false)] {
+            (0..100).for_each(|_| savings.add(0, 50));
+            assert_eq!(savings.pay_for_fit(cost), is_kept);
+        }
+    }
+
+    #[test]
+    fn where_raster_was_stopped_tracing_saves_more_than_was_counted() {
+        let mut savings = Savings::default();
+        savings.note(10, None);
+        savings.note(3, Some(0));
+        assert_eq!(savings.a_frame, 10);
+        savings.note(3, Some(50));
+        assert_eq!(savings.a_frame, 50);
+        savings.note(3, None);
+        assert_eq!(savings.a_frame, 3);
+    }
 }

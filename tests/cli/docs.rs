@@ -119,6 +119,25 @@ fn links_lead_to_files_and_headings_that_are_there() {
     assert!(broken.is_empty(), "{broken:#?}");
 }
 
+/// A name with capitals, as in `src/engine/stage/NAME.rs`, stands for many files. The lab book names files of its day.
+#[test]
+fn files_that_pages_name_are_there() {
+    let folders = ["src/", "wgsl/", "lab/", "tests/", "benches/", "python/", "examples/", "fuzz/"];
+    let is_part = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "._-/".contains(c);
+    let mut missing = Vec::new();
+    for page in pages().into_iter().filter(|page| !page.ends_with("bench_results/lab.md")) {
+        let (_, prose) = blocks(&text(&page));
+        // names stand between backticks: every second part
+        let names = prose.split('`').skip(1).step_by(2);
+        for name in names.filter(|name| folders.iter().any(|f| name.starts_with(f)) && name.chars().all(is_part)) {
+            if !root().join(name).exists() && !root().join(beside(&page, name)).exists() {
+                missing.push(format!("{}: {name}", page.display()));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
 #[test]
 fn every_page_is_in_the_book() {
     let summary = text(Path::new("docs/SUMMARY.md"));

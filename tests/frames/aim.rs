@@ -158,6 +158,10 @@ fn a_camera_of_pieces_that_moves_sees_what_a_new_one_sees() {
     let scene = scene(icosphere(3));
     for (name, keys) in [
         ("one piece", "kind = \"pinhole\"\nvfov = 60"),
+        (
+            "two slits",
+            "kind = \"cross_slit\"\nheight = 3\nslits = [{ distance = 3, angle = 10 }, { distance = 5, angle = 90 }]",
+        ),
         ("pieces of one weight", "kind = \"fisheye\"\nfov = 150\npieces = 60"),
         ("strips", "kind = \"cylinder\"\nfov = 250\nstrips = 7"),
     ] {

@@ -9,6 +9,7 @@ use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
 use common::cameras::pinhole;
+use common::file::camera_of;
 use common::gpu::{engine_on, limit_bindings};
 use common::rng::Rng;
 use common::{FORWARD, camera, scene, soup};
@@ -74,6 +75,36 @@ fn moved_objects_are_seen_as_by_a_device_that_saw_nothing_before() {
                 let devices = (&mut kept, &mut fresh);
                 compare(&name, devices, (&mut sequence, &mut last), &scene, &wanted, &run);
             }
+        }
+    }
+}
+
+/// Hierarchies are built while nothing moves, and cost more than tracing saves while all objects move far. Rays after a bounce need them in any
+/// case.
+#[test]
+fn hierarchies_that_come_and_go_change_no_triangle() {
+    let (Some(mut kept), Some(mut fresh)) = (engine_on(|_| {}), engine_on(|_| {})) else { return };
+    let eye = "kind = \"pinhole\", eye = [0.3, 0.5, 4], target = [0, 0, 0], vfov = 40";
+    let ball = "{ shape = \"sphere\", center = [0.2, 0.1, -0.3], radius = 0.7 }";
+    for keys in [
+        "kind = \"fisheye\"\neye = [0.3, 0.5, 1]\ntarget = [0, 0, 0]\nfov = 220".to_owned(),
+        format!("kind = \"reflection\"\nmirror = {ball}\neye = {{ {eye} }}"),
+    ] {
+        let camera = Arc::new(camera_of("", SIZE, &keys).unwrap());
+        let mut rng = Rng(5);
+        let mut scene = scene(soup(&mut rng, OBJECTS * TRIANGLES, 0.3));
+        let wanted = Wanted::of(vec![Channel::TriangleId]);
+        let run = RunOptions::default();
+        let (mut sequence, mut last) = (Sequence::default(), None);
+        for step in 0..30 {
+            if step % 15 >= 10 {
+                (0..OBJECTS).for_each(|_| move_object(&mut scene, &mut rng, 1.0));
+            }
+            let planned = kept.planner().plan(&scene, camera.clone(), &wanted, &run, last.as_ref()).unwrap();
+            last = Some(planned.clone());
+            let followed = sequence.render(&mut kept, planned, &run).unwrap().rendered();
+            let anew = fresh.render(&scene, camera.clone(), &wanted, &run).unwrap();
+            assert!(followed.frame == anew.frame, "step {step} of {keys}");
         }
     }
 }

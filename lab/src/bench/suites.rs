@@ -129,7 +129,7 @@ impl Suite {
 /// The image of a quick case.
 const QUICK_SIZE: [&str; 2] = ["image.width=160", "image.height=120"];
 
-/// A scene of `src/tools/bench/scenes`.
+/// A scene of `lab/src/bench/scenes`.
 macro_rules! scene {
     ($name:literal) => {
         $crate::bench::case::Source::Text(

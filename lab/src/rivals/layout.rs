@@ -1,4 +1,4 @@
-//! Structs of the rivals' kernels, as in `wgsl/rivals/layout.wgsl`; `tests/wgsl_layout.rs` compares the two.
+//! Structs of the rivals' kernels, as in `lab/wgsl/rivals/layout.wgsl`; `tests/wgsl_layout.rs` compares the two.
 
 use bytemuck::{Pod, Zeroable};
 

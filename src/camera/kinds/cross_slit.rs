@@ -8,7 +8,8 @@ use crate::arrays::MapEach;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};
 use crate::camera::values::{direction, length};
-use crate::camera::{Bundle, Pieces, Ray, RayMap, Rays};
+use crate::camera::view::View;
+use crate::camera::{Bundle, Piece, Pieces, Ray, RayMap, Rays};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -98,27 +99,25 @@ fn read_slit(field: &Field) -> Result<SlitSpec> {
 }
 
 impl CrossSlit {
-    fn lines(&self, (w, h): (u32, u32)) -> Result<Lines> {
-        let plane = match &self.window {
-            Window::Plane(plane) => *plane,
-            Window::View { pose, height } => {
-                let (view, half) = (pose.view()?, height / 2.0);
-                Plane { center: pose.target, right: half * w as f64 / h as f64 * view.right, up: half * view.up }
-            }
-        };
-        let forward = plane.up.cross(plane.right).normalize();
-        let (right, up) = (plane.right.normalize(), plane.right.cross(forward).normalize());
+    fn lines(&self, plane: Plane, view: View) -> Result<Lines> {
         let slits = [0, 1].map_each(|k| match self.slits[k] {
             SlitSpec::Line(point, direction) => (point, direction),
             SlitSpec::Facing { distance, angle } => {
                 let (sin, cos) = angle.to_radians().sin_cos();
-                (plane.center - distance * forward, cos * right + sin * up)
+                (plane.center - distance * view.forward, cos * view.right + sin * view.up)
             }
         });
         if slits[0].1.cross(slits[1].1).length() <= PARALLEL_SINE {
             return Err(Error::input("camera.slits: the two are parallel, so they fix no rays; turn one of them"));
         }
-        Ok(Lines { plane, forward, slits })
+        Ok(Lines { plane, forward: view.forward, slits })
+    }
+
+    /// Returns the pose, if the image and both slits move with it.
+    fn common_pose(&self) -> Option<&Pose> {
+        let Window::View { pose, .. } = &self.window else { return None };
+        let is_common = self.slits.iter().all(|slit| matches!(slit, SlitSpec::Facing { .. }));
+        (is_common && pose.target.is_finite()).then_some(pose)
     }
 }
 
@@ -126,7 +125,17 @@ impl Recipe for CrossSlit {
     /// One piece where both slits are parallel to the image plane, else a ray map.
     fn build(&self, setting: &Setting) -> Result<Built> {
         let size = setting.size()?;
-        let lines = self.lines(size)?;
+        let common = self.common_pose();
+        let (plane, view) = match &self.window {
+            Window::Plane(plane) => (*plane, plane.view()),
+            Window::View { pose, height } => {
+                let view = pose.view()?;
+                let (center, view) = common.map_or((pose.target, view), |_| (DVec3::ZERO, View::UNTURNED));
+                let (half, [w, h]) = (height / 2.0, [size.0, size.1].map_each(f64::from));
+                (Plane { center, right: half * w / h * view.right, up: half * view.up }, view)
+            }
+        };
+        let lines = self.lines(plane, view)?;
         let side = |k: usize| lines.forward.dot(lines.plane.center - lines.slits[k].0);
         if lines.slits.iter().any(|s| s.1.dot(lines.forward).abs() > PARALLEL_SINE) {
             return self.tessellation.build(Arc::new(lines), setting);
@@ -140,9 +149,22 @@ impl Recipe for CrossSlit {
             return Err(Error::input("camera.slits.1: it lies in the image plane; move it out"));
         };
         let (px, py) = (x.origin - o.origin, y.origin - o.origin);
-        let bundle =
-            Bundle::over_image([o.origin, px, py], [o.direction, lines.plane.right - px, lines.plane.up - py], size);
-        Ok(Built::new(size, Rays::Pieces(Pieces::whole(bundle, size.0, size.1))))
+        let bundle = Bundle::over_image([o.origin, px, py], [o.direction, plane.right - px, plane.up - py], size);
+        let pieces = match common {
+            // the frame's origin is the target: the rays do not depend on how far away the eye is
+            Some(pose) => Pieces::turned_by(pose.view()?, pose.target, vec![Piece::whole(bundle, size)], size),
+            None => Pieces::whole(bundle, size.0, size.1),
+        };
+        Ok(Built::new(size, Rays::Pieces(pieces)))
+    }
+}
+
+impl Plane {
+    /// Returns the axes of its viewer.
+    fn view(&self) -> View {
+        let forward = self.up.cross(self.right).normalize();
+        let right = self.right.normalize();
+        View { forward, right, up: right.cross(forward).normalize() }
     }
 }
 

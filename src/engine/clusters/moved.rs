@@ -29,6 +29,11 @@ impl MovedChunk {
         times(&self.clusters, CLUSTER as usize)
     }
 
+    /// How many slots changed.
+    pub fn slot_count(&self) -> u64 {
+        u64::from(CLUSTER) * self.clusters.iter().map(|range| range.len() as u64).sum::<u64>()
+    }
+
     /// The changed triangle groups.
     pub fn groups(&self) -> Vec<Range<usize>> {
         times(&self.clusters, TRIANGLE_GROUPS)
