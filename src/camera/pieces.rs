@@ -6,12 +6,10 @@
 use super::boxes::{Boxes, EMPTY, join};
 use super::bundle::Bundle;
 use super::lens::Held;
-use super::pose::Pose;
 use super::stack::Stack;
 use super::view::View;
 use crate::arrays::MapEach;
 use crate::camera::TILE;
-use crate::input::Result;
 use crate::parallel;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
@@ -194,12 +192,9 @@ impl Pieces {
         self.turned.as_ref()
     }
 
-    /// One piece over the whole image, for a viewer at a pose; `bundle` is in the viewer's frame.
-    ///
-    /// # Errors
-    /// The pose has no frame.
-    pub fn whole_turned_by(pose: &Pose, bundle: Bundle, size: (u32, u32)) -> Result<Pieces> {
-        Ok(Pieces::turned_by(pose.view()?, pose.eye, vec![Piece::whole(bundle, size)], size))
+    /// One piece over the whole image, for a viewer at `eye` with the axes of `view`; `bundle` is in the viewer's frame.
+    pub fn whole_turned_by(view: View, eye: DVec3, bundle: Bundle, size: (u32, u32)) -> Pieces {
+        Pieces::turned_by(view, eye, vec![Piece::whole(bundle, size)], size)
     }
 
     /// Images of `rows` rows, one below another, `step` rows from each to the next. Their samples are at pixel centres. Numbers of pieces go

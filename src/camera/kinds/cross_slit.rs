@@ -9,7 +9,7 @@ use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};
 use crate::camera::values::{direction, length};
 use crate::camera::view::View;
-use crate::camera::{Bundle, Piece, Pieces, Ray, RayMap, Rays};
+use crate::camera::{Bundle, Pieces, Ray, RayMap, Rays};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -152,7 +152,7 @@ impl Recipe for CrossSlit {
         let bundle = Bundle::over_image([o.origin, px, py], [o.direction, plane.right - px, plane.up - py], size);
         let pieces = match common {
             // the frame's origin is the target: the rays do not depend on how far away the eye is
-            Some(pose) => Pieces::turned_by(pose.view()?, pose.target, vec![Piece::whole(bundle, size)], size),
+            Some(pose) => Pieces::whole_turned_by(pose.view()?, pose.target, bundle, size),
             None => Pieces::whole(bundle, size.0, size.1),
         };
         Ok(Built::new(size, Rays::Pieces(pieces)))

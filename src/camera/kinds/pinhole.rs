@@ -40,7 +40,7 @@ impl Recipe for Pinhole {
         let (width, height) = setting.size()?;
         let bundle = bundle(&Pose::UNTURNED, self.vfov, height)?;
         let pose = Pose::look_at(self.eye, self.target, self.up);
-        let pieces = Pieces::whole_turned_by(&pose, bundle, (width, height))?;
+        let pieces = Pieces::whole_turned_by(pose.view()?, pose.eye, bundle, (width, height));
         Ok(Built::new((width, height), Rays::Pieces(pieces)))
     }
 }
