@@ -69,7 +69,7 @@ pub struct Frames {
     pub(super) moving: Option<Clustered>,
     /// Something failed while another scene, camera or light was sent, of which a part may be there.
     pub(super) is_partly_uploaded: bool,
-    /// What tracing saves along a path.
+    /// Savings of tracing along a path.
     pub(super) savings: Savings,
     /// [`Resident::fit_cost`] of the triangles that moved before the present frame, if that was not paid by what tracing had saved.
     pub(super) fit_cost: u64,
@@ -294,7 +294,7 @@ impl Frames {
         self.show_by(planned, true)
     }
 
-    /// Shows another planned frame. `chooses`: whether raster is tried, and hierarchies follow moved triangles, is chosen anew for this frame.
+    /// Shows another planned frame. With `chooses`, chooses anew whether raster is tried and whether hierarchies follow moved triangles.
     pub(super) fn show_by(&mut self, planned: &Planned, chooses: bool) -> Result<bool> {
         let bvh = self.resident.bvh;
         if chooses {

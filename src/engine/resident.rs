@@ -193,7 +193,7 @@ impl Resident {
         if self.bvh == BvhState::None { self.rebuild_cost() } else { 0 }
     }
 
-    /// What building all hierarchies costs.
+    /// Cost of building all hierarchies.
     pub fn rebuild_cost(&self) -> u64 {
         self.costs.triangle * self.chunks.iter().map(|chunk| u64::from(chunk.slots)).sum::<u64>()
     }

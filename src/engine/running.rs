@@ -24,7 +24,7 @@ pub(super) struct Running {
     raster_rounds: u32,
     /// The hierarchies when it was submitted: a later frame may have built them.
     bvh: BvhState,
-    /// What fitting hierarchies to the triangles that moved before it cost, or would have cost, in the units of costs.
+    /// Cost of hierarchies that would have followed the triangles that moved before this frame; 0 if the hierarchies are there.
     fit_cost: u64,
     /// Time that its kernels took to compile, ms.
     pub(super) compile_ms: f64,
@@ -112,8 +112,7 @@ impl Frames {
         std::mem::replace(&mut self.resident.bvh, next) != next
     }
 
-    /// Counts what tracing saves in a frame that was submitted with the hierarchies `bvh`. Builds them, once the frames so far would have saved
-    /// as much as that costs.
+    /// Adds the savings of tracing in a frame that was submitted as `running`. Builds hierarchies, once these savings pay for them.
     fn weigh_tracing(&mut self, plan: &Plan, running: &Running, counts: &Counts) -> Result<()> {
         if self.plan.variant.method != Method::Auto || self.resident.bvh == BvhState::GivenUp {
             return Ok(());
@@ -219,7 +218,7 @@ impl Frames {
     }
 }
 
-/// What tracing has saved over raster along a path, and has not spent on hierarchies yet, in the units of costs.
+/// Costs that tracing has saved over raster along a path, and has not spent on hierarchies yet.
 #[derive(Debug, Default)]
 pub struct Savings {
     total: i64,

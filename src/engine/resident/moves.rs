@@ -44,7 +44,7 @@ impl Resident {
         Ok(())
     }
 
-    /// What fitting the hierarchies to moved triangles costs, if it goes as the last time; all triangles without `moved`.
+    /// Cost of fitting the hierarchies to moved triangles, if these fit as well as the last time. Without `moved`, all triangles count.
     pub fn fit_cost(&self, moved: Option<&Moved>) -> u64 {
         if self.rebuilds {
             return self.rebuild_cost();
@@ -53,7 +53,7 @@ impl Resident {
         self.costs.moved_triangle * (0..self.chunks.len()).map(slots).sum::<u64>()
     }
 
-    /// Forgets the hierarchies that trace follows.
+    /// Deletes the hierarchies that trace follows.
     pub fn forget_bvh(&mut self, gpu: &Gpu, triangles: Triangles, origin: DVec3) -> Result<()> {
         self.bvh = BvhState::None;
         self.upload_bvh(gpu, triangles, origin)
