@@ -21,19 +21,23 @@ pub struct Wide {
 /// Items of a leaf at most.
 const LEAF_MAX: u32 = 3;
 
-/// Consecutive items that lie in one part.
-const RUN: usize = 64;
+/// Consecutive items that lie in one part. Longer runs have larger boxes, by which parts overlap, and rays go through more nodes.
+const RUN: u32 = 2;
 
-/// Runs of a part at most.
-const PART_RUNS: usize = 512;
+/// Runs of a part at most. Smaller parts fit caches better, and overlap more.
+const PART_RUNS: usize = 1 << 16;
 
 impl Wide {
     /// A hierarchy over items `0..count` with these boxes, of which there is at least one. Consecutive items should be neighbors.
     pub fn build(count: u32, boxed: impl Fn(u32) -> Aabb + Sync) -> Wide {
-        let run_items = |run: u32| run * RUN as u32..((run + 1) * RUN as u32).min(count);
+        Wide::in_parts(count, PART_RUNS, boxed)
+    }
+
+    fn in_parts(count: u32, part_runs: usize, boxed: impl Fn(u32) -> Aabb + Sync) -> Wide {
+        let run_items = |run: u32| run * RUN..((run + 1) * RUN).min(count);
         let run_box = |run: u32| run_items(run).map(&boxed).reduce(|a, b| a.union(&b)).unwrap_or_default();
-        let runs: Vec<bvh::Aabb> = parallel::map(0..count.div_ceil(RUN as u32), |run| in_f64(&run_box(run)));
-        let parts = bvh::groups(&runs, PART_RUNS);
+        let runs: Vec<bvh::Aabb> = parallel::map(0..count.div_ceil(RUN), |run| in_f64(&run_box(run)));
+        let parts = bvh::groups(&runs, part_runs);
         let part = |runs: &Vec<u32>| {
             let items: Vec<u32> = runs.iter().flat_map(|run| run_items(*run)).collect();
             let boxes: Vec<Aabb> = items.iter().map(|item| boxed(*item)).collect();
@@ -164,8 +168,9 @@ pub(super) mod tests {
     #[test]
     fn parts_are_joined_to_one_hierarchy_that_holds_every_item_once() {
         let mut rng = Rng(7);
+        let (part_runs, part_items) = (256, 256 * RUN as usize);
         // one part, two parts, and enough for a top of several nodes
-        for count in [1, 5, PART_RUNS * RUN, PART_RUNS * RUN + 1, 20 * PART_RUNS * RUN / 2] {
+        for count in [1, 5, part_items, part_items + 1, 100 * part_items / 2] {
             let corner = |rng: &mut Rng| Vec3A::new(rng.unit() as f32, rng.unit() as f32, rng.unit() as f32);
             let boxes: Vec<Aabb> = (0..count)
                 .map(|k| {
@@ -173,7 +178,7 @@ pub(super) mod tests {
                     Aabb { min, max: min + corner(&mut rng) * 0.01 }
                 })
                 .collect();
-            assert_whole(&Wide::build(count as u32, |k| boxes[k as usize]), &boxes);
+            assert_whole(&Wide::in_parts(count as u32, part_runs, |k| boxes[k as usize]), &boxes);
         }
     }
 }
