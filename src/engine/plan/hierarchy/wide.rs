@@ -1,6 +1,6 @@
 //! Hierarchies of eight boxes a node. Neighboring items form parts, each part is built by one core, and a small top tree joins all parts.
 //!
-//! A part needs memory for its own boxes alone, and stays in a core's caches.
+//! Parts take less memory while they are built, as a core holds the boxes of its own part alone.
 
 use super::crowd;
 use crate::arrays::MapEach;
