@@ -6,8 +6,11 @@ use std::fmt::Write;
 
 const BAR: f64 = 14.0;
 const GAP: f64 = 4.0;
-/// For the names of the rows.
-const NAMES: f64 = 250.0;
+/// Width of a character in the names of rows, at most on average, and the space around a name.
+const CHARACTER: f64 = 6.2;
+const MARGIN: f64 = 6.0;
+/// Length of the longest bar, at least.
+const LONGEST_MIN: f64 = 240.0;
 /// For the time behind a bar.
 const TIME: f64 = 84.0;
 /// A line of the key.
@@ -26,6 +29,13 @@ pub fn bars(rows: &[Row], width: f64, parts: fn(&Row) -> &[(String, f64)]) -> St
     let total = |row: &Row| parts(row).iter().map(|s| s.1).sum::<f64>();
     let longest =
         |case: &str| rows.iter().filter(|r| r.case == case).map(|r| total(r)).fold(f64::MIN_POSITIVE, f64::max);
+    let name = |row: &Row| {
+        let own = if row.is_ours() { row.label.as_ref() } else { Some(&row.technique) };
+        own.map_or_else(|| row.case.clone(), |own| format!("{}, {own}", row.case))
+    };
+    let characters = rows.iter().map(|row| name(row).chars().count()).max().unwrap_or(0);
+    let names_width = characters as f64 * CHARACTER + 2.0 * MARGIN;
+    let width = width.max(names_width + LONGEST_MIN + TIME);
     let per_line = ((width / 90.0) as usize).max(1);
     let key = LINE * names.len().div_ceil(per_line) as f64 + 6.0;
     let height = key + rows.len() as f64 * (BAR + GAP);
@@ -42,11 +52,10 @@ pub fn bars(rows: &[Row], width: f64, parts: fn(&Row) -> &[(String, f64)]) -> St
     }
     for (k, row) in rows.iter().enumerate() {
         let y = key + k as f64 * (BAR + GAP);
-        let own = if row.is_ours() { row.label.as_ref() } else { Some(&row.technique) };
-        let name = own.map_or_else(|| row.case.clone(), |own| format!("{}, {own}", row.case));
-        let _ = write!(svg, "<text class=\"e\" x=\"{}\" y=\"{:.0}\">{}</text>", NAMES - 6.0, y + 11.0, escaped(&name));
-        let scale = (width - NAMES - TIME) / longest(&row.case);
-        let mut x = NAMES;
+        let (end, name) = (names_width - MARGIN, name(row));
+        let _ = write!(svg, "<text class=\"e\" x=\"{end:.0}\" y=\"{:.0}\">{}</text>", y + 11.0, escaped(&name));
+        let scale = (width - names_width - TIME) / longest(&row.case);
+        let mut x = names_width;
         for (stage, ms) in parts(row) {
             let class = names.iter().position(|n| n == stage).unwrap_or(0) % CLASSES;
             let _ = write!(
