@@ -221,11 +221,11 @@ fn split(items: &mut [Item]) -> usize {
     if at == 0 || at == items.len() { items.len() / 2 } else { at }
 }
 
-/// The numbers of boxes in groups of neighbors, each of at most `most`.
-pub fn groups(boxes: &[Aabb], most: usize) -> Vec<Vec<u32>> {
-    let all = parallel::reduce(boxes, |b| Some(*b), Aabb::joined).unwrap_or(Aabb::EMPTY);
+/// Divides boxes `0..count` into groups of neighbors, each of at most `most`, and returns their numbers.
+pub fn groups(count: u32, most: usize, boxed: impl Fn(u32) -> Aabb + Sync) -> Vec<Vec<u32>> {
+    let all = parallel::reduce(0..count, |k| Some(boxed(k)), Aabb::joined).unwrap_or(Aabb::EMPTY);
     let frame = Frame::of(&all);
-    let mut items: Vec<Item> = parallel::map(0..boxes.len(), |k| frame.boxed(k as u32, &boxes[k]));
+    let mut items: Vec<Item> = parallel::map(0..count, |k| frame.boxed(k, &boxed(k)));
     let mut todo = vec![items.as_mut_slice()];
     let mut groups = Vec::new();
     while let Some(items) = todo.pop() {

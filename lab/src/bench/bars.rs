@@ -6,10 +6,11 @@ use std::fmt::Write;
 
 const BAR: f64 = 14.0;
 const GAP: f64 = 4.0;
-/// Width of a character in the names of rows, at most on average, and the space around a name.
+/// Mean width of a character in the names of rows, rounded up.
 const CHARACTER: f64 = 6.2;
+/// Space on either side of a name.
 const MARGIN: f64 = 6.0;
-/// Length of the longest bar, at least.
+/// Least length of the longest bar.
 const LONGEST_MIN: f64 = 240.0;
 /// For the time behind a bar.
 const TIME: f64 = 84.0;
@@ -34,7 +35,7 @@ pub fn bars(rows: &[Row], width: f64, parts: fn(&Row) -> &[(String, f64)]) -> St
         own.map_or_else(|| row.case.clone(), |own| format!("{}, {own}", row.case))
     };
     let characters = rows.iter().map(|row| name(row).chars().count()).max().unwrap_or(0);
-    let names_width = characters as f64 * CHARACTER + 2.0 * MARGIN;
+    let names_width = (characters as f64 * CHARACTER + 2.0 * MARGIN).ceil();
     let width = width.max(names_width + LONGEST_MIN + TIME);
     let per_line = ((width / 90.0) as usize).max(1);
     let key = LINE * names.len().div_ceil(per_line) as f64 + 6.0;

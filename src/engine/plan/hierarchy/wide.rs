@@ -1,6 +1,6 @@
 //! Hierarchies of eight boxes a node. Neighboring items form parts, each part is built by one core, and a small top tree joins all parts.
 //!
-//! Parts take less memory while they are built, as a core holds the boxes of its own part alone.
+//! Only the boxes of parts that are being built are held, not those of all items.
 
 use super::crowd;
 use crate::arrays::MapEach;
@@ -21,23 +21,29 @@ pub struct Wide {
 /// Items of a leaf at most.
 const LEAF_MAX: u32 = 3;
 
-/// Consecutive items that lie in one part. Longer runs have larger boxes, by which parts overlap, and rays go through more nodes.
+/// Number of consecutive items in a run, which is never cut. The longer runs are, the more the boxes of parts overlap, and the more nodes
+/// a ray enters.
 const RUN: u32 = 2;
 
-/// Runs of a part at most. Smaller parts fit caches better, and overlap more.
+/// Largest number of runs in a part. Smaller parts are built faster, but their boxes overlap more.
 const PART_RUNS: usize = 1 << 16;
+
+/// Least number of parts, so that every core has one to build, unless these have fewer runs than [`PART_RUNS_MIN`].
+const PARTS_MIN: usize = 16;
+const PART_RUNS_MIN: usize = 1 << 12;
 
 impl Wide {
     /// A hierarchy over items `0..count` with these boxes, of which there is at least one. Consecutive items should be neighbors.
     pub fn build(count: u32, boxed: impl Fn(u32) -> Aabb + Sync) -> Wide {
-        Wide::in_parts(count, PART_RUNS, boxed)
+        let runs = count.div_ceil(RUN) as usize;
+        Wide::in_parts(count, (runs / PARTS_MIN).clamp(PART_RUNS_MIN, PART_RUNS), boxed)
     }
 
+    /// The same, with at most `part_runs` runs in a part.
     fn in_parts(count: u32, part_runs: usize, boxed: impl Fn(u32) -> Aabb + Sync) -> Wide {
         let run_items = |run: u32| run * RUN..((run + 1) * RUN).min(count);
         let run_box = |run: u32| run_items(run).map(&boxed).reduce(|a, b| a.union(&b)).unwrap_or_default();
-        let runs: Vec<bvh::Aabb> = parallel::map(0..count.div_ceil(RUN), |run| in_f64(&run_box(run)));
-        let parts = bvh::groups(&runs, part_runs);
+        let parts = bvh::groups(count.div_ceil(RUN), part_runs, |run| in_f64(&run_box(run)));
         let part = |runs: &Vec<u32>| {
             let items: Vec<u32> = runs.iter().flat_map(|run| run_items(*run)).collect();
             let boxes: Vec<Aabb> = items.iter().map(|item| boxed(*item)).collect();
@@ -169,8 +175,8 @@ pub(super) mod tests {
     fn parts_are_joined_to_one_hierarchy_that_holds_every_item_once() {
         let mut rng = Rng(7);
         let (part_runs, part_items) = (256, 256 * RUN as usize);
-        // one part, two parts, and enough for a top of several nodes
-        for count in [1, 5, part_items, part_items + 1, 100 * part_items / 2] {
+        // the first three counts make one part, the fourth two, and the last so many that the top tree has several nodes
+        for count in [1, 5, part_items, part_items + 1, 50 * part_items] {
             let corner = |rng: &mut Rng| Vec3A::new(rng.unit() as f32, rng.unit() as f32, rng.unit() as f32);
             let boxes: Vec<Aabb> = (0..count)
                 .map(|k| {
@@ -178,7 +184,11 @@ pub(super) mod tests {
                     Aabb { min, max: min + corner(&mut rng) * 0.01 }
                 })
                 .collect();
-            assert_whole(&Wide::in_parts(count as u32, part_runs, |k| boxes[k as usize]), &boxes);
+            let wide = Wide::in_parts(count as u32, part_runs, |k| boxes[k as usize]);
+            assert_whole(&wide, &boxes);
+            let root = &wide.nodes[0];
+            let nodes_below = (0..8).filter(|slot| root.child_meta[*slot] != 0 && !root.is_leaf(*slot)).count();
+            assert!(count != part_items + 1 || nodes_below == 2, "{nodes_below} parts");
         }
     }
 }
