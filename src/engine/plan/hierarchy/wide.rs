@@ -39,7 +39,7 @@ impl Wide {
         Wide::in_parts(count, (runs / PARTS_MIN).clamp(PART_RUNS_MIN, PART_RUNS), boxed)
     }
 
-    /// The same, with at most `part_runs` runs in a part.
+    /// Builds a hierarchy as [`Wide::build`] does, of parts with at most `part_runs` runs.
     fn in_parts(count: u32, part_runs: usize, boxed: impl Fn(u32) -> Aabb + Sync) -> Wide {
         let run_items = |run: u32| run * RUN..((run + 1) * RUN).min(count);
         let run_box = |run: u32| run_items(run).map(&boxed).reduce(|a, b| a.union(&b)).unwrap_or_default();
