@@ -58,7 +58,7 @@ pub use verdict::Verdict;
 use crate::camera::Camera;
 use crate::camera::bundle::Bundle;
 use crate::camera::exposure::Sample;
-use crate::camera::perturb::scene_size;
+use crate::camera::perturb::{END_REACH, scene_size};
 use crate::geometry::instances::Instances;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::opacity::Threshold;
@@ -200,7 +200,7 @@ impl<'a> Reference<'a> {
         };
         let Some((aim, beam)) = upright(bundle).and_then(aimed) else { return };
         let mut limit = f64::INFINITY;
-        self.tree.walk(self.instances, &beam, self.walk_range(&aim.centre, t_range), |id| {
+        self.walk_in_range(&aim.centre, &beam, t_range, |id| {
             if let Some(hit) = self.hit_of(&aim, id, t_range) {
                 limit = limit.min(visit(hit));
             }
@@ -208,10 +208,13 @@ impl<'a> Reference<'a> {
         });
     }
 
-    /// A range that contains every exact `t` whose computed value is in `t_range`, or is moved to an end of it. `h > 0`.
-    fn walk_range(&self, b: &Bundle, t_range: [f64; 2]) -> [f64; 2] {
-        let beyond = BEYOND_ENDS * self.scene_size * b.h[0] / b.d[0].abs().element_sum();
-        [-past(-t_range[0]) - beyond, past(t_range[1]) + beyond]
+    /// Every triangle that a ray of the beam may hit at a `t` in `t_range`, or at one that is moved to an end of it, mostly near to far.
+    /// `visit` returns the largest `t` still of interest; hits behind it may still be moved to the start of `t_range`. `h > 0`.
+    fn walk_in_range(&self, b: &Bundle, beam: &Beam, t_range: [f64; 2], mut visit: impl FnMut(u32) -> f64) {
+        let moved = 2.0 * END_REACH * self.scene_size * b.h[0] / b.d[0].abs().element_sum();
+        let range = [-past(-t_range[0]) - moved, past(t_range[1]) + moved];
+        let start = past(t_range[0]) + moved;
+        self.tree.walk(self.instances, beam, range, |id| visit(id).max(start));
     }
 
     /// The first visible hit of the central ray on one triangle or sphere, in range. A sphere is entered from outside and left from inside,
@@ -226,7 +229,7 @@ impl<'a> Reference<'a> {
         let corners = self.solid_corners(id)?;
         let m = intersect::meet(aim, &corners)?;
         let seen = m.sign < 0 || self.two_sided(id);
-        let end = || intersect::end_on_plane(&aim.centre, &corners, t_range, self.scene_size);
+        let end = || intersect::end_at(&aim.centre, &corners, m.t, t_range, self.scene_size);
         let t = if self.has_layers { m.t } else { end().unwrap_or(m.t) };
         let in_range = t_range[0] <= t && t <= t_range[1];
         let hit = Hit { t, triangle: id, bary: m.bary };
@@ -332,7 +335,3 @@ fn upright(b: &Bundle) -> Option<Bundle> {
 fn past(t: f64) -> f64 {
     t + 2.0 * T_ROUNDING * t.abs()
 }
-
-/// How far beyond an end of `t_range` a triangle is looked for whose plane the ray's point at that end lies on, relative to the scene's
-/// size: 2^-20, as far as a ray at 2^-22 to the plane goes within the tolerance of 2^-42.
-const BEYOND_ENDS: f64 = 1.0 / (1 << 20) as f64;

@@ -21,6 +21,10 @@ pub const PERTURB_PX: f64 = 1.0 / (1u64 << 24) as f64;
 /// Step down for a step to the right of 1. Edges of grids run along simple fractions; this is none.
 pub const PERTURB_DOWN: f64 = 47.0 / 83.0;
 
+/// How far a hit is moved at most to an end of `t_range`, relative to the scene's size (`docs/reference/definitions.md`, Ends of t_range):
+/// 2^-32. A ray whose angle to the triangle's plane has the sine 2^-10 goes so far within 2^-42 of it.
+pub const END_REACH: f64 = 1.0 / (1u64 << 32) as f64;
+
 /// A scene far from the world's origin is rounded more: this share of its distance is added to its size.
 const FAR_SHARE: f64 = 1.0 / 16.0;
 
@@ -101,6 +105,11 @@ mod tests {
             include_str!("../../wgsl/shared/params.wgsl").contains("const PERTURB_BOUND: f32 = 1.0 / 2199023255552.0;")
         );
         assert_eq!(2.0 * PERTURB, 1.0 / 2_199_023_255_552.0);
+        assert!(include_str!("../../wgsl/shared/params.wgsl").contains("const END_BOUND: f32 = 1.0 / 2147483648.0;"));
+        assert!(
+            include_str!("../../wgsl/shared/plane_tolerance.wgsl").contains("const LEAST_SINE: real = 1.0 / 1024.0;")
+        );
+        assert_eq!([2.0 * END_REACH, PERTURB / END_REACH], [1.0 / 2_147_483_648.0, 1.0 / 1024.0]);
     }
 
     /// Right and down by the constants above, wherever the scene is and whatever weight the bundle has.

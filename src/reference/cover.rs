@@ -33,7 +33,7 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
     let beams = Beam::over(bundle, MARGIN_PX).zip(Beam::over(bundle, MARGIN_PX * WIDER));
     let Some((beam, wide)) = beams else { return false };
     let mut nearby = Vec::new();
-    reference.tree.walk(reference.instances, &wide, reference.walk_range(bundle, t_range), |id| {
+    reference.walk_in_range(bundle, &wide, t_range, |id| {
         let Some(corners) = reference.solid_corners(id) else { return f64::INFINITY };
         let sides = Sides::over_box(bundle, &corners);
         nearby.push(BoxTriangle { id, corners, sides, may_hit: sides.may_hit() });

@@ -13,7 +13,7 @@
 
 use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
-use crate::camera::perturb::PERTURB;
+use crate::camera::perturb::{END_REACH, PERTURB};
 use crate::geometry::exact::{self, Exact};
 use glam::DVec3;
 
@@ -231,13 +231,14 @@ fn depth(b: &Bundle, c: &Corners) -> Option<f64> {
     (below != 0.0).then(|| volume.minus(&exact::dot(&normal, p)).value() / below)
 }
 
-/// The end of `t_range` at which the ray's point lies on the triangle's plane (`docs/reference/definitions.md`, Ends of t_range). `h > 0`.
-pub fn end_on_plane(b: &Bundle, c: &Corners, t_range: [f64; 2], scene_size: f64) -> Option<f64> {
+/// The end of `t_range` at which a hit at `t` counts as a hit (`docs/reference/definitions.md`, Ends of t_range). `h > 0`.
+pub fn end_at(b: &Bundle, c: &Corners, t: f64, t_range: [f64; 2], scene_size: f64) -> Option<f64> {
     let (p, d, h) = (b.p[0], b.d[0], b.h[0]);
     let normal = (c.v[1] - c.v[0]).cross(c.v[2] - c.v[0]);
     let tolerance = plane_tolerance(normal, scene_size) * h;
-    let is_on = |end: f64| normal.dot(c.v[0] * h - p - end * d).abs() <= tolerance;
-    t_range.into_iter().find(|end| end.is_finite() && is_on(*end))
+    let is_on_plane = |end: f64| normal.dot(c.v[0] * h - p - end * d).abs() <= tolerance;
+    let is_near = |end: f64| (t - end).abs() * d.abs().element_sum() <= END_REACH * scene_size * h;
+    t_range.into_iter().find(|end| end.is_finite() && is_near(*end) && is_on_plane(*end))
 }
 
 /// The largest `N . (v_0 - X)` of a point `X` that counts as on the plane.

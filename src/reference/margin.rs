@@ -5,6 +5,7 @@ use super::bvh::Probe;
 use super::intersect::{Corners, OPPOSITE, TERM_ROUNDING, cross_size, offset_size, plane_tolerance};
 use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
+use crate::camera::perturb::END_REACH;
 use glam::DVec3;
 
 /// Half the side of the box in which a safe pixel's answer must be constant, px (`docs/reference/definitions.md`, Safe).
@@ -108,10 +109,10 @@ pub struct Depth {
     pub may_be_at_end: bool,
 }
 
-/// Whether the rays' points at an end of `t_range` lie on a triangle's plane. The engine rounds, so twice the tolerance of the definition is
-/// surely off the plane, half of it surely on it.
+/// Whether hits count as hits at an end of `t_range`. The engine rounds, so with twice the tolerances of the definition they surely do not,
+/// with half of them they surely do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum OnPlane {
+enum AtEnd {
     Always,
     Sometimes,
     Never,
@@ -155,12 +156,13 @@ impl Depth {
     ) -> bool {
         let mut in_range = self.span[0] >= t_range[0] && self.span[1] <= t_range[1];
         let tolerance = plane_tolerance((c.v[1] - c.v[0]).cross(c.v[2] - c.v[0]), scene_size);
+        let span = self.span;
         for end in t_range.into_iter().filter(|end| end.is_finite()) {
-            match self.on_plane(b, end, tolerance) {
-                OnPlane::Never => continue,
+            match self.at_end(b, (span, end), tolerance, scene_size) {
+                AtEnd::Never => continue,
                 _ if has_layers && in_range => {}
-                OnPlane::Always if !has_layers => (self.span, in_range) = ([end; 2], true),
-                OnPlane::Always | OnPlane::Sometimes => {
+                AtEnd::Always if !has_layers => (self.span, in_range) = ([end; 2], true),
+                AtEnd::Always | AtEnd::Sometimes => {
                     self.span = [self.span[0].min(end), self.span[1].max(end)];
                     in_range = false;
                 }
@@ -170,16 +172,23 @@ impl Depth {
         in_range
     }
 
-    fn on_plane(&self, b: &Bundle, end: f64, tolerance: f64) -> OnPlane {
+    /// Of hits whose `t` lie in `span`.
+    fn at_end(&self, b: &Bundle, (span, end): ([f64; 2], f64), tolerance: f64, scene_size: f64) -> AtEnd {
         let [centre, x, y]: [f64; 3] = std::array::from_fn(|k| self.n[k] - end * self.d[k]);
         let spread = MARGIN_PX * (x.abs() + y.abs()) + self.n_error + end.abs() * self.d_error;
         let h_spread = MARGIN_PX * (b.h[1].abs() + b.h[2].abs());
-        if centre.abs() + spread <= 0.5 * tolerance * (b.h[0] - h_spread) {
-            OnPlane::Always
-        } else if centre.abs() - spread > 2.0 * tolerance * (b.h[0] + h_spread) {
-            OnPlane::Never
+        let d_size = over_box(b.d.map_each(|d| d.abs().element_sum()));
+        let d_least = 2.0 * b.d[0].abs().element_sum() - d_size;
+        let nearest = (span[0] - end).max(end - span[1]).max(0.0);
+        let farthest = (span[0] - end).abs().max((span[1] - end).abs());
+        let reach = END_REACH * scene_size;
+        let (h_least, h_most) = (b.h[0] - h_spread, b.h[0] + h_spread);
+        if centre.abs() + spread <= 0.5 * tolerance * h_least && farthest * d_size <= 0.5 * reach * h_least {
+            AtEnd::Always
+        } else if centre.abs() - spread > 2.0 * tolerance * h_most || nearest * d_least > 2.0 * reach * h_most {
+            AtEnd::Never
         } else {
-            OnPlane::Sometimes
+            AtEnd::Sometimes
         }
     }
 

@@ -87,7 +87,7 @@ impl Reference<'_> {
     fn candidates(&self, bundle: &Bundle, beam: &Beam, t_range: [f64; 2]) -> Vec<Candidate> {
         let mut found: Vec<Candidate> = Vec::new();
         let mut front: Option<Candidate> = None;
-        self.tree.walk(self.instances, beam, self.walk_range(bundle, t_range), |id| {
+        self.walk_in_range(bundle, beam, t_range, |id| {
             if let Some(c) = self.candidate(bundle, beam, id, t_range) {
                 found.push(c);
                 let key = |c: &Candidate| (c.depth.span[1], c.id);

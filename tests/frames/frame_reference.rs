@@ -7,6 +7,7 @@ use anamorph::internals::camera::glc;
 use anamorph::internals::camera::kinds::glc::Glc;
 use anamorph::internals::camera::kinds::orthographic::Orthographic;
 use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::engine::{Method, RunOptions};
 use anamorph::internals::geometry::generate;
 use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::geometry::texture::Images;
@@ -174,6 +175,37 @@ fn negative_t_comes_first_and_ends_belong_to_the_range() {
         let camera = camera(kind(), (16, 16), t_range);
         let Some(rendered) = render_with(&wall, &camera, Without::Nothing, &Default::default()) else { return };
         assert_eq!(hits(&rendered.frame), if seen { 256 } else { 0 }, "{t_range:?}");
+    }
+}
+
+/// A triangle that the rays run along, and whose plane they start on, is hit at their start, behind a wall as well as in the open.
+#[test]
+fn hits_are_moved_to_the_start_from_behind_a_wall() {
+    let far = 2.0_f64.powi(31);
+    let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+    let ends = [-far, far].into_iter().flat_map(|x| [at(x, 0.0, 9.0), at(x, 1.0, 9.0), at(x, 0.0, 8.0)]);
+    let wall = [at(-1.0, -1.0, 0.2), at(1.0, -1.0, 0.2), at(0.0, 2.0, 0.2)];
+    // its plane is 2^-10.2 from the start, and 2^-42 of the scene's size is 2^-10
+    let along = |y: f64, z: f64| at(0.00085 * (z / 0.5 - 1.0), y, z);
+    let mut positions: Vec<DVec3> = wall.into_iter().chain(ends).collect();
+    positions.extend([along(-1.0, 0.3), along(1.0, 0.3), along(0.0, 40.0)]);
+    positions.extend((0..600).map(|k| at(f64::from(k % 3) - 1.0, f64::from(k % 2), 50.0 + f64::from(k))));
+    let scene = scene(mesh(positions, (0..204).map(|k| [0, 1, 2].map(|v| v + 3 * k)).collect()));
+    let view = Orthographic { eye: DVec3::ZERO, target: DVec3::Z, up: DVec3::Y, height: 1e-5 };
+    for (method, without) in [Method::Raster, Method::Trace]
+        .into_iter()
+        .flat_map(|method| [Without::Nothing, Without::F64Depths, Without::F64].map(|without| (method, without)))
+    {
+        for t_range in [FORWARD, [-3.0, 3.0]] {
+            let camera = camera(CameraKind::from(view.clone()), (16, 16), t_range);
+            let run = RunOptions { method, ..Default::default() };
+            let Some(rendered) = render_with(&scene, &camera, without, &run) else { return };
+            let frame = rendered.frame;
+            assert_right(&format!("{method:?} {without:?}"), &scene, &camera, &frame);
+            let (id, t) = if t_range[0] == 0.0 { (3, 0.0) } else { (0, 0.2) };
+            assert!(ids(&frame).iter().all(|&seen| seen == id), "{method:?} {without:?}: {:?}", ids(&frame));
+            assert!(frame.f32(Channel::T).unwrap().iter().all(|&seen| seen == t), "{method:?} {without:?}");
+        }
     }
 }
 

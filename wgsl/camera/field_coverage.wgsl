@@ -79,20 +79,20 @@ fn field_bound(e: vec3<f32>, sizes: f32, g: vec3<f32>, rounding: f32) -> f32 {
 struct CellDepth {
     normal: real3,
     v: real3,
-    rounding: real,         // of N . (v - P)
     back_sign: real,
     slot: u32,
 }
 
 fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, back_sign: real, slot: u32) -> CellDepth {
-    return CellDepth(normal, v[0], plane_tolerance(normal), back_sign, slot);
+    return CellDepth(normal, v[0], back_sign, slot);
 }
 
 fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let corner = tile_corner(cell.tile);
     let at = field_at(corner.x + x, corner.y + y);
     let b = cell_bundle_at(at);
-    var meeting = ray_meeting(dot(q.normal, q.v - b.p), dot(q.normal, b.d), q.rounding, q.back_sign);
+    let across = dot(q.normal, b.d);
+    var meeting = ray_meeting(dot(q.normal, q.v - b.p), across, plane_tolerance(q.normal, b.d, across), q.back_sign);
     meeting.visible = meeting.visible && is_there(q.slot, b);
     return meeting;
 }

@@ -137,7 +137,8 @@ fn coverage(
 struct CellDepth {
     along: real3,           // value at the tile's centre, slopes in x and y
     across: real3,
-    rounding: real,         // of `along`
+    normal: real3,
+    reach: real,
     back_sign: real,
     slot: u32,
     whole: Bundle,
@@ -154,7 +155,8 @@ fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, back_sign: real,
     q.back_sign = back_sign;
     q.slot = slot;
     q.whole = whole;
-    q.rounding = end_rounding(whole, normal, reach3(v));
+    q.normal = normal;
+    q.reach = reach3(v);
     return q;
 }
 
@@ -162,7 +164,9 @@ fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let fx = real(f32(x) - TILE_REACH);
     let fy = real(f32(y) - TILE_REACH);
     let along = q.along.x + fx * q.along.y + fy * q.along.z;
-    var meeting = ray_meeting(along, q.across.x + fx * q.across.y + fy * q.across.z, q.rounding, q.back_sign);
-    meeting.visible = meeting.visible && is_there(q.slot, bundle_at(q.whole, fx, fy));
+    let across = q.across.x + fx * q.across.y + fy * q.across.z;
+    let b = bundle_at(q.whole, fx, fy);
+    var meeting = ray_meeting(along, across, end_rounding(b, q.normal, across, q.reach), q.back_sign);
+    meeting.visible = meeting.visible && is_there(q.slot, b);
     return meeting;
 }

@@ -1,8 +1,8 @@
 // A small triangle that lies in one piece, drawn pixel by pixel.
 // Provides: draw_small
-// Needs: Bundle, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, LEAST, MOST, ONE_SIDED, Piece,
-//   TILE, bundle_at, first_of, key_above, leave_to_recheck, long_bit, meeting_between, merge, piece_bundle, plane_tolerance, real,
-//   real3, real_from_bits, size1, triangle_id, triangle_reversed, vertex_lo, without_first
+// Needs: Bundle, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, LEAST, MOST, ONE_SIDED, PERTURB,
+//   Piece, TILE, bundle_at, first_of, key_above, leave_to_recheck, long_bit, meeting_between, merge, piece_bundle, real, real3,
+//   real_from_bits, size1, size3, triangle_id, triangle_reversed, vertex_lo, without_first
 // Binds: counters, params
 
 override COUNTING: bool = false;
@@ -117,7 +117,8 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
     let normal = cross(v1 - v0, v2 - v0);
     let along = real3(dot(normal, v0 * b.h - b.p), dot(normal, v0 * b.hx - b.px), dot(normal, v0 * b.hy - b.py));
     let across = real3(dot(normal, b.d), dot(normal, b.dx), dot(normal, b.dy));
-    let rounding = plane_tolerance(normal) * abs(b.h);
+    // what may be moved to an end of t_range is left to recheck
+    let near_end = PERTURB * real(params.scene_size) * size3(normal) * abs(b.h);
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
     let back_sign = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
 
@@ -170,13 +171,16 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
             let y = real(at.y - half.y);
             let numerator = along.x + x * along.y + y * along.z;
             let denominator = across.x + x * across.y + y * across.z;
-            let meeting = meeting_between(numerator, denominator, rounding, back_sign, t_min, t_max);
+            let meeting = meeting_between(numerator, denominator, -1.0, back_sign, t_min, t_max);
+            let is_at_end = min(abs(numerator - t_min * denominator), abs(numerator - t_max * denominator)) <= near_end;
             let pixel = pixels.xy + vec2<u32>(at);
-            if any(covered != vec2<u32>(0u)) && meeting.visible {
+            if any(covered != vec2<u32>(0u)) && meeting.visible && !is_at_end {
                 merge(pixel.y * image_width + pixel.x, ~key_above(0u, meeting.t, id, id_mask));
                 kept++;
             }
-            covered = without_first(covered);
+            let others = without_first(covered);
+            uncertain |= select(vec2<u32>(0u), covered ^ others, is_at_end);
+            covered = others;
             if all(covered == vec2<u32>(0u)) {
                 break;
             }

@@ -1,6 +1,6 @@
 // The path of a pixel in a layer: one straight ray, about a scene none of whose coordinates is larger than 1.
 // Provides: ENDLESS, Path, Seen, Stretch, largest_of, last_of, nothing_seen, stretch_of
-// Needs: CORNER_UNITS, LEAST, NONE, PERTURB_BOUND, SLABBED, UNIT
+// Needs: CORNER_UNITS, END_BOUND, LEAST, NONE, PERTURB_BOUND, SLABBED, UNIT
 // Binds: params
 
 const ENDLESS: f32 = 1.0e30;
@@ -61,9 +61,9 @@ fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
     let t_share = scale * back;
     let s_first = clamp((params.t_min.x + params.t_min.y + params.t_min.z) * t_share, -ENDLESS, ENDLESS);
     let s_last = clamp((params.t_max.x + params.t_max.y + params.t_max.z) * t_share, -ENDLESS, ENDLESS);
-    // in a chain a hit up to end_rounding / |N . d| beyond an end counts as on it: less than this, but for triangles within 2^-36 of
-    // edge-on, whose t is rounding alone
-    let more = select(0.0, 0.00390625 * (s_last - s_first), SLABBED);
+    // a hit so near to an end is moved to it; in a chain one up to end_rounding / |N . d| beyond it: less than a 256th, but for triangles
+    // within 2^-36 of edge-on, whose t is rounding alone
+    let more = select(END_BOUND * params.scene_size * scale, 0.00390625 * (s_last - s_first), SLABBED);
     let margin_first = more + slack + 4.0 * UNIT * abs(s_first);
     let margin_last = more + slack + 4.0 * UNIT * abs(s_last);
     return Stretch(

@@ -57,5 +57,6 @@ fn flat_of(triangle: vec4<u32>, v: array<real3, 3>) -> Flat {
 
 fn flat_meeting(q: Flat, b: Bundle) -> Meeting {
     let along = dot(q.normal, q.v * b.h - b.p);
-    return ray_meeting(along, dot(q.normal, b.d), end_rounding(b, q.normal, q.reach), q.back_sign);
+    let across = dot(q.normal, b.d);
+    return ray_meeting(along, across, end_rounding(b, q.normal, across, q.reach), q.back_sign);
 }

@@ -4,7 +4,7 @@
 // Binds: params
 
 // The hit at t = along / across. A triangle whose back face is hidden is not hit where `across` has the sign of `back_sign`. A hit is
-// moved to an end of t_range where the ray's point at that end lies on the triangle's plane: N . (v - X) is at most `rounding`.
+// moved to an end of t_range where N . (v - X) is at most `rounding`, X the ray's point at that end.
 fn ray_meeting(along: real, across: real, rounding: real, back_sign: real) -> Meeting {
     return meeting_between(along, across, rounding, back_sign, real_from_bits(params.t_words.xy), real_from_bits(params.t_words.zw));
 }
@@ -24,9 +24,9 @@ fn meeting_between(along: real, across: real, rounding: real, back_sign: real, t
     return Meeting(t, t >= t_min && t <= t_max);
 }
 
-// Largest N . (v h - X h) at an end of a bundle's ray. Where layers of a chain meet: the rounding of two stored vertices in N, one vertex and
+// Largest N . (v h - X h) of a hit that counts as a hit at an end of a bundle's ray; across = N . d. Where layers of a chain meet: the rounding of two stored vertices in N, one vertex and
 // p in the offset, d at the joint, 16 units of their sizes' sum.
-fn end_rounding(b: Bundle, normal: real3, reach: real) -> real {
+fn end_rounding(b: Bundle, normal: real3, across: real, reach: real) -> real {
     let of_chain = 16.0 * REAL_UNIT * size3(normal) * (reach * abs(b.h) + size3(b.p) + size3(b.d));
-    return select(plane_tolerance(normal) * abs(b.h), of_chain, SLABBED);
+    return select(plane_tolerance(normal, b.d, across) * abs(b.h), of_chain, SLABBED);
 }

@@ -1,6 +1,6 @@
 // Whether any ray of a node may meet a box. Conservative: never false when one does.
 // Provides: node_meets
-// Needs: Node, RAYS_NONE
+// Needs: END_BOUND, Node, RAYS_NONE
 // Binds: params
 
 // Relative tolerance on t for the rounding of two additions and a division, 2^-24 each.
@@ -66,8 +66,10 @@ fn node_meets(node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     }
     let lo = params.t_min.x;
     let hi = params.t_max.x;
-    if hi >= 0.0 && half_meets(node, 1.0, vec2<f32>(max(lo, 0.0), hi), centre, half) {
+    // what is moved to an end of t_range lies so near to it
+    let reach = half + END_BOUND * params.scene_size;
+    if hi >= 0.0 && half_meets(node, 1.0, vec2<f32>(max(lo, 0.0), hi), centre, reach) {
         return true;
     }
-    return lo < 0.0 && half_meets(node, -1.0, vec2<f32>(max(-hi, 0.0), -lo), centre, half);
+    return lo < 0.0 && half_meets(node, -1.0, vec2<f32>(max(-hi, 0.0), -lo), centre, reach);
 }

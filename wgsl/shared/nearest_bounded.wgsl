@@ -1,7 +1,7 @@
 // Tests a triangle against four rays at once, in f32: coverage, proven, and depth, with a bound. What is nearest is left to recheck, which
 // finds its t.
 // Provides: farthest, given, keep_nearest, lines_of, nothing_nearest, test_pixels, tile_reach, triangle_shared
-// Needs: COUNT_PROVEN, COUNT_RECHECK_ITEMS, Column, Edge, INFINITE, LEAST, Lines, MOST, NONE, Node, ONE_SIDED, PERTURB_BOUND, PROVEN,
+// Needs: COUNT_PROVEN, COUNT_RECHECK_ITEMS, Column, END_BOUND, Edge, INFINITE, LEAST, Lines, MOST, NONE, Node, ONE_SIDED, PERTURB_BOUND, PROVEN,
 //   SLABBED, STORED_UNIT, Strip, TILE, UNIT, along, lanes_max, size, size4, subgroup_lane, take_places, triangle_id, triangle_reversed,
 //   vertex_lo
 // Binds: counters, params, recheck_items
@@ -161,11 +161,11 @@ fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u
     let first = select(vec4<f32>(-INFINITE), depth - error, is_across);
     let last = select(vec4<f32>(INFINITE), depth + error, is_across);
 
-    // the ends of the range; in a chain a hit up to end_rounding / |N . d| beyond an end counts as on it: less than a 256th, but for
-    // triangles within 2^-36 of edge-on, whose t is rounding alone
+    // the ends of the range: a hit so near to one is moved to it; in a chain one up to end_rounding / |N . d| beyond it: less than a 256th,
+    // but for triangles within 2^-36 of edge-on, whose t is rounding alone
     let from_depth = clamp((params.t_min.x + params.t_min.y + params.t_min.z) * s.back, vec4<f32>(-INFINITE), vec4<f32>(INFINITE));
     let to_depth = clamp((params.t_max.x + params.t_max.y + params.t_max.z) * s.back, vec4<f32>(-INFINITE), vec4<f32>(INFINITE));
-    let more = select(vec4<f32>(0.0), 0.00390625 * (to_depth - from_depth), SLABBED);
+    let more = select(vec4<f32>(END_BOUND * params.scene_size), 0.00390625 * (to_depth - from_depth), SLABBED);
     let margin_from = more + 8.0 * UNIT * abs(from_depth);
     let margin_to = more + 8.0 * UNIT * abs(to_depth);
 

@@ -1,8 +1,8 @@
 // Structs that the host writes and kernels read, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
 // Provides: BRANCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_FRAGMENTS_KEPT,
 //   COUNT_FRAGMENTS_TESTED, COUNT_LARGE, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_PROVEN, COUNT_RECHECK_ITEMS,
-//   COUNT_RECHECK_SAMPLES, COUNT_SORTED, COUNT_TASKS, COUNT_TRACED, COUNT_UNFINISHED, COUNT_WORK, CULL_COST, Cell, Cluster, GROUP, LANES,
-//   LARGE_COST, LEVEL_CELL, NONE, Node, PAIR_COST, PERTURB_BOUND, PROVEN, Params, Piece, RAYS_AFFINE, RAYS_DISCONTINUOUS, RAYS_LOOSE,
+//   COUNT_RECHECK_SAMPLES, COUNT_SORTED, COUNT_TASKS, COUNT_TRACED, COUNT_UNFINISHED, COUNT_WORK, CULL_COST, Cell, Cluster, END_BOUND, GROUP,
+//   LANES, LARGE_COST, LEVEL_CELL, NONE, Node, PAIR_COST, PERTURB_BOUND, PROVEN, Params, Piece, RAYS_AFFINE, RAYS_DISCONTINUOUS, RAYS_LOOSE,
 //   RAYS_NONE, SampleOffsets, Step, TASK_COST, TEXELS_A_ROW, TILE, TRIANGLE_GROUP, ViewerPose
 
 const GROUP: u32 = 64u;        // threads a workgroup, everywhere
@@ -83,6 +83,9 @@ struct Params {
 // A perturbation (perturb.wgsl) moves origins by at most 2^-42 of the scene's size, and directions by 2^-42 of their own. This is twice
 // that, for sums of components instead of lengths.
 const PERTURB_BOUND: f32 = 1.0 / 2199023255552.0;
+
+// A hit is moved to an end of t_range (plane_tolerance.wgsl) by at most 2^-32 of the scene's size. This is twice that, for rounding.
+const END_BOUND: f32 = 1.0 / 2147483648.0;
 
 // Offsets of samples from their pixel's centre, px right and down: two per vec4.
 struct SampleOffsets {

@@ -1,7 +1,7 @@
 // Tests a triangle against four rays at once: coverage, proven by f32, and depth, in recheck arithmetic.
 // Provides: Nearest, Shared, complemented_key, given, lines_of, nothing_nearest, reach_of, shared_of, test_pixels
-// Needs: Edge, LEAST, Lines, MOST, ONE_SIDED, PERTURB_BOUND, REAL_UNIT, SLABBED, STORED_UNIT, Strip, UNIT, along, ordered_bits,
-//   plane_tolerance, real, real3, real4, real_from_bits, real_to_bits, size, size3, subgroup_lane, triangle_id, triangle_reversed
+// Needs: Edge, LEAST, LEAST_SINE, Lines, MOST, ONE_SIDED, PERTURB, PERTURB_BOUND, REAL_UNIT, SLABBED, STORED_UNIT, Strip, UNIT, along,
+//   ordered_bits, real, real3, real4, real_from_bits, real_to_bits, size, size3, subgroup_lane, triangle_id, triangle_reversed
 // Binds: params
 
 // Beyond all t.
@@ -46,7 +46,7 @@ struct Shared {
     normal: real3,
     height: real,       // N . v
     back_sign: real,
-    margin: real,       // of N . (v - p), about an end of t_range
+    margin: real,       // of N . (v - p), about an end of t_range, at most
     id: u32,
 }
 
@@ -80,6 +80,12 @@ fn nothing_nearest() -> Nearest {
     return Nearest(real4(FARTHEST));
 }
 
+// Times N . d: plane_tolerance where the rays' angles to the plane are small; layers of a chain have none.
+fn end_reach(s: Strip) -> real4 {
+    let size_d = abs(s.dx) + abs(s.dy) + abs(s.dz);
+    return select(PERTURB * real(params.scene_size) / (LEAST_SINE * size_d), real4(FARTHEST), vec4<bool>(SLABBED));
+}
+
 struct Found {
     nearest: Nearest,
     uncertain: vec4<bool>,
@@ -101,8 +107,9 @@ fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u
     let height = f.height - (f.normal.x * s.px + f.normal.y * s.py + f.normal.z * s.pz);
     var t = height / across;
     // as meeting_between
-    let is_first = abs(height - t_min * across) <= real4(f.margin);
-    let is_last = abs(height - t_max * across) <= real4(f.margin);
+    let margin = min(real4(f.margin), abs(across) * end_reach(s));
+    let is_first = abs(height - t_min * across) <= margin;
+    let is_last = abs(height - t_max * across) <= margin;
     let in_range = is_first | is_last | ((t >= real4(t_min)) & (t <= real4(t_max)));
     let is_shown = (across != real4(0.0)) & (across * f.back_sign <= real4(0.0)) & (starts != vec4<u32>(f.id));
     let met = inside & exists & is_shown & in_range;
@@ -150,7 +157,7 @@ fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, centre: real3
     let normal = cross(v1 - v0, v2 - v0);
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
     let of_chain = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(reach_d));
-    let margin = select(plane_tolerance(normal), of_chain, SLABBED);
+    let margin = select(PERTURB * real(params.scene_size) * size3(normal), of_chain, SLABBED);
     return Shared(
         edge_from(m0, vec3<f32>(v1 - v0), reach_q, reach),
         edge_from(m0, vec3<f32>(v0 - v2), reach_q, reach),

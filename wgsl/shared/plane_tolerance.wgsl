@@ -1,9 +1,13 @@
-// Which points count as on a triangle's plane.
-// Provides: plane_tolerance
+// Which hits count as hits at an end of t_range.
+// Provides: LEAST_SINE, plane_tolerance
 // Needs: PERTURB, real, real3, size3
 // Binds: params
 
-// Largest N . (v - X) of a point X that counts as on the plane (`docs/reference/definitions.md`, Ends of t_range).
-fn plane_tolerance(normal: real3) -> real {
-    return PERTURB * real(params.scene_size) * size3(normal);
+// A ray at a smaller angle to a plane has to start nearer to it, so that no hit is moved by more than 2^-32 of the scene's size.
+const LEAST_SINE: real = 1.0 / 1024.0;
+
+// Largest N . (v - X) of a hit that counts as a hit at an end of t_range, where its ray along d is at X (`docs/reference/definitions.md`,
+// Ends of t_range); across = N . d.
+fn plane_tolerance(normal: real3, d: real3, across: real) -> real {
+    return PERTURB * real(params.scene_size) * min(size3(normal), abs(across) / (LEAST_SINE * size3(d)));
 }

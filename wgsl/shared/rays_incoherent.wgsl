@@ -1,6 +1,6 @@
 // Incoherent rays: each ray of a tile is tested by itself.
 // Provides: RAY_TOLERANCE, ray_meets, tile_meets
-// Needs: Node, TILE, field_at, field_direction, field_origin
+// Needs: END_BOUND, Node, TILE, field_at, field_direction, field_origin
 // Binds: params
 
 // Relative error in f32 of a ray's and a box's numbers, their sums, products and quotient, and differences between rays: 16 roundings.
@@ -21,7 +21,7 @@ fn ray_meets(at: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let size = abs(d);
     let q = centre - p;
     let extent_p = vec3<f32>(node.r_p) + abs(node.px) + abs(node.py);
-    var r = half + vec3<f32>(params.origin_error) + RAY_TOLERANCE * (abs(p) + abs(centre) + abs(q) + half + extent_p);
+    var r = half + vec3<f32>(params.origin_error + END_BOUND * params.scene_size) + RAY_TOLERANCE * (abs(p) + abs(centre) + abs(q) + half + extent_p);
     // where they meet, t times the largest component of the direction is at most the distance to the box's far side
     let extent_d = vec3<f32>(node.r_d) + abs(node.dx) + abs(node.dy);
     r += RAY_TOLERANCE * (largest_of(abs(q)) + largest_of(r)) / largest_of(size) * extent_d;

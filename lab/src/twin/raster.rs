@@ -3,7 +3,7 @@
 use super::edge::{Side, side};
 use super::rays::{Cast, PixelRays, owned};
 use super::{KernelInputs, Real, bin, curve};
-use anamorph::internals::camera::perturb::PERTURB;
+use anamorph::internals::camera::perturb::{END_REACH, PERTURB};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -128,7 +128,7 @@ fn test_ray(input: &KernelInputs, rays: &PixelRays, c: &Corners, real: Real) -> 
     }
     let [t_min, t_max] = input.t_range();
     // a hit within the margin of an end of t_range is moved to that end
-    let margin = end_margin(rays, c, real, (input.slabbed, scene_size)) / across.abs();
+    let margin = end_margin(rays, c, across, real, (input.slabbed, scene_size)) / across.abs();
     let near = |end: f64, margin: f64| (t - end).abs() <= margin;
     let at_end = [t_min, t_max].into_iter().any(|end| near(end, t_error + 2.0 * margin));
     let t = [t_min, t_max].into_iter().find(|end| near(*end, margin)).unwrap_or(t);
@@ -144,14 +144,15 @@ fn test_ray(input: &KernelInputs, rays: &PixelRays, c: &Corners, real: Real) -> 
 /// Rounding of `N . (v h - p)` as stored, in units of what is summed up.
 const END_UNITS: f64 = 16.0;
 
-/// Tolerance at the ends of t_range, times `N . d`: of a chain's segment, or in a scene of this size.
-fn end_margin(rays: &PixelRays, c: &Corners, real: Real, (slabbed, scene_size): (bool, f64)) -> f64 {
+/// Tolerance at the ends of t_range, times `N . d`, which is `across`: of a chain's segment, or in a scene of this size.
+fn end_margin(rays: &PixelRays, c: &Corners, across: f64, real: Real, (slabbed, scene_size): (bool, f64)) -> f64 {
     let [v0, v1, v2] = c.v;
     let size = |v: DVec3| v.abs().element_sum();
     let b = &rays.bundle;
     let of_chain = END_UNITS * real.unit() * (c.reach() * b.h[0].abs() + size(b.p[0]) + size(b.d[0]));
-    let of_scene = PERTURB * scene_size * b.h[0].abs();
-    size((v1 - v0).cross(v2 - v0)) * if slabbed { of_chain } else { of_scene }
+    let of_plane = size((v1 - v0).cross(v2 - v0));
+    let of_scene = (PERTURB * of_plane).min(END_REACH * across.abs() / size(b.d[0])) * scene_size * b.h[0].abs();
+    if slabbed { of_plane * of_chain } else { of_scene }
 }
 
 /// The visibility buffer of a band: a complemented key per pixel, low word first; 0: no hit.
