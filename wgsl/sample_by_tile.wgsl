@@ -71,7 +71,7 @@ fn sample(
         let v1 = real3(hi[1]) + real3(vertex_lo(triangle.y));
         let v2 = real3(hi[2]) + real3(vertex_lo(triangle.z));
         let reach = max(size(hi[0]), max(size(hi[1]), size(hi[2]))) + size(node.p);
-        let own = shared_of(triangle, v0, v1, v2, centre, reach, reach_q, size(node.d));
+        let own = shared_of(triangle, v0, v1, v2, centre, reach, reach_q);
 
         // test each against the strips
         var unproven = 0u;

@@ -17,7 +17,7 @@ fn triangle_shared(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, node
     let v1 = real3(hi[1]) + real3(vertex_lo(triangle.y));
     let v2 = real3(hi[2]) + real3(vertex_lo(triangle.z));
     let reach = max(size(hi[0]), max(size(hi[1]), size(hi[2]))) + size(node.p);
-    return shared_of(triangle, v0, v1, v2, real3(node.p), reach, reach_q, size(node.d));
+    return shared_of(triangle, v0, v1, v2, real3(node.p), reach, reach_q);
 }
 
 // 2^-24 of a key's t, and rounding it to f32 and once more.

@@ -1,7 +1,7 @@
 // Tests a triangle against four rays at once: coverage, proven by f32, and depth, in recheck arithmetic.
 // Provides: Nearest, Shared, complemented_key, given, lines_of, nothing_nearest, reach_of, shared_of, test_pixels
-// Needs: Edge, LEAST, LEAST_SINE, Lines, MOST, ONE_SIDED, PERTURB, PERTURB_BOUND, REAL_UNIT, SLABBED, STORED_UNIT, Strip, UNIT, along,
-//   ordered_bits, real, real3, real4, real_from_bits, real_to_bits, size, size3, subgroup_lane, triangle_id, triangle_reversed
+// Needs: END_BOUND, Edge, LEAST, Lines, MOST, ONE_SIDED, PERTURB_BOUND, SLABBED, STORED_UNIT, Strip, UNIT, along,
+//   ordered_bits, real, real3, real4, real_from_bits, real_to_bits, size, subgroup_lane, triangle_id, triangle_reversed
 // Binds: params
 
 // Beyond all t.
@@ -46,7 +46,6 @@ struct Shared {
     normal: real3,
     height: real,       // N . v
     back_sign: real,
-    margin: real,       // of N . (v - p), about an end of t_range, at most
     id: u32,
 }
 
@@ -66,7 +65,6 @@ fn given(own: Shared, k: u32) -> Shared {
         real3(lanes_real(own.normal.x, k), lanes_real(own.normal.y, k), lanes_real(own.normal.z, k)),
         lanes_real(own.height, k),
         lanes_real(own.back_sign, k),
-        lanes_real(own.margin, k),
         subgroupShuffle(own.id, place),
     );
 }
@@ -80,10 +78,12 @@ fn nothing_nearest() -> Nearest {
     return Nearest(real4(FARTHEST));
 }
 
-// Times N . d: plane_tolerance where the rays' angles to the plane are small; layers of a chain have none.
-fn end_reach(s: Strip) -> real4 {
+// No hit farther from an end of t_range counts as a hit at it. In a chain end_rounding / |N . d| is less than a 256th, but for triangles
+// within 2^-36 of edge-on, whose t is rounding alone.
+fn end_reach(s: Strip, t_min: real, t_max: real) -> real4 {
+    let of_chain = real4(0.00390625 * (t_max - t_min));
     let size_d = abs(s.dx) + abs(s.dy) + abs(s.dz);
-    return select(PERTURB * real(params.scene_size) / (LEAST_SINE * size_d), real4(FARTHEST), vec4<bool>(SLABBED));
+    return select(real(END_BOUND * params.scene_size) / size_d, of_chain, vec4<bool>(SLABBED));
 }
 
 struct Found {
@@ -92,7 +92,7 @@ struct Found {
     met: vec4<bool>,
 }
 
-// Tests a triangle against four rays.
+// Tests a triangle against four rays. What may count as a hit at an end of t_range is uncertain.
 fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u32>, before: Nearest) -> Found {
     let a = along(f.a, l);
     let b = along(f.b, l);
@@ -105,17 +105,14 @@ fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u
     let t_min = real_from_bits(params.t_words.xy);
     let t_max = real_from_bits(params.t_words.zw);
     let height = f.height - (f.normal.x * s.px + f.normal.y * s.py + f.normal.z * s.pz);
-    var t = height / across;
-    // as meeting_between
-    let margin = min(real4(f.margin), abs(across) * end_reach(s));
-    let is_first = abs(height - t_min * across) <= margin;
-    let is_last = abs(height - t_max * across) <= margin;
-    let in_range = is_first | is_last | ((t >= real4(t_min)) & (t <= real4(t_max)));
+    let t = height / across;
+    let reach = end_reach(s, t_min, t_max);
+    let in_range = (t > t_min + reach) & (t < t_max - reach);
+    let at_end = (t >= t_min - reach) & (t <= t_max + reach) & !in_range;
     let is_shown = (across != real4(0.0)) & (across * f.back_sign <= real4(0.0)) & (starts != vec4<u32>(f.id));
     let met = inside & exists & is_shown & in_range;
-    t = select(select(t, real4(t_max), is_last), real4(t_min), is_first);
     let keys = real4(depth_key(t.x, f.id), depth_key(t.y, f.id), depth_key(t.z, f.id), depth_key(t.w, f.id));
-    return Found(Nearest(select(before.keys, keys, met & (keys < before.keys))), exists & !(inside | outside), met);
+    return Found(Nearest(select(before.keys, keys, met & (keys < before.keys))), exists & !outside & (at_end | !inside), met);
 }
 
 // Low bits of t that the id replaces.
@@ -151,13 +148,11 @@ fn complemented_key(layer: u32, key: real) -> vec2<u32> {
 
 // The shared values of a triangle from its corners in f64. No corner is farther than `reach` from the centre; reach_of the lines is at
 // most reach_q.
-fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, centre: real3, reach: f32, reach_q: f32, reach_d: f32) -> Shared {
+fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, centre: real3, reach: f32, reach_q: f32) -> Shared {
     let m0 = vec3<f32>(v0 - centre);
     let m1 = vec3<f32>(v1 - centre);
     let normal = cross(v1 - v0, v2 - v0);
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
-    let of_chain = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(reach_d));
-    let margin = select(PERTURB * real(params.scene_size) * size3(normal), of_chain, SLABBED);
     return Shared(
         edge_from(m0, vec3<f32>(v1 - v0), reach_q, reach),
         edge_from(m0, vec3<f32>(v0 - v2), reach_q, reach),
@@ -165,7 +160,6 @@ fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, centre: real3
         normal,
         dot(normal, v0 - centre),
         select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u),
-        margin,
         triangle_id(triangle),
     );
 }

@@ -1,5 +1,5 @@
 // Which hits count as hits at an end of t_range.
-// Provides: LEAST_SINE, plane_tolerance
+// Provides: plane_tolerance
 // Needs: PERTURB, real, real3, size3
 // Binds: params
 

@@ -18,12 +18,7 @@ pub fn kernel(variant: Variant) -> Kernel {
 }
 
 /// The t of a triangle at a pixel in recheck arithmetic, or in f32 with a bound.
-const EXACT: Parts = snippets!(
-    "shared/pixel_edges.wgsl",
-    "shared/plane_tolerance.wgsl",
-    "shared/pixel_test.wgsl",
-    "shared/nearest_exact.wgsl"
-);
+const EXACT: Parts = snippets!("shared/pixel_edges.wgsl", "shared/pixel_test.wgsl", "shared/nearest_exact.wgsl");
 const BOUNDED: Parts = snippets!("shared/pixel_edges.wgsl", "shared/nearest_bounded.wgsl");
 
 fn by_tile(variant: Variant) -> Kernel {
@@ -42,7 +37,7 @@ fn by_tile(variant: Variant) -> Kernel {
     let mut snippets = vec![PARAMS, ITEMS, INDEX, SLABS, VERTEX, PACKED_TRIANGLE];
     if variant.f64_depths {
         bindings.push(writes("visibility", "array<atomic<u64>>"));
-        snippets.extend([variant.real(), BUNDLE, KEY, variant.merge(), COLUMN]);
+        snippets.extend([variant.real(), KEY, variant.merge(), COLUMN]);
     } else {
         snippets.push(snippets!("shared/column_bounded.wgsl"));
     }
@@ -63,6 +58,9 @@ fn by_tile(variant: Variant) -> Kernel {
     }
     if !is_field {
         snippets.push(variant.lanes_piece());
+        if variant.f64_depths {
+            snippets.push(BUNDLE);
+        }
     }
     snippets.extend([PAIR, WITHIN, variant.lane_places(), LANES, PLACES, variant.item_node(), column, nearest]);
     let own: Parts = snippets!("shared/waiting.wgsl", "raster_by_tile.wgsl");

@@ -62,15 +62,14 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
         }
         _ => {
             bindings.extend([pieces(), reads("cells", "array<Cell>"), uniform("sample_offsets", "SampleOffsets")]);
-            &[PIECES, SAMPLE_OFFSETS, snippets!("camera/pieces_strip.wgsl")]
+            &[BUNDLE, PIECES, SAMPLE_OFFSETS, snippets!("camera/pieces_strip.wgsl")]
         }
     };
-    let snippets =
-        [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), PACKED_TRIANGLE, BUNDLE, KEY, BITS, WITHIN, PLACES];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), PACKED_TRIANGLE, KEY, BITS, WITHIN, PLACES];
     let own = [variant.lane_places(), LANES, variant.item_node(), COLUMN, CELL_SAMPLES];
     let stage = [
         snippets!("shared/waiting.wgsl"),
-        snippets!("shared/pixel_edges.wgsl", "shared/plane_tolerance.wgsl", "shared/pixel_test.wgsl"),
+        snippets!("shared/pixel_edges.wgsl", "shared/pixel_test.wgsl"),
         snippets!("sample_by_tile.wgsl"),
     ];
     let mut kernel = Kernel::new("sample", bindings, &[&snippets[..], &own, rays, &stage].concat());
