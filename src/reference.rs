@@ -165,7 +165,8 @@ impl<'a> Reference<'a> {
         best
     }
 
-    /// Distance from `p` along a unit direction to the nearest of the first `count` triangles and spheres, either face, up to `far`.
+    /// Distance from `p` along a unit direction to the nearest of the first `count` triangles and spheres, either face, up to `far`. Rays pass
+    /// where a triangle is masked.
     fn blocked(&self, p: DVec3, direction: DVec3, far: f64, count: u32) -> Option<f64> {
         let zero = DVec3::ZERO;
         let bundle = Bundle { p: [p, zero, zero], d: [direction, zero, zero], h: [1.0, 0.0, 0.0] };
@@ -177,8 +178,8 @@ impl<'a> Reference<'a> {
                 _ if id >= count => Vec::new(),
                 Some(sphere) => sphere.meetings(&bundle).into_iter().flatten().collect(),
                 None => {
-                    let corners = self.solid_corners(id);
-                    corners.and_then(|c| intersect::meet(&Aim::straight(bundle), &c)).map(|m| m.t).into_iter().collect()
+                    let met = self.solid_corners(id).and_then(|c| intersect::meet(&Aim::straight(bundle), &c));
+                    met.filter(|m| self.is_there(id, m.bary)).map(|m| m.t).into_iter().collect()
                 }
             };
             for t in met {

@@ -205,15 +205,6 @@ impl Scene {
     }
 
     /// # Errors
-    /// [`Error::Input`] for shadows together with alpha masks.
-    pub fn check_shadows(&self) -> Result<()> {
-        if self.has_shadows() && self.mesh.base().has_alpha_masks() {
-            return Err(Error::input(SHADOWS_AND_ALPHA_MASKS.join("; ")));
-        }
-        Ok(())
-    }
-
-    /// # Errors
     /// [`Error::Input`] for spheres together with caustics.
     pub fn check_spheres(&self) -> Result<()> {
         if self.mesh.base().has_spheres() && self.caustics.is_some() {
@@ -290,6 +281,3 @@ pub const VOLUME_AND_OPTICS: [&str; 2] = [
     "{camera} reflects or refracts rays, which are not followed through a volume",
     "remove [volume] or use another camera",
 ];
-
-/// Why there are no shadows with alpha masks, and what to do instead.
-pub const SHADOWS_AND_ALPHA_MASKS: [&str; 2] = ["shadow rays do not support alpha masks", "leave either out"];

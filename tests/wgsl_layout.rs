@@ -305,8 +305,8 @@ fn host() -> Layouts {
             leaves_first,
             pictures_first,
             picture_count,
+            masks_first,
             pad0,
-            pad1,
             irradiance
         }),
         layout!(Material {

@@ -6,7 +6,7 @@
 //   ends_on_smooth, first_piece, first_surface, goes_on, has_corners, has_path, in_file_order, key_id, key_layer, key_t, light_before,
 //   light_left, painted, path_length, pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential,
 //   reach_of, reached, real3, says_what_is_seen, segment_length, sent_back, slot_of, surface_albedo, surface_normal, surface_uv,
-//   take_moment, take_surface, triangle_at, vertex_real, write_srgb
+//   take_moment, take_place, take_surface, triangle_at, vertex_real, write_srgb
 // Binds: params, planes, shading
 
 // Some plane shows more than the key says.
@@ -50,6 +50,7 @@ fn shade(
     let pixel = y * params.width + x;
     let at = Place(pixel, params.width * params.height);
     take_moment(pixel);
+    take_place(place);
     let won = pixel_key(pixel);
     let id = key_id(~won);
     let is_hit = any(won != vec2<u32>(0u));

@@ -3,7 +3,7 @@
 // that it meets at a t in range, and writes that. Triangles of which f32 proves neither a hit nor a miss are left to recheck.
 // The list recheck_items may overflow: the counter keeps counting. What takes too many steps is counted, too.
 // Needs: COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_UNFINISHED, ROUNDS, SLABBED, bvh_scale, followed, has_ray, is_seen, keep_seen,
-//   last_of, nothing_seen, path_of, pixel_at, stretch_of, stretches, take_moment
+//   last_of, nothing_seen, path_of, pixel_at, stretch_of, stretches, take_moment, take_place
 // Binds: counters, params, step
 
 override COUNTING: bool = false;
@@ -32,6 +32,7 @@ fn trace(
         }
         if has_ray(layer, at.x, at.y) {
             take_moment(at.y * params.width + at.x);
+            take_place(at);
             let path = path_of(layer, at.x, at.y);
             var seen = nothing_seen();
             var rounds = 0u;

@@ -8,7 +8,7 @@ use crate::engine::rival::Choice;
 use crate::gpu::kernels::RaysKind;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
-use crate::scene::{SHADOWS_AND_ALPHA_MASKS, SPHERES_AND_CAUSTICS, Scene, VOLUME_AND_OPTICS};
+use crate::scene::{SPHERES_AND_CAUSTICS, Scene, VOLUME_AND_OPTICS};
 
 /// Generates the features and their names from one table.
 macro_rules! features {
@@ -145,7 +145,6 @@ pub const REFUSALS: &[Refusal] = {
         refusal(&[Timed, Rival], "{rival} sees the whole scene at one time", MOVES),
         refusal(&[Timed, Raster], "what moves while the frame is taken is traced", "leave out --method raster"),
         refusal(&[Timed, Certified], "pixels cannot be certified while things move", WITHOUT_CERTIFIED),
-        refusal(&[Timed, AlphaMasks], "alpha masks cannot move while a frame is taken", MOVES),
         refusal(&[Timed, Caustics], "caustics are of one time", MOVES),
         refusal(&[Timed, Atlas], "an atlas is of one time", "remove atlas"),
         refusal(&[Timed, Moving], "--moving is for scenes that stand still while a frame is taken", MOVES),
@@ -162,11 +161,6 @@ pub const REFUSALS: &[Refusal] = {
             &[Spheres, Certified, Curves],
             "{camera} has curved or layered rays, along which no pixel with spheres is certified",
             WITHOUT_CERTIFIED,
-        ),
-        refusal(
-            &[Spheres, AlphaMasks],
-            "triangles with alpha masks are rasterized, and spheres traced",
-            "leave either out",
         ),
         refusal(&[Spheres, Caustics], SPHERES_AND_CAUSTICS[0], SPHERES_AND_CAUSTICS[1]),
         refusal(&[Spheres, Atlas], "an atlas is of triangles alone", "remove atlas"),
@@ -208,7 +202,6 @@ pub const REFUSALS: &[Refusal] = {
             "use at most 32, or one frame per sample",
         ),
         refusal(&[Rival, AlphaMasks], "{rival} ignores alpha masks", "use --engine compute"),
-        refusal(&[Shadows, AlphaMasks], SHADOWS_AND_ALPHA_MASKS[0], SHADOWS_AND_ALPHA_MASKS[1]),
         refusal(
             &[Pictures, Caustics],
             "caustics are added to the colours of materials, not to pictures thrown onto them",
@@ -253,11 +246,6 @@ pub const REFUSALS: &[Refusal] = {
             &[LayeredOptics, Raster],
             "{camera} sees a mirror or lens along curved or layered rays, which are traced",
             "leave out --method raster",
-        ),
-        refusal(
-            &[LayeredOptics, AlphaMasks],
-            "{camera} sees a mirror or lens along curved or layered rays, which are traced, without alpha masks",
-            "remove the alpha masks, or use an eye of straight rays",
         ),
         refusal(&[InSequence, Atlas], "a sequence does not support {camera} with an atlas", ALONE),
         refusal(

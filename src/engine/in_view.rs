@@ -108,6 +108,7 @@ impl InView {
         let needed = Kinds {
             // shadow rays go anywhere
             spheres: has_shadow_rays,
+            alpha_masks: has_shadow_rays,
             // pictures are looked up by the size of the scene at all times
             motion: has_shadow_rays || !lit.projector_lights.is_empty(),
             ..Kinds::NONE

@@ -60,9 +60,9 @@ impl Appearance {
         let own: Vec<usize> = own.map(|(k, _)| k).collect();
         let light_count = scene.lights.len() + own.len();
         lights.extend(own.iter().flat_map(|k| [[f32::from_bits(*k as u32), 0.0, 0.0, -1.0], [0.0; 4]]));
-        let mut firsts = [0; 2];
+        let mut firsts = [0; 3];
         if let Some(bvh) = shadows.bvh {
-            for (first, items) in firsts.iter_mut().zip([&bvh.nodes, &bvh.leaves]) {
+            for (first, items) in firsts.iter_mut().zip([&bvh.nodes, &bvh.leaves, &bvh.masks]) {
                 *first = lights.len() as u32;
                 lights.extend(items);
             }
@@ -92,8 +92,8 @@ impl Appearance {
                 leaves_first: firsts[1],
                 pictures_first,
                 picture_count: pictures.map_or(0, |_| scene.projector_lights.len() as u32),
+                masks_first: firsts[2],
                 pad0: 0,
-                pad1: 0,
                 irradiance: scene.sky.as_ref().map_or([[0.0; 4]; 9], |s| s.irradiance.map(|[r, g, b]| [r, g, b, 0.0])),
             },
             lights,

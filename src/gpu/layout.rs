@@ -294,8 +294,8 @@ pub struct Shading {
     pub leaves_first: u32,
     pub pictures_first: u32,
     pub picture_count: u32,
+    pub masks_first: u32,
     pub pad0: u32,
-    pub pad1: u32,
     pub irradiance: [[f32; 4]; 9],
 }
 

@@ -93,9 +93,6 @@ impl<'e> Backend<'e> {
                 if let Some(composition) = &camera.composition {
                     composition.check(&scene.objects)?;
                 }
-                if wanted.has_colour() {
-                    scene.check_shadows()?;
-                }
                 Ok(by_reference(scene, camera, wanted, run))
             }
         }

@@ -9,6 +9,7 @@ mod blend;
 mod caustics;
 mod decided;
 mod gloss;
+mod masks;
 mod motion;
 mod projector_lights;
 mod relit;

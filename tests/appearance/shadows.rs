@@ -3,11 +3,14 @@
 
 use crate::common;
 use crate::pictures;
+use crate::textures::masked_shapes;
 
 use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::exposure::Sample;
 use anamorph::internals::engine::combinations::at_once;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::geometry::place::merge;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
@@ -97,6 +100,10 @@ fn rendered(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Colours {
 
 /// Of pixels that see one triangle in both, how many are lit otherwise by more than rounding; and of all.
 fn lit_otherwise(engine: &mut Engine, scene: &Scene, camera: &Camera) -> (usize, usize) {
+    lit_otherwise_by(ROUNDING, engine, scene, camera)
+}
+
+fn lit_otherwise_by(rounding: f64, engine: &mut Engine, scene: &Scene, camera: &Camera) -> (usize, usize) {
     let channels = [&COLOUR[..], &[Channel::TriangleId]].concat();
     let exact = image(scene, camera, &channels);
     let seen = engine.render(scene, camera, &Wanted::of(channels), &RunOptions::default()).unwrap().frame;
@@ -104,11 +111,14 @@ fn lit_otherwise(engine: &mut Engine, scene: &Scene, camera: &Camera) -> (usize,
     let (a, b) = (colours(&exact), colours(&seen));
     let same: Vec<usize> = (0..a.len()).filter(|&k| ids[0][k] == ids[1][k]).collect();
     let off = |k: usize| (0..3).map(|c| (a[k][c] - b[k][c]).abs() / (1.0 + a[k][c])).fold(0.0, f64::max);
-    (same.iter().filter(|&&k| off(k) > ROUNDING).count(), same.len())
+    (same.iter().filter(|&&k| off(k) > rounding).count(), same.len())
 }
 
 /// See `gloss.rs`: of surfaces of roughness 0.5 at the brightest.
 const ROUNDING: f64 = 1e-4;
+
+/// Of texels in f16: half of its last bit.
+const ROUNDING_OF_IMAGES: f64 = 1.0 / 2048.0;
 
 /// At the borders of shadows f32 may see light where there is none: some 4e-6 of a unit wide, of pixels 0.05 wide. If all 4800 pixels held
 /// one of both lights that were 0.8 of them, and 5 or more once in a thousand times.
@@ -129,6 +139,32 @@ fn lights_and_their_shadows_are_the_reference_s() {
             println!("{name}, {what}: {off} of {all} pixels otherwise, {dark} dark");
             assert!(off <= OFF_MAX && all > 2000, "{name}, {what}: {off} of {all} are lit otherwise");
         }
+    }
+}
+
+/// Borders of holes are longer than those of the things above: if all pixels held four of both lights, 3.2 would be lit otherwise, and 11 or
+/// more once in a thousand times.
+const OFF_MAX_OF_HOLES: usize = 10;
+
+#[test]
+fn light_passes_through_holes() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let mut masked = scene(vec![sun(), lamp()], Some(AmbientOcclusion { rays: 2, reach: 0.8 }));
+    masked.mesh = merge(vec![(**masked.mesh).clone(), (**masked_shapes().mesh).clone()]).unwrap().into();
+    let mut blended = masked.clone();
+    let mesh = Arc::make_mut(&mut blended.mesh);
+    mesh.materials.iter_mut().filter(|m| m.texture.is_some()).for_each(|m| m.blend = Some(0.7));
+    let mut solid = masked.clone();
+    let mesh = Arc::make_mut(&mut solid.mesh);
+    mesh.materials.iter_mut().for_each(|m| m.texture = None);
+    for (k, (name, camera)) in families().into_iter().enumerate() {
+        let sample = camera.of_sample([0.1, 0.2].into(), Sample { number: 2, count: 3 }).unwrap();
+        let (scene, camera) = if k % 2 == 0 { (&masked, &camera) } else { (&blended, &sample) };
+        let [holes, none] = [scene, &solid].map(|scene| rendered(&mut engine, scene, camera));
+        let differ = holes.iter().zip(&none).filter(|(a, b)| (a[0] - b[0]).abs() > 0.01).count();
+        let (off, all) = lit_otherwise_by(ROUNDING_OF_IMAGES, &mut engine, scene, camera);
+        println!("{name}: {off} of {all} pixels otherwise, {differ} by holes");
+        assert!(off <= OFF_MAX_OF_HOLES && all > 1500 && differ > 150, "{name}: {off} of {all}, {differ} by holes");
     }
 }
 

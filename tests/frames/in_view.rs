@@ -153,6 +153,17 @@ fn alpha_masks_on_a_quad_behind_the_camera() {
     let parts = ["textures", "alpha masks"];
     assert_left_out("quad", [&pinhole(&[&behind]), &pinhole(&[])], &parts, "not in view");
     assert_needed("quad in view", [&pinhole(&[&quad("[0, 1, 1]")]), &pinhole(&[])]);
+    // its shadow is in view, but not its image
+    let shadow = [true, false].map(|no_cull| {
+        rendered(&pinhole(&[SHADOWS, &quad("[0, 6, 6]")]), &RunOptions { no_cull, ..RunOptions::default() })
+    });
+    let [Some(whole), Some(own)] = shadow else { return };
+    let solid = quad("[0, 6, 6]").replace(", cutoff = 0.5", "");
+    assert!(rendered(&pinhole(&[SHADOWS, &solid]), &RunOptions::default()).unwrap().srgb8 != own.srgb8);
+    assert_eq!(
+        (left_out(&own, "not in view"), words(&own.frame) == words(&whole.frame)),
+        (vec!["textures".into()], true)
+    );
 }
 
 #[test]

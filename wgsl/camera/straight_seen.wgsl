@@ -1,7 +1,7 @@
 // What a straight ray meets, to f32.
 // Provides: is_seen, keep_seen, stretches, with_hit, with_triangle
 // Needs: BvhTriangle, CORNER_UNITS, COUNT_PROVEN, COUNT_RECHECK_ITEMS, ENDLESS, LEAST, NONE, ONE_SIDED, PROVEN, Path, Seen, Stretch, UNIT,
-//   is_excluded, is_mirrored, largest_of, last_of, take_places, triangle_id, triangle_reversed
+//   is_excluded, is_mirrored, is_solid, largest_of, last_of, take_places, triangle_id, triangle_reversed
 // Binds: counters, params, recheck_items
 
 // No hit is proven: all that may be one is left to recheck.
@@ -60,7 +60,9 @@ fn with_triangle(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -
     // a face that does not show
     let is_back = is_across && (own.word & ONE_SIDED) != 0u
         && ((across < 0.0) != is_mirrored()) == triangle_reversed(vec4<u32>(own.word));
-    let is_sure = is_inside && is_across && first >= stretch.inner_first && last <= stretch.inner_last;
+    // a triangle with an alpha mask may have a hole here
+    let is_in_range = first >= stretch.inner_first && last <= stretch.inner_last;
+    let is_sure = is_inside && is_across && is_in_range && is_solid(own.slot);
     return with_hit(path, stretch, before, own, first, last, is_outside || is_back, is_sure);
 }
 

@@ -20,7 +20,7 @@ fn bvh_root() -> u32 {
     return bvh_row(min(moment_step, params.steps - 2u)).y;
 }
 
-fn between(a: vec4<u32>, b: vec4<u32>) -> vec3<f32> {
+fn step_between(a: vec4<u32>, b: vec4<u32>) -> vec3<f32> {
     let share = select(moment_share, 1.0, moment_step + 1u == params.steps);
     let from_step = bitcast<vec3<f32>>(a.xyz);
     return from_step + share * (bitcast<vec3<f32>>(b.xyz) - from_step);
@@ -38,7 +38,7 @@ fn bvh_triangle(index: u32) -> BvhTriangle {
     let c = textureLoad(bvh_triangles, table_texel(row + 2u), 0);
     let b_end = textureLoad(bvh_triangles, table_texel(row + 4u), 0);
     let c_end = textureLoad(bvh_triangles, table_texel(row + 5u), 0);
-    let v = between(a, textureLoad(bvh_triangles, table_texel(row + 3u), 0));
+    let v = step_between(a, textureLoad(bvh_triangles, table_texel(row + 3u), 0));
     let size = CORNER_UNITS * max(edges_of(b, c), edges_of(b_end, c_end));
-    return BvhTriangle(v, a.w, between(b, b_end), b.w, between(c, c_end), size);
+    return BvhTriangle(v, a.w, step_between(b, b_end), b.w, step_between(c, c_end), size);
 }

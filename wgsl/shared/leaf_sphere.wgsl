@@ -1,8 +1,8 @@
 // Leaves of a hierarchy that hold triangles and spheres.
-// Provides: nearer_leaf
+// Provides: nearer_solid
 // Needs: Found, LeafTriangle, Segment, nearer
 
-fn nearer_leaf(segment: Segment, found: Found, leaf: LeafTriangle) -> Found {
+fn nearer_solid(segment: Segment, found: Found, leaf: LeafTriangle) -> Found {
     if leaf.is_sphere == 0u {
         return nearer(segment, found, leaf);
     }

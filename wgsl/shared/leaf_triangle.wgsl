@@ -1,7 +1,7 @@
 // Leaves of a hierarchy that hold triangles alone.
-// Provides: nearer_leaf
+// Provides: nearer_solid
 // Needs: Found, LeafTriangle, Segment, nearer
 
-fn nearer_leaf(segment: Segment, found: Found, leaf: LeafTriangle) -> Found {
+fn nearer_solid(segment: Segment, found: Found, leaf: LeafTriangle) -> Found {
     return nearer(segment, found, leaf);
 }

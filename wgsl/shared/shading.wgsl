@@ -20,7 +20,7 @@ struct Shading {
     leaves_first: u32,
     pictures_first: u32,    // index in `lights` of the pictures that are thrown onto surfaces, and how many there are
     picture_count: u32,
+    masks_first: u32,       // index in `lights` of the alpha masks of shadow casters
     pad0: u32,
-    pad1: u32,
     irradiance: array<vec4<f32>, 9>,
 }

@@ -1,26 +1,22 @@
 // Triangles with alpha masks, and blended ones. Whether a point is masked follows from the image's first level alone, whatever the camera: masks
-// are part of the scene's shape. A blended triangle is there for a sample if its opacity reaches the sample's threshold; rays through pixel
-// centers have the threshold 1/2. src/geometry/opacity.rs has the same thresholds.
-// Provides: is_there, take_place
-// Needs: Bundle, Material, NONE, bilinear, corner_uv, has_uv, image_place, into_image, material_at, on_triangle, real3, triangle_at, triangle_id,
-//   triangle_surface, vertex_real, wrap_u, wrap_v
-// Binds: params
+// are part of the scene's shape.
+// Provides: is_solid, is_there
+// Needs: Bundle, Material, NONE, bilinear, corner_uv, has_uv, image_place, into_image, is_opaque, material_at, on_triangle, real3, triangle_at,
+//   triangle_id, triangle_surface, vertex_real, wrap_u, wrap_v
 
-// The image's pixel that rays belong to.
-var<private> mask_pixel: vec2<u32>;
-
-// Says which pixel of the band the rays that follow belong to.
-fn take_place(pixel: vec2<u32>) {
-    mask_pixel = pixel + vec2<u32>(0u, params.band_row);
+// Whether a triangle is there everywhere.
+fn is_solid(slot: u32) -> bool {
+    let material = material_at(triangle_surface(slot).w);
+    return material.is_blended == 0u && material.cutoff <= 0.0;
 }
 
 fn is_there(slot: u32, b: Bundle) -> bool {
     let material = material_at(triangle_surface(slot).w);
     let triangle = triangle_at(slot);
-    if material.is_blended == 1u {
-        return reaches(material.opacity * alpha_at(material, slot, triangle, b), triangle_id(triangle));
+    if material.is_blended == 0u && material.cutoff <= 0.0 {
+        return true;
     }
-    return material.cutoff <= 0.0 || alpha_at(material, slot, triangle, b) >= material.cutoff;
+    return is_opaque(material, alpha_at(material, slot, triangle, b), triangle_id(triangle));
 }
 
 // The opacity of the material's image where a ray meets the triangle; 1 without an image.
@@ -36,51 +32,4 @@ fn alpha_at(material: Material, slot: u32, triangle: vec4<u32>, b: Bundle) -> f3
     let uv = image_place(corner_uv(slot, triangle), on_triangle(e), material.texture);
     let place = vec2<f32>(into_image(uv.x, wrap_u(material.texture)), into_image(uv.y, wrap_v(material.texture)));
     return bilinear(material, place, 0u).w;
-}
-
-// Whether an opacity reaches the threshold of a triangle: the middle of the part of [0, 1] that this sample of the pixel has.
-fn reaches(opacity: f32, id: u32) -> bool {
-    if params.sample == 0u {
-        return opacity >= 0.5;
-    }
-    let count = params.sample & 0xffffu;
-    let part = permuted(params.sample >> 16u, count, mixed(mixed(mixed(mask_pixel.x) + mask_pixel.y) + id));
-    return opacity * f32(count) >= f32(part) + 0.5;
-}
-
-// A number without a pattern (the 32-bit finalizer of MurmurHash3).
-fn mixed(number: u32) -> u32 {
-    var h = number + 0x9e3779b9u;
-    h = (h ^ (h >> 16u)) * 0x85ebca6bu;
-    h = (h ^ (h >> 16u)) * 0xc2b2ae35u;
-    return h ^ (h >> 16u);
-}
-
-// The place of an index in a permutation of so many; each seed has another one (Kensler 2013).
-fn permuted(index: u32, count: u32, seed: u32) -> u32 {
-    let mask = 0xffffffffu >> countLeadingZeros((count - 1u) | 1u);
-    var k = index;
-    loop {
-        k = (k ^ seed) * 0xe170893du;
-        k ^= seed >> 16u;
-        k ^= (k & mask) >> 4u;
-        k ^= seed >> 8u;
-        k *= 0x0929eb3fu;
-        k ^= seed >> 23u;
-        k ^= (k & mask) >> 1u;
-        k *= 1u | (seed >> 27u);
-        k *= 0x6935fa69u;
-        k ^= (k & mask) >> 11u;
-        k *= 0x74dcb303u;
-        k ^= (k & mask) >> 2u;
-        k *= 0x9e501cc3u;
-        k ^= (k & mask) >> 2u;
-        k *= 0xc860a3dfu;
-        k &= mask;
-        k ^= k >> 5u;
-        if k < count {
-            break;
-        }
-    }
-    return (k + seed % count) % count;
 }

@@ -1,8 +1,10 @@
 // Triangles without alpha masks.
-// Provides: is_there, take_place
+// Provides: is_solid, is_there
 // Needs: Bundle
 
-fn take_place(pixel: vec2<u32>) {}
+fn is_solid(slot: u32) -> bool {
+    return true;
+}
 
 fn is_there(slot: u32, b: Bundle) -> bool {
     return true;

@@ -8,7 +8,7 @@ mod wide;
 
 use crate::arrays::MapEach;
 use crate::engine::clusters::Chunk;
-use crate::geometry::mesh::extremes;
+use crate::geometry::mesh::{Mesh, extremes};
 use crate::gpu::layout::{BvhNode, LeafTriangle, SPHERE, Vertex};
 use crate::input::{Error, Result};
 use crate::parallel;
@@ -59,7 +59,7 @@ impl Hierarchy {
         let (nodes, mut leaves) = self.scaled_nodes_and_leaves(scene, self.scale);
         leaves.iter_mut().for_each(|leaf| leaf.one_sided = 0);
         let [nodes, leaves] = [bytemuck::cast_slice(&nodes).to_vec(), bytemuck::cast_slice(&leaves).to_vec()];
-        PackedBvh { nodes, leaves, scale: self.scale }
+        PackedBvh { nodes, leaves, masks: Vec::new(), scale: self.scale }
     }
 
     /// The nodes, the root first, and the triangles in the order of the leaves; without triangles, one node that nothing meets.
@@ -130,7 +130,20 @@ impl PackedBvh {
             nodes.extend([[0.0; 4], [0.0, 0.0, 0.0, f32::from_bits(1)]]);
             leaves.extend([[0.0; 4]; 6]);
         }
-        Ok(PackedBvh { nodes: [roots, nodes].concat(), leaves, scale })
+        Ok(PackedBvh { nodes: [roots, nodes].concat(), leaves, masks: Vec::new(), scale })
+    }
+
+    /// Adds the alpha masks of the first `count` triangles of a mesh: `wgsl/lights/masked_casters.wgsl`.
+    pub fn with_masks(mut self, mesh: &Mesh, count: usize) -> PackedBvh {
+        self.masks = parallel::flat_map(0..count as u32, |id| {
+            let is_solid = mesh.radius(id).is_some() || !mesh.has_alpha(id);
+            let number = if is_solid { 0 } else { mesh.material_of[id as usize] + 1 };
+            let uvs = mesh.uvs_of(id as usize);
+            let [a, b, c] = uvs.unwrap_or_default();
+            let has_uvs = if uvs.is_some() { 1.0 } else { 0.0 };
+            [[a.x, a.y, b.x, b.y], [c.x, c.y, f32::from_bits(number), has_uvs]]
+        });
+        self
     }
 }
 
@@ -318,6 +331,8 @@ fn depths(nodes: &[CwBvhNode]) -> Vec<usize> {
 pub struct PackedBvh {
     pub nodes: Vec<[f32; 4]>,
     pub leaves: Vec<[f32; 4]>,
+    /// Alpha masks, where there are some.
+    pub masks: Vec<[f32; 4]>,
     pub scale: f32,
 }
 

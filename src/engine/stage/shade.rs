@@ -41,6 +41,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         variant.pixel_key(),
         variant.pixel_at(),
         variant.slot(),
+        variant.opacity(),
         variant.written(),
         snippets!("shade.wgsl"),
     ];

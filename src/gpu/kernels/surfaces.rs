@@ -39,8 +39,12 @@ impl Variant {
 
     /// What casts shadows.
     pub fn leaves(self) -> Option<Parts> {
-        let parts =
-            if self.spheres { snippets!("shared/leaf_sphere.wgsl") } else { snippets!("shared/leaf_triangle.wgsl") };
+        let parts = match (self.spheres, self.masked) {
+            (false, false) => snippets!("shared/leaf_triangle.wgsl", "shared/leaf_solid.wgsl"),
+            (false, true) => snippets!("shared/leaf_triangle.wgsl", "lights/masked_casters.wgsl"),
+            (true, false) => snippets!("shared/leaf_sphere.wgsl", "shared/leaf_solid.wgsl"),
+            (true, true) => snippets!("shared/leaf_sphere.wgsl", "lights/masked_casters.wgsl"),
+        };
         (self.lights == LightsKind::Shadowed).then_some(parts)
     }
 
@@ -134,6 +138,11 @@ impl Variant {
         self.styled.then(|| uniform("style", "Style"))
     }
 
+    /// Where surfaces with alpha masks are there.
+    pub fn opacity(self) -> Parts {
+        if self.masked { snippets!("textures/opacity.wgsl") } else { snippets!("textures/opaque.wgsl") }
+    }
+
     /// Their alpha masks.
     pub fn alpha_masks(self) -> Parts {
         if self.masked {
@@ -143,9 +152,10 @@ impl Variant {
                 "materials/rows.wgsl",
                 "textures/layout.wgsl",
                 "textures/levels.wgsl",
+                "textures/opacity.wgsl",
                 "textures/masked.wgsl"
             );
         }
-        SOLID
+        snippets!("textures/opaque.wgsl", "textures/solid.wgsl")
     }
 }

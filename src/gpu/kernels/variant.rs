@@ -216,6 +216,10 @@ impl Variant {
                 let slabbed = Variant { masked: true, ..variant(RaysKind::Pieces, true, None) };
                 let seen = Variant { masked: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
                 list.extend([slabbed, seen, seen.after_bounce()]);
+                let traced = |variant| Variant { method: Method::Trace, masked: true, ..variant };
+                let moving = Variant { timed: true, spheres: true, ..variant(RaysKind::Field, false, None) };
+                let curved = variant(RaysKind::Curves { degree: 2 }, true, Some(OpticsKind::Facets));
+                list.extend([variant(RaysKind::Pieces, false, None), moving, curved].map(traced));
             }
             let methods = [Method::Auto, Method::Trace];
             list.extend(methods.map(|method| Variant { method, ..variant(RaysKind::Pieces, more, None) }));

@@ -1,0 +1,88 @@
+//! Alpha masks and blended surfaces where rays are traced: raster's triangles, and where raster cannot be asked, the reference's.
+
+use crate::common;
+use crate::textures::{families, masked_shapes};
+use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout, Sample};
+use anamorph::internals::engine::{Method, RunOptions};
+use anamorph::internals::geometry::place::merge;
+use anamorph::internals::geometry::spheres::spheres_of;
+use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
+use anamorph::internals::image::frame::Frame;
+use anamorph::internals::input::Limits;
+use anamorph::internals::scene::Scene;
+use common::cameras::MeshShape;
+use common::gpu::{Without, check, hits, ids, render, render_with, words};
+use common::layered::chain;
+use common::rng::Rng;
+use common::scene;
+use glam::DVec3;
+use std::sync::Arc;
+
+const SIZE: (u32, u32) = (48, 36);
+
+fn by(method: Method) -> RunOptions {
+    RunOptions { method, ..RunOptions::default() }
+}
+
+fn cameras() -> impl Iterator<Item = (&'static str, Camera)> {
+    families(SIZE).into_iter().chain([("chain", chain(3, 3, (4, 3), MeshShape::default(), SIZE))])
+}
+
+/// Pixels of a frame that see other triangles than without masks, as a share of its hits.
+fn share_behind_holes(scene: &Scene, camera: &Camera, frame: &Frame) -> f64 {
+    let mut solid = scene.clone();
+    let materials = &mut Arc::make_mut(&mut solid.mesh).materials;
+    materials.iter_mut().for_each(|material| (material.texture, material.blend) = (None, None));
+    let solid = render(&solid, camera).unwrap();
+    let differ = ids(&solid).iter().zip(ids(frame)).filter(|(a, b)| a != b).count();
+    differ as f64 / hits(frame) as f64
+}
+
+#[test]
+fn traced_rays_pass_through_the_holes_that_raster_leaves() {
+    let masked = masked_shapes();
+    let mut blended = masked.clone();
+    let materials = &mut Arc::make_mut(&mut blended.mesh).materials;
+    (materials[0].blend, materials[1].blend) = (Some(0.8), Some(0.4));
+    for (name, camera) in cameras() {
+        let sample = camera.of_sample([0.2, -0.3].into(), Sample { number: 1, count: 3 }).unwrap();
+        for (scene, camera) in [(&masked, &camera), (&blended, &sample)] {
+            let Some(raster) = render_with(scene, camera, Without::Nothing, &by(Method::Raster)) else { return };
+            let traced = render_with(scene, camera, Without::Nothing, &by(Method::Trace)).unwrap();
+            assert!(traced.passes.total() < raster.passes.total(), "{name}: it was rasterized");
+            assert!(words(&traced.frame) == words(&raster.frame), "{name}");
+            assert!(share_behind_holes(scene, camera, &traced.frame) > 0.3, "{name}");
+        }
+    }
+}
+
+#[test]
+fn holes_move_with_their_triangles() {
+    let mut scene = masked_shapes();
+    let at = |x: f64| TimeStep {
+        positions: scene.mesh.positions.iter().map(|p| *p + DVec3::X * x * (1.0 + p.y)).collect(),
+        normals: scene.mesh.normals.clone(),
+    };
+    scene.steps = TimeSteps::new(vec![0.0, 1.0, 2.0], vec![at(0.0), at(0.2), at(0.1)]).map(Arc::new);
+    let lines = Lines { first: 0.0, line_time: 2.0 / f64::from(SIZE.1), order: LineOrder::Down, count: SIZE.1 };
+    scene.exposure = Exposure { readout: Readout::Lines(lines), shutter: 0.0, is_even: false };
+    for (name, camera) in cameras() {
+        let Some((frame, ..)) = check(name, &scene, &camera) else { return };
+        assert!(share_behind_holes(&scene, &camera, &frame) > 0.3, "{name}");
+    }
+}
+
+#[test]
+fn spheres_are_seen_through_holes() {
+    let mut rng = Rng(6);
+    let centres = (0..60).map(|_| 0.8 * rng.vector()).collect();
+    let spheres = spheres_of(centres, vec![0.1; 60], None, Limits::default()).unwrap();
+    let scene = scene(merge(vec![(**masked_shapes().mesh).clone(), spheres]).unwrap());
+    for (name, camera) in cameras() {
+        let Some((frame, ..)) = check(name, &scene, &camera) else { return };
+        let spheres = ids(&frame).iter().filter(|&&id| scene.mesh.radius(id).is_some()).count();
+        assert!(spheres > 50, "{name}: {spheres} pixels see spheres");
+        assert!(share_behind_holes(&scene, &camera, &frame) > 0.1, "{name}");
+    }
+}
