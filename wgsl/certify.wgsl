@@ -3,7 +3,7 @@
 // is proven to be met; the second compares every triangle that may be met before it with the one that was found; the third writes
 // the plane: 2 proven by f32, 1 by recheck arithmetic, 0 not.
 // Needs: COUNT_PAIRS, COVERAGE_PROVES, Cell, NONE, ONE_SIDED, STEP_PIXELS, TILE, bit_mask, box_mask, cell_bundle, coverage, first_bit,
-//   item_index, pair_from, pair_slot, pair_tile, pair_to, pixel_proof, real3, tile_corner, tile_layer, triangle_at, triangle_id,
+//   is_solid, item_index, pair_from, pair_slot, pair_tile, pair_to, pixel_proof, real3, take_place, tile_corner, tile_layer, triangle_at, triangle_id,
 //   triangle_reversed, vertex, vertex_real, weigh, without_bit, write_certainty
 // Binds: cells, counters, pairs, params, step, tile_start
 
@@ -40,6 +40,7 @@ fn certify(
 fn prove(cell: Cell, owned: vec2<u32>, pair: vec2<u32>, triangle: vec4<u32>, v: array<real3, 3>) {
     let found = coverage(cell, owned, pair_from(pair), pair_to(pair), vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
     let id = triangle_id(triangle);
+    let slot = pair_slot(pair);
     let whole = cell_bundle(cell);
     let facing = select(1, -1, triangle_reversed(triangle));
     let back_sign = select(0, facing, (triangle.w & ONE_SIDED) != 0u);
@@ -53,11 +54,13 @@ fn prove(cell: Cell, owned: vec2<u32>, pair: vec2<u32>, triangle: vec4<u32>, v: 
         }
         left = without_bit(left, bit);
         let is_inside = COVERAGE_PROVES && any((found.xy & bit_mask(bit)) != vec2<u32>(0u));
-        let proof = pixel_proof(cell, whole, bit % TILE, bit / TILE, v, back_sign, is_inside);
+        take_place(corner + vec2<u32>(bit % TILE, bit / TILE));
+        let proof = pixel_proof(cell, whole, bit % TILE, bit / TILE, slot, v, back_sign, is_inside);
         if !proof.may {
             continue;
         }
         let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
-        weigh(proof, id, layer, pixel, is_inside);
+        // masks are proven in recheck arithmetic
+        weigh(proof, id, layer, pixel, is_inside && is_solid(slot));
     }
 }

@@ -6,7 +6,7 @@
 // Provides: with_primitive
 // Needs: Bundle, BvhTriangle, Cell, ONE_SIDED, PROOF_CONTESTED, Path, Proof, ROUNDS, SLABBED, STEP_BOUND, STEP_PIXELS, Seen, Stretch, TILE,
 //   bit_mask, bvh_scale, cell_bundle, followed, has_ray, is_sphere, item_index, nothing_seen, path_of, pixel_at, pixel_proof, real3,
-//   sphere_of, sphere_proof, stretch_of, tile_corner, tile_layer, triangle_at, triangle_id, triangle_reversed, vertex_real, weigh,
+//   sphere_of, sphere_proof, stretch_of, take_place, tile_corner, tile_layer, triangle_at, triangle_id, triangle_reversed, vertex_real, weigh,
 //   write_certainty
 // Binds: cells, params, proofs, step, tile_start
 
@@ -40,6 +40,7 @@ fn certify(
             break;
         }
         if has_ray(layer, at.x, at.y) {
+            take_place(at);
             let path = path_of(layer, at.x, at.y);
             take_cell(path.item);
             let found = followed(path, stretch_of(path, 0u, bvh_scale()), nothing_seen(), 0u);
@@ -77,7 +78,7 @@ fn with_primitive(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) 
     let x = path.item % TILE;
     let y = (path.item & 63u) / TILE;
     let whole = cell_bundle(cell);
-    let proof = primitive_proof(cell, whole, x, y, triangle);
+    let proof = primitive_proof(cell, whole, x, y, own.slot, triangle);
     if proof.may {
         let corner = tile_corner(tile);
         weigh(proof, triangle_id(triangle), tile_layer(tile), (corner.y + y) * params.width + corner.x + x, false);
@@ -85,12 +86,12 @@ fn with_primitive(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) 
     return before;
 }
 
-fn primitive_proof(cell: Cell, whole: Bundle, x: u32, y: u32, triangle: vec4<u32>) -> Proof {
+fn primitive_proof(cell: Cell, whole: Bundle, x: u32, y: u32, slot: u32, triangle: vec4<u32>) -> Proof {
     let is_one_sided = (triangle.w & ONE_SIDED) != 0u;
     if is_sphere(triangle) {
         return sphere_proof(cell, whole, x, y, sphere_of(triangle), !is_one_sided);
     }
     let back_sign = select(0, select(1, -1, triangle_reversed(triangle)), is_one_sided);
     let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
-    return pixel_proof(cell, whole, x, y, v, back_sign, false);
+    return pixel_proof(cell, whole, x, y, slot, v, back_sign, false);
 }

@@ -174,7 +174,11 @@ pub const REFUSALS: &[Refusal] = {
             "{camera} reflects or refracts rays, without bounds on where they go",
             WITHOUT_CERTIFIED,
         ),
-        refusal(&[Certified, AlphaMasks], "pixels cannot be certified with alpha masks", WITHOUT_CERTIFIED),
+        refusal(
+            &[Certified, AlphaMasks, Curves],
+            "{camera} has curved or layered rays, along which no pixel with alpha masks is certified",
+            WITHOUT_CERTIFIED,
+        ),
         refusal(&[NoSamples], "0 samples per pixel", "use at least 1"),
         refusal(&[Analytic, OneSample], "analytic coverage needs several samples per pixel", "use at least 2"),
         refusal(&[Analytic, Rival], "{rival} counts samples, and measures no areas", "leave out analytic coverage"),

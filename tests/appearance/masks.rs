@@ -4,15 +4,17 @@ use crate::common;
 use crate::textures::{families, masked_shapes};
 use anamorph::internals::camera::Camera;
 use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout, Sample};
+use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Method, RunOptions};
 use anamorph::internals::geometry::place::merge;
 use anamorph::internals::geometry::spheres::spheres_of;
 use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
-use anamorph::internals::image::frame::Frame;
+use anamorph::internals::image::frame::{Channel, Frame};
 use anamorph::internals::input::Limits;
+use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use common::cameras::MeshShape;
-use common::gpu::{Without, check, hits, ids, render, render_with, words};
+use common::gpu::{Without, check, engine, hits, ids, render, render_with, words};
 use common::layered::chain;
 use common::rng::Rng;
 use common::scene;
@@ -23,6 +25,11 @@ const SIZE: (u32, u32) = (48, 36);
 
 fn by(method: Method) -> RunOptions {
     RunOptions { method, ..RunOptions::default() }
+}
+
+fn render_of(scene: &Scene, camera: &Camera, channels: Vec<Channel>) -> Option<Frame> {
+    let mut engine = engine(camera, Without::Nothing)?;
+    Some(engine.render(scene, camera, &Wanted::of(channels), &RunOptions::default()).unwrap().frame)
 }
 
 fn cameras() -> impl Iterator<Item = (&'static str, Camera)> {
@@ -73,12 +80,50 @@ fn holes_move_with_their_triangles() {
     }
 }
 
+/// How many pixels are proven, and how many of these show another triangle than the reference of `truth`.
+fn proven_and_wrong(scene: &Scene, camera: &Camera, truth: &Scene) -> Option<(usize, usize)> {
+    let frame = render_of(scene, camera, vec![Channel::TriangleId, Channel::Certified])?;
+    let truth = image(truth, camera, &[Channel::TriangleId]);
+    let truth = truth.u32(Channel::TriangleId).unwrap();
+    let certified = frame.u32(Channel::Certified).unwrap();
+    let proven: Vec<usize> = (0..certified.len()).filter(|&k| certified[k] > 0).collect();
+    Some((proven.len(), proven.iter().filter(|&&k| ids(&frame)[k] != truth[k]).count()))
+}
+
 #[test]
-fn spheres_are_seen_through_holes() {
+fn proofs_know_of_holes() {
+    let masked = masked_shapes();
+    let mut blended = masked.clone();
+    let materials = &mut Arc::make_mut(&mut blended.mesh).materials;
+    (materials[0].blend, materials[1].blend) = (Some(0.8), Some(0.4));
+    let mut moved = masked.clone();
+    Arc::make_mut(&mut moved.mesh).uvs.iter_mut().for_each(|uv| uv.x += 1.0 / 32.0);
+    let beside_spheres = with_small_spheres();
+    let pixels = (SIZE.0 * SIZE.1) as usize;
+    for (name, camera) in cameras().filter(|(_, camera)| !camera.is_curved_or_layered() && camera.optics.is_none()) {
+        let sample = camera.of_sample([0.2, -0.3].into(), Sample { number: 1, count: 3 }).unwrap();
+        for (what, scene, camera) in
+            [("masked", &masked, &camera), ("blended", &blended, &sample), ("beside spheres", &beside_spheres, &camera)]
+        {
+            let Some((proven, wrong)) = proven_and_wrong(scene, camera, scene) else { return };
+            println!("{name}, {what}: {proven} of {pixels} proven, {wrong} wrong");
+            assert!(wrong == 0 && 100 * proven > 97 * pixels, "{name}, {what}: {proven} proven, {wrong} wrong");
+        }
+        // a mask that is off by a texel would show
+        assert!(proven_and_wrong(&masked, &camera, &moved).unwrap().1 > 5, "{name}");
+    }
+}
+
+fn with_small_spheres() -> Scene {
     let mut rng = Rng(6);
     let centres = (0..60).map(|_| 0.8 * rng.vector()).collect();
     let spheres = spheres_of(centres, vec![0.1; 60], None, Limits::default()).unwrap();
-    let scene = scene(merge(vec![(**masked_shapes().mesh).clone(), spheres]).unwrap());
+    scene(merge(vec![(**masked_shapes().mesh).clone(), spheres]).unwrap())
+}
+
+#[test]
+fn spheres_are_seen_through_holes() {
+    let scene = with_small_spheres();
     for (name, camera) in cameras() {
         let Some((frame, ..)) = check(name, &scene, &camera) else { return };
         let spheres = ids(&frame).iter().filter(|&&id| scene.mesh.radius(id).is_some()).count();

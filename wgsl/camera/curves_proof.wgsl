@@ -7,7 +7,9 @@
 
 // A polynomial over the control net is off by the errors of N and the net; so is its extreme where a critical point is off by the root
 // of a unit, at which it is off by BEND units of its sizes: in all under twice this bound.
-fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, back_sign: i32, is_inside: bool) -> Proof {
+fn pixel_proof(
+    cell: Cell, whole: Bundle, x: u32, y: u32, slot: u32, v: array<real3, 3>, back_sign: i32, is_inside: bool,
+) -> Proof {
     let corner = tile_corner(cell.tile);
     let c = curve_stored(curve_place(tile_layer(cell.tile), corner.x + x, corner.y + y));
     let normal = normal_of(v);

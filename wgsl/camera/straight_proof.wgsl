@@ -3,9 +3,9 @@
 // REAL_UNIT is the rounding of stored numbers and no less than that of one operation. The size of a vector is the sum of its absolute
 // components, so that a product is at most the product of the sizes. Every bound has the same form: the error of each factor
 // times the size of the other, plus PRODUCT_UNITS of both sizes.
-// Provides: Weighed, offset_of, pixel_proof
-// Needs: Bundle, Cell, FARTHEST, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, end_rounding, normal_of, perturbed,
-//   reach3, real, real3, real_from_bits, sign_beyond, size3, weighed
+// Provides: Weighed, offset_of, pixel_proof, side_value
+// Needs: Bundle, Cell, FARTHEST, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, end_rounding, mask_side, normal_of,
+//   perturbed, reach3, real, real3, real_from_bits, sign_beyond, size3, weighed
 // Binds: params
 
 // A ray, and error bounds of its parts.
@@ -31,8 +31,14 @@ fn offset_of(q: Weighed, v: real3) -> Offset {
     return Offset(m, size3(m) + error, error);
 }
 
-// The sign of E = (w - v) . (d x m) of the ray itself; 0: not proven.
-fn proven_side(q: Weighed, from_v: Offset, v: real3, w: real3) -> i32 {
+// A value, and its error bound.
+struct Bounded {
+    value: real,
+    bound: real,
+}
+
+// E = (w - v) . (d x m) of the ray itself.
+fn side_value(q: Weighed, from_v: Offset, v: real3, w: real3) -> Bounded {
     let e = w - v;
     let g = cross(q.b.d, from_v.m);
     let size_d = size3(q.b.d) + q.error_d;
@@ -40,7 +46,13 @@ fn proven_side(q: Weighed, from_v: Offset, v: real3, w: real3) -> i32 {
     let sizes = size_d * from_v.size;
     let error_g = size_d * from_v.error + q.error_d * from_v.size + PRODUCT_UNITS * REAL_UNIT * sizes;
     let bound = error_e * sizes + size3(e) * (error_g + PRODUCT_UNITS * REAL_UNIT * sizes);
-    return sign_beyond(dot(e, g), bound);
+    return Bounded(dot(e, g), bound);
+}
+
+// The sign of E; 0: not proven.
+fn proven_side(q: Weighed, from_v: Offset, v: real3, w: real3) -> i32 {
+    let side = side_value(q, from_v, v, w);
+    return sign_beyond(side.value, side.bound);
 }
 
 // 1: the ray is proven inside all edges, -1: proven outside one; 0: neither.
@@ -82,7 +94,9 @@ fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane 
     return OnPlane(t - off, t + off, facing, margin);
 }
 
-fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, back_sign: i32, is_inside: bool) -> Proof {
+fn pixel_proof(
+    cell: Cell, whole: Bundle, x: u32, y: u32, slot: u32, v: array<real3, 3>, back_sign: i32, is_inside: bool,
+) -> Proof {
     let q = weighed(cell, whole, x, y);
     let from_v = offset_of(q, v[0]);
     var inside = is_inside;
@@ -102,8 +116,12 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, ba
     if met.facing * back_sign > 0 || met.far < t_min - met.margin || met.near > t_max + met.margin {
         return MISSED;
     }
+    let mask = mask_side(slot, q, v);
+    if mask < 0 {
+        return MISSED;
+    }
     let is_in_range = met.near >= t_min && met.far <= t_max;
     let near = select(met.near, t_min, met.near <= t_min + met.margin);
     let far = select(met.far, t_max, met.far >= t_max - met.margin);
-    return Proof(true, inside && is_in_range && met.facing != 0, near, far);
+    return Proof(true, inside && is_in_range && met.facing != 0 && mask > 0, near, far);
 }

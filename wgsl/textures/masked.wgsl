@@ -1,6 +1,6 @@
 // Triangles with alpha masks, and blended ones. Whether a point is masked follows from the image's first level alone, whatever the camera: masks
 // are part of the scene's shape.
-// Provides: is_solid, is_there
+// Provides: alpha_at, is_solid, is_there
 // Needs: Bundle, Material, NONE, bilinear, corner_uv, has_uv, image_place, into_image, is_opaque, material_at, on_triangle, real3, triangle_at,
 //   triangle_id, triangle_surface, vertex_real, wrap_u, wrap_v
 

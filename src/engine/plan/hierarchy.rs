@@ -141,7 +141,8 @@ impl PackedBvh {
             let uvs = mesh.uvs_of(id as usize);
             let [a, b, c] = uvs.unwrap_or_default();
             let has_uvs = if uvs.is_some() { 1.0 } else { 0.0 };
-            [[a.x, a.y, b.x, b.y], [c.x, c.y, f32::from_bits(number), has_uvs]]
+            // v downwards
+            [[a.x, 1.0 - a.y, b.x, 1.0 - b.y], [c.x, 1.0 - c.y, f32::from_bits(number), has_uvs]]
         });
         self
     }

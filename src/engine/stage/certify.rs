@@ -34,10 +34,12 @@ fn by_pair(variant: Variant, planes: &[Channel]) -> Kernel {
     ];
     bindings.extend(variant.rays());
     bindings.extend([reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
+    bindings.extend(variant.mask_bindings());
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let shared = [PAIR, BITS, MEETING, variant.camera(), snippets!("shared/proof.wgsl")];
-    let own = [NEARNESS, SOLID, CERTAINTY, snippets!("certify.wgsl")];
-    let all = [&snippets[..], &shared[..], variant.coverage(), variant.proof(), &own].concat();
+    let own = [NEARNESS, variant.alpha_masks(), CERTAINTY, snippets!("certify.wgsl")];
+    let mut all = [&snippets[..], &shared[..], variant.coverage(), &variant.proof(), &own].concat();
+    all.extend(variant.corner_colors().filter(|_| variant.masked));
     let mut kernel = Kernel::new("certify", bindings, &all).with_planes(planes);
     kernel.constants.extend(variant.constants());
     kernel
@@ -58,12 +60,14 @@ fn by_ray(variant: Variant, planes: &[Channel]) -> Kernel {
     ];
     bindings.extend(variant.rays());
     bindings.extend([reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
+    bindings.extend(variant.mask_bindings());
     let path = match variant.rays {
         RaysKind::Field => snippets!("camera/field_path.wgsl", "camera/straight_stretch.wgsl"),
         _ => snippets!("camera/pieces_path.wgsl", "camera/straight_stretch.wgsl"),
     };
-    let snippets = [PARAMS, ITEMS, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, MEETING, SOLID];
-    let shared = [variant.camera(), snippets!("shared/proof.wgsl"), NEARNESS, CERTAINTY, path];
+    let snippets = [PARAMS, ITEMS, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, MEETING];
+    let proof = snippets!("shared/proof.wgsl");
+    let shared = [variant.camera(), variant.alpha_masks(), proof, NEARNESS, CERTAINTY, path];
     let own = snippets!(
         "shared/every_tile.wgsl",
         "shared/bvh8.wgsl",
@@ -76,8 +80,10 @@ fn by_ray(variant: Variant, planes: &[Channel]) -> Kernel {
         "camera/straight_sphere_proof.wgsl",
         "certify_traced.wgsl"
     );
-    let all = [&snippets[..], &shared, variant.coverage(), variant.pixel(), variant.proof(), variant.start(), &[own]]
-        .concat();
+    let mut all =
+        [&snippets[..], &shared, variant.coverage(), variant.pixel(), &variant.proof(), variant.start(), &[own]]
+            .concat();
+    all.extend(variant.corner_colors().filter(|_| variant.masked));
     let mut kernel = Kernel::new("certify", bindings, &all).with_planes(planes);
     kernel.constants.extend(variant.constants());
     kernel

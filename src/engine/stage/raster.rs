@@ -88,10 +88,7 @@ pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts
     if variant.bounced {
         bindings.extend([optic(), paths()]);
     }
-    if variant.masked {
-        bindings.extend([table("surfaces"), table("materials")]);
-        bindings.extend(variant.pages());
-    }
+    bindings.extend(variant.mask_bindings());
     let (vertex, triangle) = (variant.vertex(), variant.triangle());
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, vertex, variant.real(), triangle, BUNDLE, KEY, variant.alpha_masks()];
     let shared = [BITS, variant.merge(), MEETING, variant.camera()];

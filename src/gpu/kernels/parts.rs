@@ -37,8 +37,6 @@ pub const PIECE_AT: Parts = snippets!("shared/table.wgsl", "camera/piece_at.wgsl
 pub const PIECES: Parts = snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece.wgsl");
 pub const LANES: Parts = snippets!("shared/lanes.wgsl");
 pub const COLUMN: Parts = snippets!("shared/column.wgsl");
-/// No triangle has an alpha mask.
-pub const SOLID: Parts = snippets!("textures/solid.wgsl");
 pub const UNCERTAIN: Parts = snippets!("shared/places.wgsl", "shared/recheck_items.wgsl");
 pub const PLACES: Parts = snippets!("shared/places.wgsl");
 pub const PAIR: Parts = snippets!("shared/pair.wgsl");

@@ -138,6 +138,14 @@ impl Variant {
         self.styled.then(|| uniform("style", "Style"))
     }
 
+    /// What alpha masks are looked up in.
+    pub fn mask_bindings(self) -> Vec<Binding> {
+        if !self.masked {
+            return Vec::new();
+        }
+        [table("surfaces"), table("materials")].into_iter().chain(self.pages()).collect()
+    }
+
     /// Where surfaces with alpha masks are there.
     pub fn opacity(self) -> Parts {
         if self.masked { snippets!("textures/opacity.wgsl") } else { snippets!("textures/opaque.wgsl") }

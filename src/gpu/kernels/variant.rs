@@ -414,12 +414,16 @@ impl Variant {
         }
     }
 
-    pub fn proof(self) -> &'static [Parts] {
+    pub fn proof(self) -> Vec<Parts> {
         const STRAIGHT: Parts = snippets!("shared/perturb.wgsl", "camera/straight_proof.wgsl");
+        let mask = match self.masked {
+            true => snippets!("textures/masked_proof.wgsl"),
+            false => snippets!("textures/solid_proof.wgsl"),
+        };
         match self.rays {
-            RaysKind::Pieces => &[STRAIGHT, snippets!("camera/pieces_proof.wgsl")],
-            RaysKind::Field => &[STRAIGHT, snippets!("camera/field_proof.wgsl")],
-            RaysKind::Curves { .. } => &[snippets!("camera/curves_proof.wgsl")],
+            RaysKind::Pieces => vec![STRAIGHT, snippets!("camera/pieces_proof.wgsl"), mask],
+            RaysKind::Field => vec![STRAIGHT, snippets!("camera/field_proof.wgsl"), mask],
+            RaysKind::Curves { .. } => vec![snippets!("camera/curves_proof.wgsl")],
         }
     }
 
