@@ -272,7 +272,6 @@ pub const REFUSALS: &[Refusal] = {
             "outlines and borders are drawn in one frame, not across several",
             WITHOUT_LINES,
         ),
-        refusal(&[Composed, Timed], "a frame that is composed of several is of one time", MOVES),
         refusal(&[Composed, CameraInMotion], "a frame that is composed of several is of one time", MOVES),
         refusal(
             &[Composed, Volume],

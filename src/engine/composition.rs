@@ -151,7 +151,7 @@ impl Composing<'_> {
 
     /// Where a pixel's ray or curve hits a triangle or sphere, in f64, from a rounded t.
     fn point(&self, camera: &Camera, (i, j): (u32, u32), id: u32, t: f32) -> Option<DVec3> {
-        let [v0, v1, v2] = self.scene.corners_at(id, Default::default());
+        let [v0, v1, v2] = self.scene.corners_at(id, self.scene.moment(camera, (i, j)));
         let normal = (v1 - v0).cross(v2 - v0);
         // 0 on the surface, and its gradient there
         let height = |x: DVec3| match self.scene.mesh.base().radius(self.scene.mesh.base_id(id)) {

@@ -7,6 +7,7 @@ use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::camera::composition::Composition;
+use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout};
 use anamorph::internals::engine::Rendered;
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::Wanted;
@@ -14,6 +15,7 @@ use anamorph::internals::geometry::generate;
 use anamorph::internals::geometry::load::Object;
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::geometry::place::merge;
+use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
 use anamorph::internals::image::frame::{Channel, NO_ID, Plane};
 use anamorph::internals::reference::image::{explain, image};
 use anamorph::internals::scene::Scene;
@@ -92,6 +94,39 @@ fn words(rendered: &Rendered, channel: Channel) -> Vec<u32> {
 
 fn composition(camera: &Camera) -> &Composition {
     camera.composition.as_ref().unwrap()
+}
+
+/// Two cameras see moving objects, each pixel at its own time: the master's depths are those of that time, too.
+#[test]
+fn moving_objects_hide_each_other_by_their_places_at_the_time_of_the_pixel() {
+    let mut rng = Rng(4);
+    let cloud = |rng: &mut Rng| soup(rng, 150, 0.5);
+    let mut scene = scene_of(vec![("a", cloud(&mut rng)), ("b", cloud(&mut rng)), ("ball", sphere(DVec3::Z, 0.4))]);
+    let objects = &scene.objects;
+    let first_of_b = 3 * objects[0].triangles;
+    // b passes through a, towards the first camera, while the rows are taken
+    let at = |z: f64| TimeStep {
+        positions: (0..scene.mesh.positions.len())
+            .map(|k| scene.mesh.positions[k] + DVec3::Z * if k < first_of_b { 0.0 } else { z })
+            .collect(),
+        normals: scene.mesh.normals.clone(),
+    };
+    scene.steps = TimeSteps::new(vec![0.0, 1.0], vec![at(-1.5), at(1.5)]).map(Arc::new);
+    let still = scene.clone();
+    let lines = Lines { first: 0.0, line_time: 1.0 / f64::from(SIZE.1), order: LineOrder::Down, count: SIZE.1 };
+    scene.exposure = Exposure { readout: Readout::Lines(lines), shutter: 0.0, is_even: false };
+    for (name, members) in [
+        ("pieces", [member(FRONT, "objects = ['a']"), member(RIGHT, "objects = ['b', 'ball']")]),
+        ("curves and a field", [member(FISHEYE, "objects = ['b', 'ball']"), member(CURVED, "objects = ['a']")]),
+    ] {
+        let camera = camera_of("", SIZE, &composite("master = 0", &members)).unwrap();
+        let Some((frame, ..)) = check(name, &scene, &camera) else { return };
+        let owners = |k: u32| frame.u32(Channel::PieceId).unwrap().iter().filter(|id| **id == k).count();
+        assert!(owners(0) > 200 && owners(1) > 200, "{name}: {} and {}", owners(0), owners(1));
+        let of_start = image(&still, &camera, &[Channel::TriangleId]);
+        let moved = frame.u32(Channel::TriangleId).unwrap().iter().zip(of_start.u32(Channel::TriangleId).unwrap());
+        assert!(moved.filter(|(a, b)| a != b).count() > 300, "{name}: nothing moved");
+    }
 }
 
 /// The place where a ray enters a sphere.
