@@ -6,11 +6,12 @@ use crate::pictures;
 use crate::textures::masked_shapes;
 
 use anamorph::internals::camera::Camera;
-use anamorph::internals::camera::exposure::Sample;
+use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout, Sample};
 use anamorph::internals::engine::combinations::at_once;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::geometry::place::merge;
+use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
@@ -154,12 +155,20 @@ fn light_passes_through_holes() {
     let mut blended = masked.clone();
     let mesh = Arc::make_mut(&mut blended.mesh);
     mesh.materials.iter_mut().filter(|m| m.texture.is_some()).for_each(|m| m.blend = Some(0.7));
-    let mut solid = masked.clone();
-    let mesh = Arc::make_mut(&mut solid.mesh);
-    mesh.materials.iter_mut().for_each(|m| m.texture = None);
+    let mut moving = masked.clone();
+    let at = |x: f64| TimeStep {
+        positions: masked.mesh.positions.iter().map(|p| *p + DVec3::X * x * (1.0 + p.y)).collect(),
+        normals: masked.mesh.normals.clone(),
+    };
+    moving.steps = TimeSteps::new(vec![0.0, 1.0], vec![at(-0.1), at(0.1)]).map(Arc::new);
+    let lines = Lines { first: 0.0, line_time: 1.0 / f64::from(SIZE.1), order: LineOrder::Down, count: SIZE.1 };
+    moving.exposure = Exposure { readout: Readout::Lines(lines), shutter: 0.0, is_even: false };
     for (k, (name, camera)) in families().into_iter().enumerate() {
         let sample = camera.of_sample([0.1, 0.2].into(), Sample { number: 2, count: 3 }).unwrap();
-        let (scene, camera) = if k % 2 == 0 { (&masked, &camera) } else { (&blended, &sample) };
+        let (scene, camera) = [(&masked, &camera), (&blended, &sample), (&moving, &camera)][k % 3];
+        let mut solid = scene.clone();
+        let materials = &mut Arc::make_mut(&mut solid.mesh).materials;
+        materials.iter_mut().for_each(|m| (m.texture, m.blend) = (None, None));
         let [holes, none] = [scene, &solid].map(|scene| rendered(&mut engine, scene, camera));
         let differ = holes.iter().zip(&none).filter(|(a, b)| (a[0] - b[0]).abs() > 0.01).count();
         let (off, all) = lit_otherwise_by(ROUNDING_OF_IMAGES, &mut engine, scene, camera);
