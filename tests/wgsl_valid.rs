@@ -168,7 +168,8 @@ fn every_kernel_is_valid_and_portable() {
     let by_pair = 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals + sample_and_resolve);
     // and four cameras of triangles with alpha masks, one of curves, and a mirror of facets with the rays that it bounces
     // and such triangles traced: pieces, and a field as things move, with rivals each; and curves that see a mirror
-    let masked = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 2) + 2 * (3 + 1 + 1)) + 2 * (2 * (4 + 5) + 4);
+    // and pieces and a field with samples of them
+    let masked = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 2) + 2 * (3 + 1 + 1)) + 2 * (2 * (4 + 5) + 4) + 2 * 2 * (4 + 2 + 5);
     // with 64-bit atomics too, and subgroups of either kind: raster of what is rechecked; sample and recheck_samples where the camera is
     // no chain
     let by_tile = 2 * 2 * (all - 6 + 2 * 2);

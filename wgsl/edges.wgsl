@@ -6,7 +6,7 @@
 // `edge_of` has a word per pixel: the depth before which another triangle would be seen instead, KEPT once an edge is
 // found; in the end 1 more than the number of its record, 0 of none. The list may overflow: the counter keeps counting.
 // Needs: COUNT_EDGES, COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, SLABBED, TILE, bit_mask, box_mask, conic_sign, conics,
-//   depths, first_bit, item_index, key_id, key_layer, may_cover, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_cell,
+//   depths, first_bit, is_solid, item_index, key_id, key_layer, may_cover, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_cell,
 //   pixels_in_part, pixels_whole, plane, tile_corner, tile_layer, triangle_at, triangle_id, vertex, without_bit
 // Binds: cells, counters, edge_of, nodes, pairs, params, samples, slot_of_id, step, tile_start, visibility
 
@@ -66,7 +66,8 @@ fn test_pixel(pixel: u32) {
     let bit = (y % TILE) * TILE + x % TILE;
     var reach = KEPT;
     if cell != NONE && any((pixels_whole(cell) & bit_mask(bit)) != vec2<u32>(0u)) {
-        let triangle = triangle_at(slot_of_id[id - params.id_first]);
+        let slot = slot_of_id[id - params.id_first];
+        let triangle = triangle_at(slot);
         let v0 = vertex(triangle.x);
         let v1 = vertex(triangle.y);
         let v2 = vertex(triangle.z);
@@ -74,7 +75,8 @@ fn test_pixel(pixel: u32) {
         let place = place_of(bit);
         let seen = depths(plane(node, v0, v1, v2), place.x, place.y, SAMPLE_REACH * NODE_PX);
         let is_in_range = seen.near > params.t_min.x && seen.far < params.t_max.x;
-        if seen.facing != 0 && is_in_range && covers(conics(node, v0, v1, v2), place.x, place.y, SAMPLE_REACH * NODE_PX) {
+        // samples may look through holes of it
+        if seen.facing != 0 && is_in_range && is_solid(slot) && covers(conics(node, v0, v1, v2), place.x, place.y, SAMPLE_REACH * NODE_PX) {
             reach = nearness(layer, seen.far) + 1u;
         }
     }

@@ -30,6 +30,6 @@ fn recheck_samples(
     // recheck it, piece by piece
     for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
         let cell = cells[k];
-        recheck_hits(cell, k, vec2<u32>(x, y), 4u * (strip % STRIPS), item.y & 15u, 0u, record, triangle, flat, v);
+        recheck_hits(cell, k, vec2<u32>(x, y), 4u * (strip % STRIPS), item.y & 15u, 0u, record, pair_slot(pair), triangle, flat, v);
     }
 }

@@ -6,7 +6,7 @@
 // Provides: key_of, nearest_to, seen_alike
 // Needs: COUNT_EDGES, Lit, NONE, PICTURES, Ray, RayDifferential, SAMPLES, SLABBED, STYLED, ShadedHit, TEXTURED, all_samples, beyond, drawn, flat_normal,
 //   item_index, key_id, key_layer, key_t, measure, painted, part_of, pattern_at, point_at, reach_of, reached, sample_differential, sample_offset,
-//   sample_ray, seen_next, segment_length, sent_back, share_of, surface_albedo, surface_normal, triangle_at, whole
+//   sample_ray, seen_next, segment_length, sent_back, share_of, surface_albedo, surface_normal, take_place, triangle_at, whole
 // Binds: counters, params, planes, samples, shading, slot_of_id
 
 fn key_of(record: u32, sample: u32) -> vec2<u32> {
@@ -103,6 +103,7 @@ fn seen_by(pixel: u32, record: u32, some: u32) -> vec3<f32> {
     let triangle = triangle_at(slot);
     let x = pixel % params.width;
     let y = pixel / params.width;
+    take_place(vec2<u32>(x, y));
     let ray = sample_ray(key_layer(key), x, y, sample);
     var differential: RayDifferential;
     // the same in the middle, for images and patterns

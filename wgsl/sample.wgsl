@@ -46,7 +46,7 @@ fn sample(
             let place = (vec2<f32>(f32(x), f32(y)) + 0.5) * NODE_PX - 1.0;
             if number != 0u && may_cover(sides, place.x, place.y, SAMPLE_REACH * NODE_PX) {
                 let covered = covered_samples(sides, place);
-                recheck_hits(cell, k, vec2<u32>(x, y), 0u, covered.may, covered.sure, number - 1u, triangle, flat, v);
+                recheck_hits(cell, k, vec2<u32>(x, y), 0u, covered.may, covered.sure, number - 1u, pair_slot(pair), triangle, flat, v);
             }
         }
     }

@@ -50,6 +50,7 @@ features! {
     Moving, "`--moving`";
     Caustics, "caustics";
     AlphaMasks, "alpha masks";
+    Blended, "blended surfaces";
     Shadows, "shadows or ambient occlusion";
     Pictures, "pictures thrown onto surfaces";
     Curves, "curved rays, or layers of rays";
@@ -181,10 +182,19 @@ pub const REFUSALS: &[Refusal] = {
         ),
         refusal(&[NoSamples], "0 samples per pixel", "use at least 1"),
         refusal(&[Analytic, OneSample], "analytic coverage needs several samples per pixel", "use at least 2"),
+        refusal(
+            &[Analytic, AlphaMasks],
+            "areas are of triangles, not of what alpha masks leave of them",
+            "leave out analytic coverage",
+        ),
         refusal(&[Analytic, Rival], "{rival} counts samples, and measures no areas", "leave out analytic coverage"),
         refusal(&[RivalOfOtherSamples], "{rival} renders {own} per pixel in a frame, not {samples}", ONE),
         refusal(&[Samples, Caustics], "with caustics a frame takes 1 sample per pixel, not {samples}", ONE),
-        refusal(&[Samples, AlphaMasks], "with alpha masks a frame takes 1 sample per pixel, not {samples}", ONE),
+        refusal(
+            &[Samples, Blended],
+            "each sample of a blended surface is another picture: a frame takes 1 sample per pixel, not {samples}",
+            ONE,
+        ),
         refusal(
             &[Samples, Curves],
             "{camera} has curved or layered rays: a frame takes 1 sample per pixel, not {samples}",
@@ -313,6 +323,7 @@ impl Feature {
             Feature::Raster => *raster,
             Feature::Caustics => scene.caustics.is_some(),
             Feature::AlphaMasks => scene.mesh.base().has_alpha_masks(),
+            Feature::Blended => scene.mesh.base().is_blended(),
             Feature::Shadows => {
                 scene.has_shadows() && wanted.has_colour() || scene.hides_pictures() && wanted.needs_appearance()
             }

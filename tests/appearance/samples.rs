@@ -3,6 +3,7 @@
 
 use crate::common;
 use crate::pictures;
+use crate::textures::masked_shapes;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::combinations::at_once;
@@ -86,24 +87,33 @@ fn one_by_one(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32)
 #[test]
 fn every_sample_sees_what_a_frame_of_its_own_sees() {
     let scene = crowd();
-    for lanes in [true, false] {
-        let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
-        for (name, camera) in cameras() {
-            for samples in if lanes { vec![4, 5, 16] } else { vec![5] } {
-                let seen = sampled(&mut engine, &scene, &camera, samples, &RunOptions::default());
-                let separate = one_by_one(&mut engine, &scene, &camera, samples);
-                let pixels = (SIZE.0 * SIZE.1) as usize;
-                let edges = seen.counts.edges;
-                println!("{name}, {samples} samples: {edges} of {pixels} pixels are edge pixels");
-                assert_eq!(seen.sample_ids.len(), samples as usize);
-                for (n, (own, separate)) in seen.sample_ids.iter().zip(&separate).enumerate() {
-                    let differ: Vec<usize> = (0..pixels).filter(|&k| own[k] != separate[k]).collect();
-                    assert!(differ.is_empty(), "{name}: sample {n} of pixels {differ:?}");
-                }
-                let covered = |k: usize| seen.sample_ids.iter().filter(|ids| ids[k] != NO_ID).count();
-                let alpha = seen.frame.f32(Channel::A).unwrap();
-                assert!((0..pixels).all(|k| alpha[k] == covered(k) as f32 / samples as f32), "{name}: coverage");
+    assert_samples_are_frames(&scene, true, &[4, 5, 16]);
+    assert_samples_are_frames(&scene, false, &[5]);
+}
+
+#[test]
+fn samples_look_through_holes_of_alpha_masks() {
+    assert_samples_are_frames(&masked_shapes(), true, &[5]);
+}
+
+/// With or without subgroups of eight threads.
+fn assert_samples_are_frames(scene: &Scene, lanes: bool, counts: &[u32]) {
+    let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
+    for (name, camera) in cameras() {
+        for &samples in counts {
+            let seen = sampled(&mut engine, scene, &camera, samples, &RunOptions::default());
+            let separate = one_by_one(&mut engine, scene, &camera, samples);
+            let pixels = (SIZE.0 * SIZE.1) as usize;
+            let edges = seen.counts.edges;
+            println!("{name}, {samples} samples: {edges} of {pixels} pixels are edge pixels");
+            assert_eq!(seen.sample_ids.len(), samples as usize);
+            for (n, (own, separate)) in seen.sample_ids.iter().zip(&separate).enumerate() {
+                let differ: Vec<usize> = (0..pixels).filter(|&k| own[k] != separate[k]).collect();
+                assert!(differ.is_empty(), "{name}: sample {n} of pixels {differ:?}");
             }
+            let covered = |k: usize| seen.sample_ids.iter().filter(|ids| ids[k] != NO_ID).count();
+            let alpha = seen.frame.f32(Channel::A).unwrap();
+            assert!((0..pixels).all(|k| alpha[k] == covered(k) as f32 / samples as f32), "{name}: coverage");
         }
     }
 }

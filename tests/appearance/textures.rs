@@ -622,7 +622,9 @@ fn images_are_exchanged_where_light_is() {
 fn what_ignores_alpha_masks_says_so() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let (scene, (_, camera)) = (masked_shapes(), families(SIZE).swap_remove(0));
-    assert!(!at_once(&scene, &camera, 4));
+    let mut blended = scene.clone();
+    Arc::make_mut(&mut blended.mesh).materials[0].blend = Some(0.5);
+    assert!(at_once(&scene, &camera, 4) && !at_once(&blended, &camera, 4));
     let rival = RunOptions { rival: anamorph_lab::rivals::parse("raytrace").ok(), ..RunOptions::default() };
     let message = engine.render(&scene, &camera, &Wanted::of(vec![Channel::R]), &rival).unwrap_err().to_string();
     assert!(message.starts_with("raytrace ignores alpha masks"), "{message}");

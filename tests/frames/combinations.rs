@@ -193,6 +193,12 @@ impl Case {
             // its scene is there from the start
             Feature::Caustics => {}
             Feature::AlphaMasks => mask(&mut self.scene),
+            Feature::Blended => {
+                mask(&mut self.scene);
+                let materials = &mut Arc::make_mut(&mut self.scene.mesh).materials;
+                materials.iter_mut().for_each(|m: &mut Material| m.blend = Some(0.5));
+                self.has.insert(Feature::AlphaMasks);
+            }
             Feature::Shadows => self.scene.ambient_occlusion = Some(AmbientOcclusion { rays: 4, reach: 1.0 }),
             Feature::Pictures => self.scene.projector_lights = vec![picture()],
             Feature::Layers => self.camera = layered::chain(8, 2, (3, 2), Default::default(), SIZE),

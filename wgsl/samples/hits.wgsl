@@ -1,6 +1,6 @@
 // Coverage of one pixel's samples by a triangle, in recheck arithmetic.
 // Provides: flat_of, recheck_hits
-// Needs: Bundle, Cell, Meeting, ONE_SIDED, SAMPLES, TILE, bit_mask, cell_bundle, end_rounding, is_between, merge, perturbed,
+// Needs: Bundle, Cell, Meeting, ONE_SIDED, SAMPLES, TILE, bit_mask, cell_bundle, end_rounding, is_between, is_there, merge, perturbed,
 //   pixels_of_sample, ray_meeting, reach3, real, real3, sample_bundle, tile_layer, triangle_id, triangle_reversed, visibility_key
 // Binds: params
 
@@ -14,6 +14,7 @@ fn recheck_hits(
     some: u32,
     sure: u32,
     record: u32,
+    slot: u32,
     triangle: vec4<u32>,
     flat: Flat,
     v: array<real3, 3>,
@@ -34,8 +35,9 @@ fn recheck_hits(
     }
     for (var left = covered; left != 0u; left &= left - 1u) {
         let n = first + firstTrailingBit(left);
-        let met = flat_meeting(flat, sample_bundle(whole, cell, at.x, at.y, n));
-        if met.visible {
+        let b = sample_bundle(whole, cell, at.x, at.y, n);
+        let met = flat_meeting(flat, b);
+        if met.visible && is_there(slot, b) {
             merge(record * (SAMPLES + 1u) + 1u + n, ~visibility_key(tile_layer(cell.tile), met.t, triangle_id(triangle)));
         }
     }

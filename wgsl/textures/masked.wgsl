@@ -1,14 +1,8 @@
 // Triangles with alpha masks, and blended ones. Whether a point is masked follows from the image's first level alone, whatever the camera: masks
 // are part of the scene's shape.
-// Provides: alpha_at, is_solid, is_there
+// Provides: alpha_at, is_there
 // Needs: Bundle, Material, NONE, bilinear, corner_uv, has_uv, image_place, into_image, is_opaque, material_at, on_triangle, real3, triangle_at,
 //   triangle_id, triangle_surface, vertex_real, wrap_u, wrap_v
-
-// Whether a triangle is there everywhere.
-fn is_solid(slot: u32) -> bool {
-    let material = material_at(triangle_surface(slot).w);
-    return material.is_blended == 0u && material.cutoff <= 0.0;
-}
 
 fn is_there(slot: u32, b: Bundle) -> bool {
     let material = material_at(triangle_surface(slot).w);

@@ -37,7 +37,7 @@ fn by_pair(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend(variant.mask_bindings());
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let shared = [PAIR, BITS, MEETING, variant.camera(), snippets!("shared/proof.wgsl")];
-    let own = [NEARNESS, variant.alpha_masks(), CERTAINTY, snippets!("certify.wgsl")];
+    let own = [NEARNESS, variant.alpha_masks(), variant.holes(), CERTAINTY, snippets!("certify.wgsl")];
     let mut all = [&snippets[..], &shared[..], variant.coverage(), &variant.proof(), &own].concat();
     all.extend(variant.corner_colors().filter(|_| variant.masked));
     let mut kernel = Kernel::new("certify", bindings, &all).with_planes(planes);
@@ -84,6 +84,8 @@ fn by_ray(variant: Variant, planes: &[Channel]) -> Kernel {
         [&snippets[..], &shared, variant.coverage(), variant.pixel(), &variant.proof(), variant.start(), &[own]]
             .concat();
     all.extend(variant.corner_colors().filter(|_| variant.masked));
+    // proofs ask for them
+    all.extend(variant.masked.then(|| variant.holes()));
     let mut kernel = Kernel::new("certify", bindings, &all).with_planes(planes);
     kernel.constants.extend(variant.constants());
     kernel

@@ -7,7 +7,7 @@ use crate::gpu::layout::{self, Counter};
 
 /// The edge pixels, pair by pair.
 pub fn kernel(variant: Variant) -> Kernel {
-    let bindings = vec![
+    let mut bindings = vec![
         params(),
         step(),
         reads("pairs", "array<vec2<u32>>"),
@@ -23,10 +23,14 @@ pub fn kernel(variant: Variant) -> Kernel {
         writes("samples", "array<u32>"),
         counters(),
     ];
+    bindings.extend(variant.masked.then(|| [table("surfaces"), table("materials")]).into_iter().flatten());
     // of keys the ids and layers alone are read
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, PACKED_TRIANGLE, REAL_F32, KEY, PAIR, BITS, CELLS, WITHIN];
-    let own = [DEPTH_BOUNDS, NEARNESS, CELL_SAMPLES, snippets!("edges.wgsl")];
-    let mut kernel = Kernel::new("edges", bindings, &[&snippets[..], &own].concat());
+    let own = [DEPTH_BOUNDS, NEARNESS, CELL_SAMPLES, variant.holes(), snippets!("edges.wgsl")];
+    let mut all = [&snippets[..], &own].concat();
+    all.extend(variant.hole_surfaces());
+    all.extend(variant.corner_colors().filter(|_| variant.masked));
+    let mut kernel = Kernel::new("edges", bindings, &all);
     kernel.constants = variant.sample_constants();
     kernel
 }

@@ -44,6 +44,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_OFFSETS];
     own.push(variant.thrown_pictures());
     own.push(variant.style());
+    own.push(variant.opacity());
     own.extend(variant.corner_colors());
     own.extend(variant.leaves());
     own.extend(variant.weights());

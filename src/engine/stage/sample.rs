@@ -23,8 +23,14 @@ pub fn kernel(variant: Variant) -> Kernel {
         reads("edge_of", "array<u32>"),
     ];
     bindings.extend(variant.rays());
+    bindings.extend(variant.mask_bindings());
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
     let own = [WITHIN, variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
+    let masks = match variant.masked {
+        true => [Some(variant.alpha_masks()), variant.corner_colors()],
+        false => [Some(snippets!("textures/solid.wgsl")), None],
+    };
+    let masks: Vec<Parts> = masks.into_iter().flatten().collect();
     let rays = variant.sample_rays(&mut bindings);
     let offsets: &[Parts] = match variant.rays {
         RaysKind::Pieces => &[],
@@ -33,7 +39,7 @@ pub fn kernel(variant: Variant) -> Kernel {
             &[SAMPLE_OFFSETS]
         }
     };
-    let all = [&snippets[..], &own, rays, offsets, &[snippets!("sample.wgsl")]].concat();
+    let all = [&snippets[..], &own, &masks, rays, offsets, &[snippets!("sample.wgsl")]].concat();
     let mut kernel = Kernel::new("sample", bindings, &all);
     kernel.constants = variant.sample_constants();
     kernel
@@ -95,7 +101,16 @@ pub fn recheck_kernel(variant: Variant) -> Kernel {
     ];
     bindings.extend(variant.rays());
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
-    let own = [variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
+    let own = [
+        variant.merge(),
+        MEETING,
+        MEETING_OF_RAYS,
+        SIDES,
+        variant.camera(),
+        CELL_SAMPLES,
+        SAMPLE_HITS,
+        snippets!("textures/solid.wgsl"),
+    ];
     let rays = variant.sample_rays(&mut bindings);
     let mut kernel = Kernel::new(
         "recheck_samples",

@@ -42,7 +42,8 @@ pub fn kernel(variant: Variant) -> Kernel {
         false => snippets!("shared/followed.wgsl", "shared/followed_whole.wgsl"),
     };
     let own = [pixels, path, hierarchy, primitives, followed, snippets!("trace.wgsl")];
-    let mut kernel = super::raster::into_visibility("trace", variant, &[variant.pixel(), &own].concat());
+    let holes: &[Parts] = if variant.rechecks() { &[variant.holes()] } else { &[] };
+    let mut kernel = super::raster::into_visibility("trace", variant, &[variant.pixel(), &own, holes].concat());
     kernel.bindings.extend([table("bvh"), table("bvh_triangles")]);
     if variant.bounced {
         kernel.bindings.push(live());

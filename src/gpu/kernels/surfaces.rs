@@ -151,6 +151,17 @@ impl Variant {
         if self.masked { snippets!("textures/opacity.wgsl") } else { snippets!("textures/opaque.wgsl") }
     }
 
+    /// Which triangles may have holes.
+    pub fn holes(self) -> Parts {
+        if self.masked { snippets!("textures/holes.wgsl") } else { snippets!("textures/no_holes.wgsl") }
+    }
+
+    /// What [`Variant::holes`] needs of materials and surfaces, where kernels look up nothing else.
+    pub fn hole_surfaces(self) -> Option<Parts> {
+        let parts = snippets!("materials/material.wgsl", "materials/rows.wgsl", "textures/layout.wgsl");
+        self.masked.then_some(parts)
+    }
+
     /// Their alpha masks.
     pub fn alpha_masks(self) -> Parts {
         if self.masked {

@@ -216,6 +216,8 @@ impl Variant {
                 let slabbed = Variant { masked: true, ..variant(RaysKind::Pieces, true, None) };
                 let seen = Variant { masked: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
                 list.extend([slabbed, seen, seen.after_bounce()]);
+                let sampled = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, None));
+                list.extend(sampled.map(|of| Variant { samples: 4, masked: true, lights, ..of }));
                 let traced = |variant| Variant { method: Method::Trace, masked: true, ..variant };
                 let moving = Variant { timed: true, spheres: true, ..variant(RaysKind::Field, false, None) };
                 let curved = variant(RaysKind::Curves { degree: 2 }, true, Some(OpticsKind::Facets));
