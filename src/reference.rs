@@ -214,7 +214,8 @@ impl<'a> Reference<'a> {
     fn walk_in_range(&self, b: &Bundle, beam: &Beam, t_range: [f64; 2], mut visit: impl FnMut(u32) -> f64) {
         let moved = 2.0 * END_REACH * self.scene_size * b.h[0] / b.d[0].abs().element_sum();
         let range = [-past(-t_range[0]) - moved, past(t_range[1]) + moved];
-        let start = past(t_range[0]) + moved;
+        // a range without a start moves no hit there
+        let start = if t_range[0].is_finite() { past(t_range[0]) + moved } else { t_range[0] };
         self.tree.walk(self.instances, beam, range, |id| visit(id).max(start));
     }
 

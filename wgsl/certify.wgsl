@@ -3,8 +3,8 @@
 // is proven to be met; the second compares every triangle that may be met before it with the one that was found; the third writes
 // the plane: 2 proven by f32, 1 by recheck arithmetic, 0 not.
 // Needs: COUNT_PAIRS, COVERAGE_PROVES, Cell, NONE, ONE_SIDED, STEP_PIXELS, TILE, bit_mask, box_mask, cell_bundle, coverage, first_bit,
-//   is_solid, item_index, pair_from, pair_slot, pair_tile, pair_to, pixel_proof, real3, take_place, tile_corner, tile_layer, triangle_at, triangle_id,
-//   triangle_reversed, vertex, vertex_real, weigh, without_bit, write_certainty
+//   is_solid, item_index, pair_from, pair_slot, pair_tile, pair_to, pixel_proof, real3, take_place, tile_corner, tile_layer, triangle_at,
+//   triangle_id, triangle_reversed, vertex, vertex_real, weigh, without_bit, write_certainty
 // Binds: cells, counters, pairs, params, step, tile_start
 
 @compute @workgroup_size(64)

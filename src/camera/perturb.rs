@@ -22,7 +22,7 @@ pub const PERTURB_PX: f64 = 1.0 / (1u64 << 24) as f64;
 pub const PERTURB_DOWN: f64 = 47.0 / 83.0;
 
 /// How far a hit is moved at most to an end of `t_range`, relative to the scene's size (`docs/reference/definitions.md`, Ends of t_range):
-/// 2^-32. A ray whose angle to the triangle's plane has the sine 2^-10 goes so far within 2^-42 of it.
+/// 2^-32. A ray whose angle to a plane has the sine 2^-10 stays within 2^-42 of the plane over that distance.
 pub const END_REACH: f64 = 1.0 / (1u64 << 32) as f64;
 
 /// A scene far from the world's origin is rounded more: this share of its distance is added to its size.

@@ -282,7 +282,11 @@ pub const REFUSALS: &[Refusal] = {
             "outlines and borders are drawn in one frame, not across several",
             WITHOUT_LINES,
         ),
-        refusal(&[Composed, CameraInMotion], "a frame that is composed of several is of one time", MOVES),
+        refusal(
+            &[Composed, CameraInMotion],
+            "the cameras of a frame that is composed of several stand still while it is taken",
+            MOVES,
+        ),
         refusal(
             &[Composed, Volume],
             "a volume has no surface whose depth decides what is seen",

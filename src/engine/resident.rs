@@ -397,10 +397,14 @@ impl Resident {
     fn shadow_casters(&mut self, scene: &Scene, plan: &Plan) -> Result<PackedBvh> {
         let scene = &*scene.of_casters();
         let count = scene.mesh.triangles.len() - self.facets;
-        let packed = match (plan.variant.timed, self.shadow_casters.take()) {
-            (true, _) => PackedBvh::of_moving(scene, plan.anchor, count)?,
-            (false, Some(built)) => self.shadow_casters.insert(built).packed(scene),
-            (false, None) => self.shadow_casters.insert(Hierarchy::build(scene, plan.anchor, count)?).packed(scene),
+        let packed = if plan.variant.timed {
+            PackedBvh::of_moving(scene, plan.anchor, count)?
+        } else {
+            let built = match self.shadow_casters.take() {
+                Some(built) => built,
+                None => Hierarchy::build(scene, plan.anchor, count)?,
+            };
+            self.shadow_casters.insert(built).packed(scene)
         };
         Ok(if plan.variant.masked { packed.with_masks(&scene.mesh, count) } else { packed })
     }

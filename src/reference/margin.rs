@@ -210,7 +210,8 @@ impl Depth {
     /// `t_o - (1 +- g) t_s >= 0` and `(1 +- g) t_o - t_s >= 0`, times `d_o d_s` of known sign.
     pub fn hides(&self, other: &Depth, parities: i8) -> bool {
         let sign = f64::from(self.facing * other.facing * parities);
-        if sign == 0.0 || self.may_be_at_end && other.may_be_at_end {
+        // a hit that is moved to an end of t_range is nearer or farther than its plane
+        if sign == 0.0 || self.may_be_at_end || other.may_be_at_end {
             return false;
         }
         let size = |c: [f64; 3]| over_box(c.map_each(f64::abs));

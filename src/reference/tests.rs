@@ -242,13 +242,15 @@ fn the_ends_of_the_range_belong_to_it() {
 #[test]
 fn a_hit_is_moved_to_the_start_from_behind_a_wall() {
     let far = 2.0_f64.powi(31);
-    // a triangle whose plane the ray's start is 0.9 of the tolerance away from, and that the ray meets at t
-    let seen = |t: f64| {
+    // a triangle whose plane the ray's start is 0.9 of the tolerance away from, and that the ray meets at this share of the farthest move
+    let seen = |share: f64| {
         let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
         let ends = [-far, far].into_iter().flat_map(|x| [at(x, 0.0, 9.0), at(x, 1.0, 9.0), at(x, 0.0, 8.0)]);
         let wall = [at(-1.0, -1.0, 0.25), at(1.0, -1.0, 0.25), at(0.0, 2.0, 0.25)];
         let mut all = mesh(wall.into_iter().chain(ends).collect(), vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
-        let sine = 0.9 * 0.5_f64.powi(42) * scene_size(all.bounds()) / t;
+        let size = scene_size(all.bounds());
+        let t = share * 0.5_f64.powi(32) * size;
+        let sine = 0.9 * 0.5_f64.powi(42) * size / t;
         let on_plane = |y: f64, z: f64| at(sine * (z - t), y, z);
         all.positions.extend([on_plane(-1.0, 0.3), on_plane(1.0, 0.3), on_plane(0.0, 40.0)]);
         all.positions.extend((0..600).map(|k| at(f64::from(k % 3) - 1.0, f64::from(k % 2), 50.0 + f64::from(k))));
@@ -256,9 +258,8 @@ fn a_hit_is_moved_to_the_start_from_behind_a_wall() {
         all.material_of.resize(all.triangles.len(), 0);
         Reference::build(&all).hit(&ray(DVec3::ZERO, DVec3::Z), FORWARD).map(|hit| (hit.triangle, hit.t))
     };
-    assert_eq!(seen(0.5), Some((3, 0.0)));
-    // a hit is moved by 2^-32 of the scene's size at most, about 1
-    assert_eq!(seen(5.0), Some((0, 0.25)));
+    assert_eq!(seen(0.9), Some((3, 0.0)));
+    assert_eq!(seen(1.1), Some((0, 0.25)));
 }
 
 #[test]

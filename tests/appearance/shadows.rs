@@ -118,7 +118,7 @@ fn lit_otherwise_by(rounding: f64, engine: &mut Engine, scene: &Scene, camera: &
 /// See `gloss.rs`: of surfaces of roughness 0.5 at the brightest.
 const ROUNDING: f64 = 1e-4;
 
-/// Of texels in f16: half of its last bit.
+/// Kernels keep colours times opacity in f16: half of its last bit.
 const ROUNDING_OF_IMAGES: f64 = 1.0 / 2048.0;
 
 /// At the borders of shadows f32 may see light where there is none: some 4e-6 of a unit wide, of pixels 0.05 wide. If all 4800 pixels held

@@ -7,6 +7,7 @@ use anamorph::internals::camera::glc;
 use anamorph::internals::camera::kinds::glc::Glc;
 use anamorph::internals::camera::kinds::orthographic::Orthographic;
 use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Method, RunOptions};
 use anamorph::internals::geometry::generate;
 use anamorph::internals::geometry::mesh::{Material, Mesh};
@@ -17,7 +18,7 @@ use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, mesh_spec, pinhole, raymap};
-use common::gpu::{Without, assert_right, assert_same_without_f64, check, hits, ids, render, render_with};
+use common::gpu::{Without, assert_right, assert_same_without_f64, check, engine, hits, ids, render, render_with};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, mesh, moved, scene};
 use glam::{DMat3, DVec3};
@@ -178,34 +179,45 @@ fn negative_t_comes_first_and_ends_belong_to_the_range() {
     }
 }
 
-/// A triangle that the rays run along, and whose plane they start on, is hit at their start, behind a wall as well as in the open.
+/// A triangle that the rays run along, and whose plane they start on, is hit at their start, behind a wall as well as in the open; unless the hit
+/// would be moved by more than 2^-32 of the scene's size, which is 2 here.
 #[test]
 fn hits_are_moved_to_the_start_from_behind_a_wall() {
     let far = 2.0_f64.powi(31);
     let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
-    let ends = [-far, far].into_iter().flat_map(|x| [at(x, 0.0, 9.0), at(x, 1.0, 9.0), at(x, 0.0, 8.0)]);
     let wall = [at(-1.0, -1.0, 0.2), at(1.0, -1.0, 0.2), at(0.0, 2.0, 0.2)];
-    // its plane is 2^-10.2 from the start, and 2^-42 of the scene's size is 2^-10
-    let along = |y: f64, z: f64| at(0.00085 * (z / 0.5 - 1.0), y, z);
-    let mut positions: Vec<DVec3> = wall.into_iter().chain(ends).collect();
-    positions.extend([along(-1.0, 0.3), along(1.0, 0.3), along(0.0, 40.0)]);
-    positions.extend((0..600).map(|k| at(f64::from(k % 3) - 1.0, f64::from(k % 2), 50.0 + f64::from(k))));
-    let scene = scene(mesh(positions, (0..204).map(|k| [0, 1, 2].map(|v| v + 3 * k)).collect()));
+    let scene_met_at = |t: f64| {
+        // its plane is 0.9 of 2^-9 from the start, and 2^-42 of the scene's size is 2^-9
+        let along = |y: f64, z: f64| at(0.9 * 0.5_f64.powi(9) * (z / t - 1.0), y, z);
+        let ends = [-far, far].into_iter().flat_map(|x| [at(x, 0.0, 9.0), at(x, 1.0, 9.0), at(x, 0.0, 8.0)]);
+        let mut positions: Vec<DVec3> = wall.into_iter().chain(ends).collect();
+        positions.extend([along(-1.0, 0.3), along(1.0, 0.3), along(0.0, 40.0)]);
+        positions.extend((0..600).map(|k| at(f64::from(k % 3) - 1.0, f64::from(k % 2), 50.0 + f64::from(k))));
+        scene(mesh(positions, (0..204).map(|k| [0, 1, 2].map(|v| v + 3 * k)).collect()))
+    };
     let view = Orthographic { eye: DVec3::ZERO, target: DVec3::Z, up: DVec3::Y, height: 1e-5 };
-    for (method, without) in [Method::Raster, Method::Trace]
-        .into_iter()
-        .flat_map(|method| [Without::Nothing, Without::F64Depths, Without::F64].map(|without| (method, without)))
+    let ways = [Without::Nothing, Without::F64Depths, Without::F64];
+    for (method, without) in
+        [Method::Raster, Method::Trace].into_iter().flat_map(|method| ways.map(|without| (method, without)))
     {
-        for t_range in [FORWARD, [-3.0, 3.0]] {
-            let camera = camera(CameraKind::from(view.clone()), (16, 16), t_range);
+        for (t_met, t_range, (id, t)) in
+            [(1.8, FORWARD, (3, 0.0)), (1.8, [-3.0, 3.0], (0, 0.2)), (2.2, FORWARD, (0, 0.2))]
+        {
+            let (scene, camera) = (scene_met_at(t_met), camera(CameraKind::from(view.clone()), (16, 16), t_range));
             let run = RunOptions { method, ..Default::default() };
             let Some(rendered) = render_with(&scene, &camera, without, &run) else { return };
             let frame = rendered.frame;
-            assert_right(&format!("{method:?} {without:?}"), &scene, &camera, &frame);
-            let (id, t) = if t_range[0] == 0.0 { (3, 0.0) } else { (0, 0.2) };
-            assert!(ids(&frame).iter().all(|&seen| seen == id), "{method:?} {without:?}: {:?}", ids(&frame));
-            assert!(frame.f32(Channel::T).unwrap().iter().all(|&seen| seen == t), "{method:?} {without:?}");
+            let name = format!("{method:?} {without:?}, met at {t_met} in {t_range:?}");
+            assert_right(&name, &scene, &camera, &frame);
+            assert!(ids(&frame).iter().all(|&seen| seen == id), "{name}: {:?}", ids(&frame));
+            assert!(frame.f32(Channel::T).unwrap().iter().all(|&seen| seen == t), "{name}");
         }
+        // every sample too
+        let wanted = Wanted { samples: 4, ..Wanted::of(vec![Channel::A, Channel::T]) };
+        let camera = camera(CameraKind::from(view.clone()), (16, 16), FORWARD);
+        let (scene, run) = (scene_met_at(1.8), RunOptions { method, ..Default::default() });
+        let frame = engine(&camera, without).unwrap().render(&scene, &camera, &wanted, &run).unwrap().frame;
+        assert!(frame.f32(Channel::A).unwrap().iter().all(|&share| share == 1.0), "{method:?} {without:?}: samples");
     }
 }
 

@@ -7,6 +7,9 @@
 
 override COUNTING: bool = false;
 
+// Moves no hit to an end of t_range.
+const NO_TOLERANCE: real = -1.0;
+
 // Rounding of one f32 operation, relative.
 const UNIT: f32 = 1.0 / 16777216.0;
 
@@ -117,8 +120,8 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
     let normal = cross(v1 - v0, v2 - v0);
     let along = real3(dot(normal, v0 * b.h - b.p), dot(normal, v0 * b.hx - b.px), dot(normal, v0 * b.hy - b.py));
     let across = real3(dot(normal, b.d), dot(normal, b.dx), dot(normal, b.dy));
-    // what may be moved to an end of t_range is left to recheck
-    let near_end = PERTURB * real(params.scene_size) * size3(normal) * abs(b.h);
+    // hits that may be moved to an end of t_range are left to recheck: twice the tolerance, for rounding
+    let near_end = 2.0 * PERTURB * real(params.scene_size) * size3(normal) * real(reach_h);
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
     let back_sign = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
 
@@ -171,7 +174,7 @@ fn draw_small(slot: u32, triangle: vec4<u32>, hi: array<vec3<f32>, 3>, piece: Pi
             let y = real(at.y - half.y);
             let numerator = along.x + x * along.y + y * along.z;
             let denominator = across.x + x * across.y + y * across.z;
-            let meeting = meeting_between(numerator, denominator, -1.0, back_sign, t_min, t_max);
+            let meeting = meeting_between(numerator, denominator, NO_TOLERANCE, back_sign, t_min, t_max);
             let is_at_end = min(abs(numerator - t_min * denominator), abs(numerator - t_max * denominator)) <= near_end;
             let pixel = pixels.xy + vec2<u32>(at);
             if any(covered != vec2<u32>(0u)) && meeting.visible && !is_at_end {

@@ -89,7 +89,7 @@ fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane 
     let least = abs(across) - error_across;
     let t = along / across;
     let off = (error_along + abs(t) * error_across) / least + 4.0 * REAL_ROUNDING * abs(t);
-    // that of the tile's centre, whose numbers are of the same size
+    // twice the tolerance, for its rounding
     let margin = 2.0 * end_rounding(q.b, normal.n, abs(across) + error_across, reach) / least;
     return OnPlane(t - off, t + off, facing, margin);
 }

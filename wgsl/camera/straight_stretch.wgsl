@@ -61,8 +61,8 @@ fn stretch_of(path: Path, k: u32, scale: f32) -> Stretch {
     let t_share = scale * back;
     let s_first = clamp((params.t_min.x + params.t_min.y + params.t_min.z) * t_share, -ENDLESS, ENDLESS);
     let s_last = clamp((params.t_max.x + params.t_max.y + params.t_max.z) * t_share, -ENDLESS, ENDLESS);
-    // a hit so near to an end is moved to it; in a chain one up to end_rounding / |N . d| beyond it: less than a 256th, but for triangles
-    // within 2^-36 of edge-on, whose t is rounding alone
+    // hits nearer than `more` to an end may count as hits at it: END_BOUND; in a chain end_rounding / |N . d|, which is less than a 256th, but for
+    // triangles almost edge-on, whose t is rounding alone
     let more = select(END_BOUND * params.scene_size * scale, 0.00390625 * (s_last - s_first), SLABBED);
     let margin_first = more + slack + 4.0 * UNIT * abs(s_first);
     let margin_last = more + slack + 4.0 * UNIT * abs(s_last);

@@ -1,5 +1,6 @@
-// Shadow casters with alpha masks, and blended ones. Two rows for each caster follow the lights in `lights`: the texture coordinates of its corners, v downwards;
-// the number of its material, counted from 1, or 0 if it is there everywhere; and whether it has texture coordinates.
+// Shadow casters with alpha masks, and blended ones. Two rows for each caster follow the leaves in `lights`: the texture coordinates of its
+// corners, v downwards; then, as z, the number of its material, counted from 1, or 0 if it is there everywhere; and as w whether it has texture
+// coordinates.
 // Provides: nearer_leaf
 // Needs: Found, LeafTriangle, NONE, Segment, bilinear, into_image, is_opaque, light_row, material_at, nearer_solid, wrap_u, wrap_v
 // Binds: shading

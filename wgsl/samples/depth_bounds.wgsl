@@ -1,6 +1,7 @@
 // Bounds on the depth of a triangle's plane over places of a node.
 // Provides: ENDLESS, depths, plane
-// Needs: BOUND_TOLERANCE, LEAST, MOST, Node, size1
+// Needs: BOUND_TOLERANCE, END_BOUND, LEAST, MOST, Node, size1
+// Binds: params
 
 // N . (v - P) and N . D as affine functions over a node, in node units, and their error bounds.
 struct Plane {
@@ -29,7 +30,8 @@ fn plane(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Plane {
     // e: differences of two rounded vertices; N: three operations a component
     let size_n = size1(e1) * size1(e2);
     let error_n = BOUND_TOLERANCE * (0.25 * reach * (size1(e1) + size1(e2)) + size_n) + LEAST * (1.0 + size_n);
-    let error_m = node.r_p + BOUND_TOLERANCE * (reach_m + reach + size1(node.p)) + LEAST;
+    // also how far a hit may be moved to an end of t_range
+    let error_m = node.r_p + END_BOUND * params.scene_size + BOUND_TOLERANCE * (reach_m + reach + size1(node.p)) + LEAST;
     let error_d = node.r_d + BOUND_TOLERANCE * reach_d + LEAST;
     let fits = size_n * reach_m < MOST && size_n * reach_d < MOST;
     let most = select(MOST, 1.0, fits);

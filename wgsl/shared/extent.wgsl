@@ -57,12 +57,11 @@ fn narrowed(node: Node, before: Extent, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f
     let size_m = max(size1(m0), max(size1(m1), size1(m2)));
     let size_a = size1(node.px) + size1(node.py) + abs(t0) * (size1(node.dx) + size1(node.dy));
     let size_wt = size1(wt);
-    // how far a hit is moved to an end of t_range; rounding: what was subtracted to form the m and A, B; and the inverse's, which its
-    // condition magnifies
+    // rounding: what was subtracted to form the m and A, B; and the inverse's, which its condition magnifies
     let condition = size1(a) * size1(b) * size1(d) / abs(det);
     let size_p = size1(node.p) + size1(node.px) + size1(node.py);
     let size_d = abs(t0) * (size1(node.d) + size1(node.dx) + size1(node.dy));
-    let error_m = node.r_p + END_BOUND * params.scene_size
+    let error_m = node.r_p
         + BOUND_TOLERANCE * (size_m * (1.0 + condition) + size_a + max(size1(v0), max(size1(v1), size1(v2))) + size_p + size_d);
     let error_wt = size_wt * (error_m + abs(t0) * node.r_d);
     let contraction = 1.0 - bend_t - size_wt * node.r_d;
@@ -84,7 +83,8 @@ fn narrowed(node: Node, before: Extent, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f
     if !sound || any(before.lo > before.hi) {
         return before;
     }
-    let error_t = reach_t + BOUND_TOLERANCE * abs(t0);
+    // a hit may be moved to an end of t_range; w_t . D = 1, so that 1 / |D| is at most the size of w_t
+    let error_t = reach_t + BOUND_TOLERANCE * abs(t0) + END_BOUND * params.scene_size * size_wt;
     return Extent(max(lo, before.lo), min(hi, before.hi), t0 - error_t, t0 + error_t, true);
 }
 

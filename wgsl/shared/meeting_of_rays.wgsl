@@ -24,8 +24,8 @@ fn meeting_between(along: real, across: real, rounding: real, back_sign: real, t
     return Meeting(t, t >= t_min && t <= t_max);
 }
 
-// Largest N . (v h - X h) of a hit that counts as a hit at an end of a bundle's ray; across = N . d. Where layers of a chain meet: the rounding of two stored vertices in N, one vertex and
-// p in the offset, d at the joint, 16 units of their sizes' sum.
+// Largest N . (v h - X h) of a hit that counts as a hit at an end of a bundle's ray; across = N . d. Where layers of a chain meet: the rounding of
+// two stored vertices in N, one vertex and p in the offset, d at the joint, 16 units of their sizes' sum.
 fn end_rounding(b: Bundle, normal: real3, across: real, reach: real) -> real {
     let of_chain = 16.0 * REAL_UNIT * size3(normal) * (reach * abs(b.h) + size3(b.p) + size3(b.d));
     return select(plane_tolerance(normal, b.d, across) * abs(b.h), of_chain, SLABBED);

@@ -161,8 +161,8 @@ fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u
     let first = select(vec4<f32>(-INFINITE), depth - error, is_across);
     let last = select(vec4<f32>(INFINITE), depth + error, is_across);
 
-    // the ends of the range: a hit so near to one is moved to it; in a chain one up to end_rounding / |N . d| beyond it: less than a 256th,
-    // but for triangles within 2^-36 of edge-on, whose t is rounding alone
+    // hits nearer than `more` to an end of the range may count as hits at it: END_BOUND; in a chain end_rounding / |N . d|, which is less than a
+    // 256th, but for triangles almost edge-on, whose t is rounding alone
     let from_depth = clamp((params.t_min.x + params.t_min.y + params.t_min.z) * s.back, vec4<f32>(-INFINITE), vec4<f32>(INFINITE));
     let to_depth = clamp((params.t_max.x + params.t_max.y + params.t_max.z) * s.back, vec4<f32>(-INFINITE), vec4<f32>(INFINITE));
     let more = select(vec4<f32>(END_BOUND * params.scene_size), 0.00390625 * (to_depth - from_depth), SLABBED);

@@ -84,7 +84,8 @@ struct Params {
 // that, for sums of components instead of lengths.
 const PERTURB_BOUND: f32 = 1.0 / 2199023255552.0;
 
-// A hit is moved to an end of t_range (plane_tolerance.wgsl) by at most 2^-32 of the scene's size. This is twice that, for rounding.
+// A hit is moved to an end of t_range (plane_tolerance.wgsl) by at most 2^-32 of the scene's size. This is twice that: of s = t |d| with |d| >= 1/2,
+// or for rounding.
 const END_BOUND: f32 = 1.0 / 2147483648.0;
 
 // Offsets of samples from their pixel's centre, px right and down: two per vec4.

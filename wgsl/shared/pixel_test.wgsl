@@ -78,8 +78,8 @@ fn nothing_nearest() -> Nearest {
     return Nearest(real4(FARTHEST));
 }
 
-// No hit farther from an end of t_range counts as a hit at it. In a chain end_rounding / |N . d| is less than a 256th, but for triangles
-// within 2^-36 of edge-on, whose t is rounding alone.
+// How far from an end of t_range, in t, a hit may lie that counts as a hit at it. In a chain end_rounding / |N . d| is less than a 256th, but
+// for triangles whose sine to the ray is below 2^-36 (|v| + |p| + |d|) / |d|: their t is rounding alone.
 fn end_reach(s: Strip, t_min: real, t_max: real) -> real4 {
     let of_chain = real4(0.00390625 * (t_max - t_min));
     let size_d = abs(s.dx) + abs(s.dy) + abs(s.dz);

@@ -3,7 +3,8 @@
 // Needs: PERTURB, real, real3, size3
 // Binds: params
 
-// A ray at a smaller angle to a plane has to start nearer to it, so that no hit is moved by more than 2^-32 of the scene's size.
+// Where the sine of the ray's angle to the plane is smaller than this, the tolerance shrinks with it, so that no hit is moved by more than 2^-32 of
+// the scene's size.
 const LEAST_SINE: real = 1.0 / 1024.0;
 
 // Largest N . (v - X) of a hit that counts as a hit at an end of t_range, where its ray along d is at X (`docs/reference/definitions.md`,

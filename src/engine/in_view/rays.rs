@@ -29,7 +29,7 @@ const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 const BOX_TOLERANCE: f64 = 1.0 / (1u64 << 22) as f64;
 
 /// Margin of a box, relative to its distance from the world's origin and the size of the scene. It covers the distances of a receiver's
-/// triangles from its plane, 2^-32 of these, and of triangles from the ends of rays at which they count as met, 2^-42.
+/// triangles from its plane, 2^-32 of these, and of triangles from the ends of rays at which they count as met, 2^-32 too.
 const PLACE_TOLERANCE: f64 = 1.0 / (1u64 << 31) as f64;
 
 impl<'a> ImageRays<'a> {
