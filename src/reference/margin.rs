@@ -172,7 +172,7 @@ impl Depth {
         in_range
     }
 
-    /// Of hits whose `t` lie in `span`.
+    /// Tells whether hits whose `t` lie in `span` count as hits at an end.
     fn at_end(&self, b: &Bundle, (span, end): ([f64; 2], f64), tolerance: f64, scene_size: f64) -> AtEnd {
         let [centre, x, y]: [f64; 3] = std::array::from_fn(|k| self.n[k] - end * self.d[k]);
         let spread = MARGIN_PX * (x.abs() + y.abs()) + self.n_error + end.abs() * self.d_error;

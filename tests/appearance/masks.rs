@@ -36,6 +36,14 @@ fn cameras() -> impl Iterator<Item = (&'static str, Camera)> {
     families(SIZE).into_iter().chain([("chain", chain(3, 3, (4, 3), MeshShape::default(), SIZE))])
 }
 
+/// The scene with both of its materials blended.
+fn blended(masked: &Scene) -> Scene {
+    let mut scene = masked.clone();
+    let materials = &mut Arc::make_mut(&mut scene.mesh).materials;
+    (materials[0].blend, materials[1].blend) = (Some(0.8), Some(0.4));
+    scene
+}
+
 /// Pixels of a frame that see other triangles than without masks, as a share of its hits.
 fn share_behind_holes(scene: &Scene, camera: &Camera, frame: &Frame) -> f64 {
     let mut solid = scene.clone();
@@ -49,9 +57,7 @@ fn share_behind_holes(scene: &Scene, camera: &Camera, frame: &Frame) -> f64 {
 #[test]
 fn traced_rays_pass_through_the_holes_that_raster_leaves() {
     let masked = masked_shapes();
-    let mut blended = masked.clone();
-    let materials = &mut Arc::make_mut(&mut blended.mesh).materials;
-    (materials[0].blend, materials[1].blend) = (Some(0.8), Some(0.4));
+    let blended = blended(&masked);
     for (name, camera) in cameras() {
         let sample = camera.of_sample([0.2, -0.3].into(), Sample { number: 1, count: 3 }).unwrap();
         for (scene, camera) in [(&masked, &camera), (&blended, &sample)] {
@@ -93,9 +99,7 @@ fn proven_and_wrong(scene: &Scene, camera: &Camera, truth: &Scene) -> Option<(us
 #[test]
 fn proofs_know_of_holes() {
     let masked = masked_shapes();
-    let mut blended = masked.clone();
-    let materials = &mut Arc::make_mut(&mut blended.mesh).materials;
-    (materials[0].blend, materials[1].blend) = (Some(0.8), Some(0.4));
+    let blended = blended(&masked);
     let mut moved = masked.clone();
     Arc::make_mut(&mut moved.mesh).uvs.iter_mut().for_each(|uv| uv.x += 1.0 / 32.0);
     let beside_spheres = with_small_spheres();

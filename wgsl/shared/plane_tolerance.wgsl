@@ -1,4 +1,4 @@
-// Which hits count as hits at an end of t_range.
+// The tolerance within which hits count as hits at an end of t_range.
 // Provides: plane_tolerance
 // Needs: PERTURB, real, real3, size3
 // Binds: params

@@ -138,7 +138,7 @@ impl Variant {
         self.styled.then(|| uniform("style", "Style"))
     }
 
-    /// What alpha masks are looked up in.
+    /// The tables and images in which kernels look up alpha masks.
     pub fn mask_bindings(self) -> Vec<Binding> {
         if !self.masked {
             return Vec::new();
@@ -146,17 +146,17 @@ impl Variant {
         [table("surfaces"), table("materials")].into_iter().chain(self.pages()).collect()
     }
 
-    /// Where surfaces with alpha masks are there.
+    /// The test whether a surface is opaque where its image has some opacity.
     pub fn opacity(self) -> Parts {
         if self.masked { snippets!("textures/opacity.wgsl") } else { snippets!("textures/opaque.wgsl") }
     }
 
-    /// Which triangles may have holes.
+    /// The test whether a triangle may have holes.
     pub fn holes(self) -> Parts {
         if self.masked { snippets!("textures/holes.wgsl") } else { snippets!("textures/no_holes.wgsl") }
     }
 
-    /// What [`Variant::holes`] needs of materials and surfaces, where kernels look up nothing else.
+    /// The tables that [`Variant::holes`] reads, for kernels that look up nothing else of materials and surfaces.
     pub fn hole_surfaces(self) -> Option<Parts> {
         let parts = snippets!("materials/material.wgsl", "materials/rows.wgsl", "textures/layout.wgsl");
         self.masked.then_some(parts)
