@@ -1,5 +1,6 @@
 //! The compute engine: plan, upload, stages, status, grow, image.
 
+pub mod accumulation;
 mod atlas;
 mod bounce_tables;
 pub mod bounces;
@@ -51,9 +52,10 @@ use crate::scene::Scene;
 use crate::scene::caustics::CausticsReport;
 use caustics::DeviceCaustics;
 use changes::Dirty;
+use combinations::Asked;
 pub use counts::Counts;
 pub use frames::Frames;
-use frames::Timed;
+use frames::{Timed, medians, moved};
 use pages::PageStore;
 use planned::{Planned, Planner};
 use resident::Resident;
@@ -203,15 +205,64 @@ impl Engine {
         wanted: &Wanted,
         run: &RunOptions,
     ) -> Result<Rendered> {
+        let mut sample_ids = Vec::new();
+        let rendered = self.render_with_ids(scene, camera, wanted, run, &mut |ids| sample_ids.push(ids))?;
+        Ok(Rendered { sample_ids, ..rendered })
+    }
+
+    /// Renders `scene` through `camera`, and hands the triangle ids of each sample to `ids`, if these are wanted.
+    pub fn render_with_ids(
+        &mut self,
+        scene: &Scene,
+        camera: impl Into<Arc<Camera>>,
+        wanted: &Wanted,
+        run: &RunOptions,
+        ids: &mut dyn FnMut(Vec<u32>),
+    ) -> Result<Rendered> {
         let camera: Arc<Camera> = camera.into();
-        if let Some(rendered) = self.render_composed(scene, &camera, wanted, run) {
-            return rendered;
+        if Asked::of(scene, &camera, wanted, run).is_separate() {
+            return self.accumulate(scene, &camera, wanted, run, ids);
         }
-        let mut frames = self.prepare(scene, camera, wanted, run)?;
-        for _ in 0..run.repeat {
-            frames.frame()?;
+        let mut rendered = match camera.layered() {
+            Some(composition) => self.compose(scene, &camera, composition, wanted, run)?,
+            None if run.moving && is_made_anew(scene) => self.render_moved(scene, &camera, wanted, run)?,
+            None => {
+                let mut frames = self.prepare(scene, camera, wanted, run)?;
+                for _ in 0..run.repeat {
+                    frames.frame()?;
+                }
+                let rendered = frames.finish()?;
+                run.share.add();
+                rendered
+            }
+        };
+        rendered.sample_ids.drain(..).for_each(ids);
+        Ok(rendered)
+    }
+
+    /// Renders a frame, then times further ones, each prepared from scratch: caustics and time steps depend on where objects are.
+    fn render_moved(
+        &mut self,
+        scene: &Scene,
+        camera: &Arc<Camera>,
+        wanted: &Wanted,
+        run: &RunOptions,
+    ) -> Result<Rendered> {
+        let still = &RunOptions { moving: false, ..run.clone() };
+        let mut rendered = self.prepare(scene, camera.clone(), wanted, still)?.finish()?;
+        let (mut frame_ms, mut stages) = (Vec::new(), Vec::new());
+        for number in 1..=run.repeat {
+            let moved = moved(scene, 0, number);
+            let started = Instant::now();
+            let frames = self.prepare(&moved, camera.clone(), wanted, still)?;
+            frame_ms.push(ms_since(started));
+            stages.push(frames.finish()?.stages);
         }
-        frames.finish()
+        if !frame_ms.is_empty() {
+            (rendered.frame_ms, rendered.stages) = (frame_ms, medians(stages));
+        }
+        run.share.add();
+        Ok(rendered)
     }
 
     /// Works out what frames of a scene take on this adapter; see [`Planner::plan`].
@@ -229,8 +280,8 @@ impl Engine {
         run: &RunOptions,
     ) -> Result<Frames> {
         let camera: Arc<Camera> = camera.into();
-        if camera.layered().is_some() {
-            return Err(Error::input("frames of this composite are composed of several; call Engine::render"));
+        if run.moving && is_made_anew(scene) {
+            return Err(Error::input("each frame of this scene is made anew when vertices move; call Engine::render"));
         }
         let planned = self.planner().plan(scene, camera, wanted, run, None)?;
         let mut call = planned.call;
@@ -316,6 +367,11 @@ impl Engine {
         self.stages.push(stages.clone());
         Ok(stages)
     }
+}
+
+/// Caustics and time steps are made anew when vertices move.
+fn is_made_anew(scene: &Scene) -> bool {
+    scene.caustics.is_some() || scene.steps.is_some()
 }
 
 /// What a rival needs to know of a plan.

@@ -64,7 +64,7 @@ pub mod engine {
         pub use crate::engine::clusters::{CORNER_ORDERS, Chunk, Clustered, cluster, surfaces::mapped_surfaces};
     }
     pub mod combinations {
-        pub use crate::engine::combinations::{Feature, REFUSALS, Refusal, at_once};
+        pub use crate::engine::combinations::{Asked, Feature, REFUSALS, Refusal, at_once};
     }
     pub mod in_view {
         pub use crate::engine::in_view::rays::ImageRays;
@@ -223,7 +223,7 @@ pub mod input {
     }
 }
 pub mod jobs {
-    pub use crate::jobs::{Backend, counted, outputs, samples};
+    pub use crate::jobs::{Backend, counted, outputs};
     pub mod project {
         pub use crate::jobs::project::project_many;
     }

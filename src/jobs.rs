@@ -14,7 +14,6 @@ pub mod options;
 pub mod outputs;
 mod points;
 pub mod project;
-pub mod samples;
 pub mod splat;
 mod strips;
 mod work;

@@ -205,15 +205,6 @@ impl Scene {
     }
 
     /// # Errors
-    /// [`Error::Input`] for spheres together with caustics.
-    pub fn check_spheres(&self) -> Result<()> {
-        if self.mesh.base().has_spheres() && self.caustics.is_some() {
-            return Err(Error::input(SPHERES_AND_CAUSTICS.join("; ")));
-        }
-        Ok(())
-    }
-
-    /// # Errors
     /// [`Error::Input`] for a volume together with a mirror or lens.
     pub fn check_volume(&self, camera: &Camera) -> Result<()> {
         if self.volume.is_some() && camera.optics.is_some() {
@@ -272,9 +263,6 @@ impl Scene {
         }
     }
 }
-
-/// Why there are no caustics with spheres, and what to do instead.
-pub const SPHERES_AND_CAUSTICS: [&str; 2] = ["caustics fall on triangles alone", "remove [caustics] or [[spheres]]"];
 
 /// Why there is no volume with a mirror or lens, and what to do instead; `{camera}` stands for the camera's kind.
 pub const VOLUME_AND_OPTICS: [&str; 2] = [

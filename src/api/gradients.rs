@@ -79,7 +79,7 @@ impl Renderer {
         check_memory(size, plain.channels.len() + 3, 0, limits)?;
         asked.check_memory(size, limits)?;
         self.recover()?;
-        let rendered = self.render_frame(scene, rays, &plain, 1)?;
+        let rendered = self.render_frame(scene, rays, &plain)?;
         let ids = rendered.frame.u32(Channel::TriangleId).ok_or_else(|| Error::work("the frame has no triangles"))?;
         let backend = self.backend(&RenderJob::of(""))?;
         gradients_of(&backend, (scene, rays, &camera.keys), ids, &asked)

@@ -13,7 +13,7 @@ use crate::image::compare::{Comparison, compare};
 use crate::image::frame::{Channel, Frame};
 use crate::image::{rgb8, write_exr, write_png};
 use crate::input::{Error, Limits, Result};
-use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options, samples};
+use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -49,7 +49,7 @@ impl RenderOptions {
         if channels.is_empty() && !color {
             return Err(Error::input("nothing to compute; name channels, or ask for color"));
         }
-        Ok(Wanted { srgb8: *color, analytic: *analytic, ..Wanted::of(channels) })
+        Ok(Wanted { srgb8: *color, samples: *samples, analytic: *analytic, ..Wanted::of(channels) })
     }
 }
 
@@ -193,7 +193,7 @@ impl Renderer {
         let (scene, camera) = (&scene.scene, &camera.camera);
         check_memory((camera.width, camera.height), wanted.channels.len() + 3, 0, options.limits)?;
         self.recover()?;
-        let mut rendered = self.render_frame(scene, camera, &wanted, options.samples)?;
+        let mut rendered = self.render_frame(scene, camera, &wanted)?;
         rendered.call.camera = compile_ms;
         rendered.call.total = compile_ms + ms_since(started);
         let device = self.device_of(&RenderJob::of(""));
@@ -208,16 +208,12 @@ impl Renderer {
         scene: &crate::scene::Scene,
         camera: &Arc<Rays>,
         wanted: &Wanted,
-        samples: u32,
     ) -> Result<engine::Rendered> {
-        if let Some(rendered) = self.render_in_sequence(scene, camera, wanted, samples)? {
+        if let Some(rendered) = self.render_in_sequence(scene, camera, wanted)? {
             return Ok(rendered);
         }
-        if wanted.analytic {
-            return Err(Error::input("analytic needs several samples per pixel in one frame; leave it out"));
-        }
         let mut backend = self.backend(&RenderJob::of(""))?;
-        samples::render(&mut backend, scene, camera, wanted, samples, &RunOptions::default(), &mut [])
+        backend.render(scene, camera, wanted, &RunOptions::default(), &mut |_| {})
     }
 
     /// Renders an image that may be one of a sequence of frames; `None` for all others.
@@ -226,13 +222,13 @@ impl Renderer {
         scene: &crate::scene::Scene,
         camera: &Arc<Rays>,
         wanted: &Wanted,
-        samples: u32,
     ) -> Result<Option<engine::Rendered>> {
-        let Some(engine) = &mut self.engine else { return Ok(None) };
-        let Some(wanted) = samples::in_sequence(scene, camera, wanted, samples, false) else { return Ok(None) };
+        let Some(engine) = self.engine.as_mut().filter(|_| Sequence::takes(scene, camera, wanted)) else {
+            return Ok(None);
+        };
         let (planner, run) = (engine.planner(), RunOptions::default());
-        planner.check_size(camera, &wanted)?;
-        let planned = planner.plan(scene, camera.clone(), &wanted, &run, self.last.as_ref())?;
+        planner.check_size(camera, wanted)?;
+        let planned = planner.plan(scene, camera.clone(), wanted, &run, self.last.as_ref())?;
         self.last = Some(planned.clone());
         Ok(Some(self.sequence.render(engine, planned, &run)?.rendered()))
     }

@@ -13,7 +13,7 @@ use crate::engine::{Engine, Rendered, RunOptions};
 use crate::image::frame::{Channel, Plane};
 use crate::image::size::MAX_PIXELS;
 use crate::input::{Error, Result};
-use crate::jobs::{RenderJob, memory_need as need, samples};
+use crate::jobs::{RenderJob, memory_need as need};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -108,7 +108,7 @@ impl Renderer {
         self.recover()?;
         let camera_ms = cameras.iter().map(|camera| camera.compile_ms.take()).sum();
         let cameras: Vec<Arc<Rays>> = cameras.iter().map(|camera| camera.camera.clone()).collect();
-        let (jobs, why) = match self.stacked(scene, &cameras, &wanted, options.samples) {
+        let (jobs, why) = match self.stacked(scene, &cameras, &wanted) {
             Ok(jobs) => (jobs, None),
             Err(why) => {
                 let job = |camera| Job { cameras: camera, images: 1, step: height };
@@ -124,13 +124,12 @@ impl Renderer {
             call: CallMs::default(),
             last: None,
         };
-        let wanted_of = |camera: &Rays| samples::in_sequence(&scene.scene, camera, &wanted, options.samples, false);
         // one image stands for all of a frame
-        if self.engine.is_some() && cameras.iter().all(|camera| wanted_of(camera).is_some()) {
-            self.in_flight(scene, &jobs, &wanted_of, &mut views)?;
+        if self.engine.is_some() && cameras.iter().all(|camera| Sequence::takes(&scene.scene, camera, &wanted)) {
+            self.in_flight(scene, &jobs, &wanted, &mut views)?;
         } else {
             for job in &jobs {
-                views.add(job, self.render_frame(&scene.scene, &job.camera(), &wanted, options.samples)?);
+                views.add(job, self.render_frame(&scene.scene, &job.camera(), &wanted)?);
             }
         }
         let Gathered { planes, rgba, frame_ms, call, last, .. } = views;
@@ -153,7 +152,6 @@ impl Renderer {
         scene: &Scene,
         cameras: &'a [Arc<Rays>],
         wanted: &Wanted,
-        samples: u32,
     ) -> std::result::Result<Vec<Job<'a>>, &'static str> {
         if self.engine.is_none() {
             return Err("the reference renders them");
@@ -166,28 +164,22 @@ impl Renderer {
         }
         can_stack(cameras)?;
         // of those that can be stacked the first stands for all
-        if samples::in_sequence(&scene.scene, &cameras[0], wanted, samples, false).is_none() {
+        if !Sequence::takes(&scene.scene, &cameras[0], wanted) {
             return Err("the scene or the samples need frames of their own");
         }
-        let in_image = u64::from(cameras[0].width) * u64::from(cameras[0].height) * u64::from(samples.max(1));
+        let in_image = u64::from(cameras[0].width) * u64::from(cameras[0].height) * u64::from(wanted.samples.max(1));
         if in_image > FIELD_SAMPLES_MAX && matches!(cameras[0].layers[..], [LayerRays::Field(_)]) {
             return Err("a frame for each is faster at this size, as each pixel has a ray of its own");
         }
         let step = stack(&cameras[..1]).step;
-        let pixels = u64::from(step) * u64::from(cameras[0].width) * u64::from(samples.max(1));
+        let pixels = u64::from(step) * u64::from(cameras[0].width) * u64::from(wanted.samples.max(1));
         let frames = (pixels * cameras.len() as u64).div_ceil(FRAME_SAMPLES_MAX) as usize;
         let each = cameras.len().div_ceil(frames);
         Ok(cameras.chunks(each).map(|own| Job { cameras: own, images: each, step }).collect())
     }
 
     /// Renders frames one after another; each is planned while the device renders the one before.
-    fn in_flight(
-        &mut self,
-        scene: &Scene,
-        jobs: &[Job],
-        wanted_of: &dyn Fn(&Rays) -> Option<Wanted>,
-        views: &mut Gathered,
-    ) -> Result<()> {
+    fn in_flight(&mut self, scene: &Scene, jobs: &[Job], wanted: &Wanted, views: &mut Gathered) -> Result<()> {
         // what fails in the middle is not there for the next call
         let mut sequence = std::mem::take(&mut self.sequence);
         let (Some(engine), run) = (&mut self.engine, RunOptions::default()) else { return Ok(()) };
@@ -203,9 +195,8 @@ impl Renderer {
         let mut before = None;
         for job in jobs {
             let camera = job.camera();
-            let Some(wanted) = wanted_of(&camera) else { continue };
-            planner.check_size(&camera, &wanted)?;
-            let planned = planner.plan(&scene.scene, camera, &wanted, &run, self.last.as_ref())?;
+            planner.check_size(&camera, wanted)?;
+            let planned = planner.plan(&scene.scene, camera, wanted, &run, self.last.as_ref())?;
             self.last = Some(planned.clone());
             if !sequence.show(&planned)? {
                 if let Some((job, in_flight)) = before.take() {

@@ -1,6 +1,7 @@
 //! Cameras that move while an image is taken: each pixel has the ray, or the curve, of its own time.
 
 use super::bundle::Ray;
+use super::composition::Shown;
 use super::curve::{Curve, CurveMap, Curves};
 use super::exposure::{Exposure, Sample};
 use super::field::{Field, RayMap};
@@ -18,17 +19,21 @@ pub struct Moving {
     times: Vec<f64>,
     /// One for each time.
     cameras: Vec<Camera>,
+    /// The members of a composite whose cameras have frames of their own.
+    members: Vec<Arc<Moving>>,
 }
 
 impl Moving {
     /// From times, two at least, and the camera at each.
     ///
     /// # Errors
-    /// [`Error::Input`] if it has a mirror or lens, or if anything but its rays changes: its layers, its range of t, regions of a composite.
+    /// [`Error::Input`] if it has a mirror or lens, or if anything but its rays changes: its layers, its range of t, regions, feathers, priorities
+    /// or objects of a composite.
     pub fn new(exposure: Exposure, times: Vec<f64>, cameras: Vec<Camera>) -> Result<Arc<Moving>> {
         let regions = |c: &Camera| {
             let composition = c.composition.as_ref()?;
-            Some((composition.order.clone(), composition.members.iter().map(|m| m.region.clone()).collect::<Vec<_>>()))
+            let member = |m: &Shown| (m.region.clone(), m.feather, m.priority, m.objects.clone());
+            Some((composition.master, composition.members.iter().map(member).collect::<Vec<_>>()))
         };
         let fixed = |c: &Camera| (c.t_range, regions(c));
         let shape = |c: &Camera| (c.kind, c.width, c.height, c.layers.len(), c.layers.first().map(degree));
@@ -45,10 +50,19 @@ impl Moving {
         }
         if cameras.iter().any(|c| fixed(c) != fixed(&cameras[0])) {
             return Err(Error::input(
-                "camera: t_range and the regions of a composite cannot change while a frame is taken; make shutter and line_time 0",
+                "camera: t_range and all keys of a composite but its cameras' own cannot change while a frame is taken; \
+                 make shutter and line_time 0",
             ));
         }
-        Ok(Arc::new(Moving { exposure, times, cameras }))
+        let member = |k: usize| {
+            // all of them have as many members
+            let at_times =
+                cameras.iter().filter_map(|c| Some(Camera::clone(&c.composition.as_ref()?.members[k].camera)));
+            Moving::new(exposure.clone(), times.clone(), at_times.collect())
+        };
+        let count = cameras[0].layered().map_or(0, |composition| composition.members.len());
+        let members = (0..count).map(member).collect::<Result<_>>()?;
+        Ok(Arc::new(Moving { exposure, times, cameras, members }))
     }
 
     /// The camera of an image, or of one of the samples of each pixel.
@@ -64,7 +78,13 @@ impl Moving {
             })
         };
         let layers = (0..first.layers.len()).map(rays).collect::<Result<_>>()?;
-        Ok(Camera { layers, sample, moving: Some(self.clone()), ..first.clone() })
+        let mut composition = first.composition.clone();
+        if let Some(composition) = composition.as_mut().filter(|_| !self.members.is_empty()) {
+            for (shown, moving) in Arc::make_mut(composition).members.iter_mut().zip(&self.members) {
+                shown.camera = Arc::new(moving.camera(sample)?);
+            }
+        }
+        Ok(Camera { layers, sample, composition, moving: Some(self.clone()), ..first.clone() })
     }
 }
 
@@ -88,7 +108,7 @@ impl InTime {
     /// The layer before and after the time of the pixel that a place lies in, the share of the way from the one to the other, and the place
     /// in pixels.
     fn at(&self, a: f64, b: f64) -> ([&Rays; 2], f64, (u32, u32), DVec2) {
-        let Moving { exposure, times, cameras } = &*self.moving;
+        let Moving { exposure, times, cameras, .. } = &*self.moving;
         let (width, height) = (cameras[0].width, cameras[0].height);
         let place = DVec2::new(a * f64::from(width), b * f64::from(height));
         // a cast saturates at 0

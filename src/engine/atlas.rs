@@ -35,6 +35,7 @@ impl Engine {
         if wanted.srgb8 {
             channels.extend([Channel::R, Channel::G, Channel::B]);
         }
+        channels.extend(wanted.sample_ids.then_some(Channel::TriangleId));
         // the same planes in the same places as the frame's own
         let channels = Channel::in_order(channels);
         let wanted = Wanted { counting: wanted.counting, ..Wanted::of(channels) };

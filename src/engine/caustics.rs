@@ -47,6 +47,8 @@ impl Engine {
     /// The same with their buffers, kept until another scene comes.
     pub(super) fn device_caustics(&mut self, scene: &Scene) -> Result<Option<Arc<DeviceCaustics>>> {
         let Some(caustics) = scene.caustics.clone() else { return Ok(None) };
+        // objects that a camera of a composite does not show are in the way of light, too
+        let scene = &*scene.of_casters();
         if !self.caustics.as_ref().is_some_and(|known| known.is_of(scene)) {
             self.caustics = Some(Arc::new(self.deposit_caustics(scene, caustics)?));
         }

@@ -4,8 +4,8 @@
 
 use super::combinations::Asked;
 use super::left_out::LeftOut;
-use super::plan::Wanted;
-use super::{Engine, Method, Rendered, RunOptions};
+use super::plan::{Rows, Wanted};
+use super::{Engine, Rendered, RunOptions};
 use crate::camera::composition::{Composition, Held};
 use crate::camera::{Camera, Rays};
 use crate::image::frame::{Channel, Frame, NO_ID, Plane};
@@ -15,52 +15,8 @@ use crate::parallel;
 use crate::scene::Scene;
 use glam::DVec3;
 use std::mem::discriminant;
-use std::sync::Arc;
 
 const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
-
-/// A frame of `scene` through `camera`, whose composition [is layered](Composition::is_layered).
-pub(super) fn render(
-    engine: &mut Engine,
-    scene: &Scene,
-    camera: &Camera,
-    composition: &Composition,
-    wanted: &Wanted,
-    run: &RunOptions,
-) -> Result<Rendered> {
-    let raster = run.method == Method::Raster;
-    let asked = Asked {
-        rival: run.rival,
-        no_cull: run.no_cull,
-        moving: run.moving,
-        raster,
-        ..Asked::new(scene, camera, wanted)
-    };
-    asked.check()?;
-    composition.check(&scene.objects)?;
-    let colours = COLOURS.into_iter().filter(|_| wanted.srgb8);
-    let channels =
-        Channel::in_order(wanted.channels.iter().copied().chain([Channel::TriangleId, Channel::T]).chain(colours));
-    let each = Wanted { channels: channels.clone(), srgb8: false, ..wanted.clone() };
-    let scenes = scene.of_each_camera(composition);
-    let frames = scenes.iter().zip(&composition.members);
-    let rendered = frames.map(|(scene, member)| engine.render(scene, member.camera.clone(), &each, run));
-    let rendered: Vec<Rendered> = rendered.collect::<Result<_>>()?;
-    let (width, height) = (camera.width, camera.height);
-    let layers: Vec<Layer> = rendered.iter().map(Layer::of).collect::<Option<_>>().ok_or_else(lacking)?;
-    let composing = Composing { scene, composition, layers };
-    let pixels = 0..width * height;
-    let shares: Vec<Vec<(Option<usize>, f64)>> =
-        parallel::map(pixels.clone(), |k| composing.shares(k % width, k / width, k as usize));
-    let owners: Vec<Option<usize>> = parallel::map(pixels, |k| composing.owner(k % width, k / width, k as usize));
-    let plane = |channel: Channel| composing.plane(channel, &rendered, &owners, &shares).map(|plane| (channel, plane));
-    let planes = channels.into_iter().map(plane).collect::<Option<_>>().ok_or_else(lacking)?;
-    let mut frame = Frame { width, height, planes };
-    let srgb8 = if wanted.srgb8 { opaque8(&frame, scene.tone) } else { None };
-    frame.planes.retain(|(channel, _)| wanted.channels.contains(channel));
-    let costs = rendered.into_iter().reduce(joined).ok_or_else(lacking)?;
-    Ok(Rendered { frame, srgb8, ..costs })
-}
 
 fn lacking() -> Error {
     Error::work("a camera's frame lacks a channel")
@@ -86,14 +42,37 @@ struct Composing<'a> {
 
 impl Composing<'_> {
     /// The camera whose channels a pixel has, by its number; `None`: no region holds it.
-    fn owner(&self, i: u32, j: u32, at: usize) -> Option<usize> {
+    fn owner(&self, (i, j): (u32, u32), at: usize) -> Option<usize> {
         let Held { held, .. } = self.composition.held(i, j);
         self.seen((i, j), at, &held)
     }
 
+    /// How a pixel's triangle is proven, as in the channel `certified`: the weakest proof of the frames that decide which camera shows; 0 where
+    /// depths decide.
+    fn proof(&self, (i, j): (u32, u32), at: usize, certified: &[&[u32]]) -> u32 {
+        let Composition { order, master, members, .. } = self.composition;
+        let Held { held, .. } = self.composition.held(i, j);
+        let mut holding = order.iter().copied().filter(|k| held[*k]);
+        if master.is_none() {
+            return holding.next().map_or(0, |k| certified[k][at]);
+        }
+        let mut weakest = u32::MAX;
+        let mut hit = None;
+        for k in holding {
+            match hit {
+                Some(priority) if priority > members[k].priority => break,
+                Some(_) if self.layers[k].ids[at] != NO_ID => return 0,
+                None if self.layers[k].ids[at] != NO_ID => hit = Some(members[k].priority),
+                _ => {}
+            }
+            weakest = weakest.min(certified[k][at]);
+        }
+        if weakest == u32::MAX { 0 } else { weakest }
+    }
+
     /// The cameras whose colours a pixel has, and the share of each: that of the places of the borders, from one side of the strips to the
     /// other, at which the pixel would show the camera.
-    fn shares(&self, i: u32, j: u32, at: usize) -> Vec<(Option<usize>, f64)> {
+    fn shares(&self, (i, j): (u32, u32), at: usize) -> Vec<(Option<usize>, f64)> {
         if !self.composition.is_feathered() {
             return Vec::new();
         }
@@ -236,15 +215,50 @@ fn joined(mut all: Rendered, next: Rendered) -> Rendered {
 }
 
 impl Engine {
-    /// A frame of a composite, if the camera is one whose frames are composed.
-    pub(super) fn render_composed(
+    /// Renders `scene` through `camera`, whose composition [is layered](Composition::is_layered).
+    pub(super) fn compose(
         &mut self,
         scene: &Scene,
-        camera: &Arc<Camera>,
+        camera: &Camera,
+        composition: &Composition,
         wanted: &Wanted,
         run: &RunOptions,
-    ) -> Option<Result<Rendered>> {
-        let composition = camera.layered()?;
-        Some(render(self, scene, camera, composition, wanted, run))
+    ) -> Result<Rendered> {
+        Asked::of(scene, camera, wanted, run).check()?;
+        composition.check(&scene.objects)?;
+        let colours = COLOURS.into_iter().filter(|_| wanted.srgb8);
+        let channels =
+            Channel::in_order(wanted.channels.iter().copied().chain([Channel::TriangleId, Channel::T]).chain(colours));
+        let each = Wanted { channels: channels.clone(), srgb8: false, sample_ids: false, ..wanted.clone() };
+        let scenes = scene.of_each_camera(composition);
+        let frames = scenes.iter().zip(&composition.members);
+        let run = &RunOptions { share: run.share.part_of(scenes.len()), ..run.clone() };
+        let rendered = frames.map(|(scene, member)| self.render(scene, member.camera.clone(), &each, run));
+        let rendered: Vec<Rendered> = rendered.collect::<Result<_>>()?;
+        let Rows { first, count: height } = wanted.rows.unwrap_or(Rows { first: 0, count: camera.height });
+        let width = camera.width;
+        let layers: Vec<Layer> = rendered.iter().map(Layer::of).collect::<Option<_>>().ok_or_else(lacking)?;
+        let composing = Composing { scene, composition, layers };
+        let place = |k: u32| (k % width, first + k / width);
+        let pixels = 0..width * height;
+        let shares: Vec<Vec<(Option<usize>, f64)>> =
+            parallel::map(pixels.clone(), |k| composing.shares(place(k), k as usize));
+        let owners: Vec<Option<usize>> = parallel::map(pixels.clone(), |k| composing.owner(place(k), k as usize));
+        let plane = |channel: Channel| match channel {
+            Channel::Certified => {
+                let certified: Vec<&[u32]> = rendered.iter().map(|r| r.frame.u32(channel)).collect::<Option<_>>()?;
+                let proof = |k: u32| composing.proof(place(k), k as usize, &certified);
+                Some((channel, Plane::U32(parallel::map(pixels.clone(), proof))))
+            }
+            _ => composing.plane(channel, &rendered, &owners, &shares).map(|plane| (channel, plane)),
+        };
+        let planes = channels.into_iter().map(plane).collect::<Option<_>>().ok_or_else(lacking)?;
+        let mut frame = Frame { width, height, planes };
+        let srgb8 = if wanted.srgb8 { opaque8(&frame, scene.tone) } else { None };
+        let ids = frame.u32(Channel::TriangleId).filter(|_| wanted.sample_ids);
+        let sample_ids = ids.map(<[u32]>::to_vec).into_iter().collect();
+        frame.planes.retain(|(channel, _)| wanted.channels.contains(channel));
+        let costs = rendered.into_iter().reduce(joined).ok_or_else(lacking)?;
+        Ok(Rendered { frame, srgb8, sample_ids, ..costs })
     }
 }

@@ -433,7 +433,7 @@ impl Frames {
 }
 
 /// The median of every stage over the runs.
-fn medians(runs: Vec<Vec<(&'static str, f64)>>) -> Vec<(&'static str, f64)> {
+pub(super) fn medians(runs: Vec<Vec<(&'static str, f64)>>) -> Vec<(&'static str, f64)> {
     let Some(first) = runs.first() else { return Vec::new() };
     let median = |name: &str| {
         let mut ms: Vec<f64> = runs.iter().flatten().filter(|s| s.0 == name).map(|s| s.1).collect();
@@ -445,13 +445,19 @@ fn medians(runs: Vec<Vec<(&'static str, f64)>>) -> Vec<(&'static str, f64)> {
 
 /// The scene with every vertex but the last `fixed`, which are a mirror's, rotated about its centre by a little more each
 /// frame.
-fn moved(scene: &Scene, fixed: usize, frame: u32) -> Scene {
+pub(super) fn moved(scene: &Scene, fixed: usize, frame: u32) -> Scene {
     let mut scene = scene.clone();
     let (lo, hi) = scene.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
-    let (centre, turn) = ((lo + hi) / 2.0, DMat3::from_rotation_y(frame as f64 * MOVING_STEP_RAD));
+    let (center, turn) = ((lo + hi) / 2.0, DMat3::from_rotation_y(frame as f64 * MOVING_STEP_RAD));
     let moving = scene.mesh.positions.len() - fixed;
-    let positions = &mut Arc::make_mut(&mut scene.mesh).positions;
-    positions[..moving].iter_mut().for_each(|p| *p = centre + turn * (*p - centre));
+    let rotated = |p: &mut DVec3| *p = center + turn * (*p - center);
+    Arc::make_mut(&mut scene.mesh).positions[..moving].iter_mut().for_each(rotated);
+    if let Some(casters) = &mut scene.casters {
+        Arc::make_mut(casters).positions.iter_mut().for_each(rotated);
+    }
+    if let Some(steps) = &mut scene.steps {
+        Arc::make_mut(steps).for_each_position(rotated);
+    }
     scene
 }
 

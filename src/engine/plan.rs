@@ -28,7 +28,6 @@ use crate::camera::{Camera, Pieces, Rays};
 use crate::engine::in_view::InView;
 use crate::engine::left_out::LeftOut;
 use crate::geometry::mesh::Material;
-use crate::geometry::time_steps::Moment;
 use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::{RaysKind, Variant, VolumeKind};
 use crate::gpu::layout::{self, BRANCH};
@@ -121,8 +120,8 @@ pub struct Wanted {
     pub srgb8: bool,
     /// Count tested and kept fragments (slower).
     pub counting: bool,
-    /// Samples per pixel. Colour and coverage are averaged over them; all other channels use the centre. More than 1 only where
-    /// [`super::combinations::at_once`] is true.
+    /// Samples per pixel. Color and coverage are averaged over them; all other channels use the center. [`crate::engine::Engine::render`] takes a
+    /// frame for each where one frame does not render them all ([`super::combinations::at_once`]).
     pub samples: u32,
     /// Weight triangles by their visible area in the pixel, not by the number of samples that see them.
     pub analytic: bool,
@@ -412,8 +411,9 @@ impl Plan {
         Plan { variant, in_view, contents, planes: planes(wanted, variant), steps: contents.steps.max(1), ..self }
     }
 
-    /// The plan with the moments of all pixels of the image, row by row.
-    pub fn with_moments(mut self, moments: &[Moment]) -> Plan {
+    /// The plan with the moment at which each pixel of the camera sees the scene, if things move while the frame is taken.
+    pub fn at_its_moments(mut self, scene: &Scene, camera: &Camera) -> Plan {
+        let Some(moments) = scene.moments(camera).filter(|_| self.variant.timed) else { return self };
         let width = self.width as usize;
         for band in &mut self.bands {
             let own = band.row as usize * width..(band.row + band.rows) as usize * width;

@@ -211,14 +211,14 @@ impl Planner {
         run: &RunOptions,
         last: Option<&Planned>,
     ) -> Result<Planned> {
-        let asked_for = Asked {
-            rival: run.rival,
-            no_cull: run.no_cull,
-            moving: run.moving,
-            raster: run.method == Method::Raster,
-            ..Asked::new(scene, &camera, wanted)
-        };
+        let asked_for = Asked::of(scene, &camera, wanted, run);
         asked_for.check()?;
+        if asked_for.is_separate() {
+            return Err(Error::input("each sample takes a frame here; call Engine::render"));
+        }
+        if camera.layered().is_some() {
+            return Err(Error::input("frames of this composite are composed of several; call Engine::render"));
+        }
         if facets_of(&camera).is_some() {
             // they are appended to one mesh
             scene.mesh.check_copies(scene.limits)?;
@@ -332,11 +332,7 @@ impl Planner {
         }
         let last = last.map(|last| (&*last.plan, &*last.whole.camera));
         let plan = self.plan_by(run, whole, (contents, extent), wanted, (seen, last));
-        let moments = if plan.variant.timed { scene.moments(camera) } else { None };
-        Arc::new(match moments {
-            Some(moments) => plan.with_moments(&moments),
-            None => plan,
-        })
+        Arc::new(plan.at_its_moments(scene, camera))
     }
 
     /// The plan of frames with these options of the parts of a scene that show, and of those that were `seen` before; what no pose changes is taken

@@ -1,11 +1,12 @@
 //! Other techniques to find what each pixel sees, in place of the stages from cull to recheck.
 
+use super::combinations::{Asked, Feature};
 use crate::camera::Camera;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::Recorder;
-use crate::input::Result;
+use crate::input::{Error, Result};
 use crate::scene::Scene;
 use glam::DVec3;
 use serde::{Serialize, Serializer};
@@ -80,6 +81,24 @@ impl Setup<'_> {
 
 /// What every rasterizer has; they lie where [`sample_offsets`](super::plan::samples::sample_offsets) of four do.
 pub const MULTISAMPLES: u32 = 4;
+
+/// Features that no rival renders, why, and what to do instead. With an atlas, rivals show mirrors and lenses.
+pub const NOT_RENDERED: [(Feature, &str, &str); 7] = [
+    (Feature::Gradients, "has no gradients", "use --engine compute"),
+    (Feature::Timed, "sees the whole scene at one time", "make shutter and line_time 0"),
+    (Feature::Spheres, "draws triangles alone", "use --engine compute"),
+    (Feature::Certified, "cannot certify pixels", "use --engine compute, or leave certified out"),
+    (Feature::Analytic, "counts samples, and measures no areas", "leave out analytic coverage"),
+    (Feature::AlphaMasks, "ignores alpha masks", "use --engine compute"),
+    (
+        Feature::Optics,
+        "does not follow reflected or refracted rays",
+        "give the camera an atlas, or use --engine compute",
+    ),
+];
+
+/// Why some rivals refuse `--no-cull`, and what to do instead.
+pub const NOT_CULLED: (&str, &str) = ("culls nothing", "leave out --no-cull");
 
 /// A rival by name.
 #[derive(Clone, Copy)]
@@ -196,6 +215,22 @@ impl Choice {
     /// Samples a pixel that it takes in a frame, where it takes several: multisampling knows one layer.
     pub fn samples(&self, camera: &Camera) -> u32 {
         if camera.layers.len() == 1 { self.technique.samples } else { 1 }
+    }
+
+    /// Refuses frames with features that no rival renders.
+    ///
+    /// # Errors
+    /// [`Error::Input`] of the first such feature.
+    pub fn check(&self, asked: &Asked) -> Result<()> {
+        let has = |feature: Feature| feature.is_in(asked);
+        // an atlas is rendered by the rival, too
+        let lacks = |feature: Feature| has(feature) && !(feature == Feature::Optics && has(Feature::Atlas));
+        let culls = asked.no_cull && !self.technique.culls;
+        let lacking = NOT_RENDERED.iter().find(|row| lacks(row.0)).map(|row| (row.1, row.2));
+        match lacking.or(culls.then_some(NOT_CULLED)) {
+            Some((what, remedy)) => Err(Error::input(format!("{} {what}; {remedy}", self.technique.name))),
+            None => Ok(()),
+        }
     }
 
     /// The rival for a scene and a camera, with the scene's triangles.

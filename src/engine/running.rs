@@ -6,8 +6,9 @@ use super::frames::Frames;
 use super::planned::Planned;
 use super::readback::{Copies, InFlight, PendingReads, Readback};
 use super::resident::BvhState;
-use super::{Capacities, Counts, Rendered};
+use super::{Capacities, Counts, Rendered, RunOptions};
 use crate::engine::plan::Plan;
+use crate::engine::plan::variant::method;
 use crate::gpu::buffers::wait_for;
 use crate::gpu::kernels::Method;
 use crate::gpu::layout::{COUNTERS, CULL_QUEUES, Counter};
@@ -146,7 +147,10 @@ impl Frames {
     }
 
     fn not_traced(&self) -> Error {
-        let remedy = if self.run.method == Method::Trace { "; use --method raster" } else { "" };
+        let by_raster = RunOptions { method: Method::Raster, ..self.run.clone() };
+        let (by_raster, _) = method(&self.camera, self.plan.contents, &self.wanted, self.gpu.has, &by_raster);
+        let can_raster = self.run.method == Method::Trace && by_raster == Method::Raster;
+        let remedy = if can_raster { "; use --method raster" } else { "" };
         Error::work(format!("tracing takes too many steps here{remedy}"))
     }
 

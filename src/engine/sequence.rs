@@ -24,10 +24,11 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Whether a frame can be one of a sequence; all others are for [`Engine::render`].
+    /// Whether one frame renders the image, and a sequence can hold that frame. Otherwise use [`Engine::render`].
     pub fn takes(scene: &Scene, camera: &Camera, wanted: &Wanted) -> bool {
-        let change = Some(Feature::InSequence);
-        Asked { change, ..Asked::new(scene, camera, wanted) }.refusal().is_none()
+        let asked = Asked::new(scene, camera, wanted);
+        let alone = [Feature::Caustics, Feature::Atlas, Feature::Composed];
+        !asked.is_separate() && asked.refusal().is_none() && !alone.into_iter().any(|feature| feature.is_in(&asked))
     }
 
     /// Sends what `planned` needs and the device does not hold yet. `false`: it needs other buffers; wait for the frames in flight, then

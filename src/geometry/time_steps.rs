@@ -76,6 +76,11 @@ impl TimeSteps {
         self.steps.len() as u32
     }
 
+    /// Changes the positions of all vertices at all times.
+    pub fn for_each_position(&mut self, change: impl Fn(&mut DVec3)) {
+        self.steps.iter_mut().flat_map(|step| &mut step.positions).for_each(change);
+    }
+
     /// Bytes of all steps.
     #[cfg(feature = "internals")]
     pub fn bytes(&self) -> u64 {

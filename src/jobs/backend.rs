@@ -2,6 +2,7 @@
 
 use super::job::RenderJob;
 use crate::camera::Camera;
+use crate::engine::accumulation;
 use crate::engine::call_ms::{CallMs, ms_since};
 use crate::engine::combinations::Asked;
 use crate::engine::left_out::LeftOut;
@@ -19,6 +20,9 @@ use crate::scene::caustics::CausticsReport;
 use crate::scene::style::Style;
 use std::sync::Arc;
 use std::time::Instant;
+
+/// Why the reference refuses analytic coverage, and what to do instead.
+pub const NO_AREAS: &str = "the reference counts samples, and measures no areas; leave out analytic coverage";
 
 pub enum Backend<'e> {
     /// With a rival, if one is selected.
@@ -68,24 +72,26 @@ impl<'e> Backend<'e> {
         }
     }
 
+    /// Renders an image, and hands the triangle ids of each sample to `ids`, if these are wanted.
     pub fn render(
         &mut self,
         scene: &Scene,
         camera: &Arc<Camera>,
         wanted: &Wanted,
         run: &RunOptions,
+        ids: &mut dyn FnMut(Vec<u32>),
     ) -> Result<Rendered> {
         match self {
             Backend::Compute(engine, rival) => {
                 let run = &RunOptions { rival: *rival, ..run.clone() };
-                engine.render(scene, camera.clone(), wanted, run).inspect(|_| run.share.add())
+                engine.render_with_ids(scene, camera.clone(), wanted, run, ids)
             }
             Backend::Reference if wanted.channels.contains(&Channel::Certified) => {
                 Err(Error::input("certified needs --engine compute; for the reference use --check or --pixel"))
             }
+            Backend::Reference if wanted.analytic => Err(Error::input(NO_AREAS)),
             Backend::Reference => {
                 scene.check_depth(&wanted.channels)?;
-                scene.check_spheres()?;
                 scene.check_volume(camera)?;
                 if camera.layered().is_some() {
                     Asked::new(scene, camera, wanted).check()?;
@@ -93,7 +99,15 @@ impl<'e> Backend<'e> {
                 if let Some(composition) = &camera.composition {
                     composition.check(&scene.objects)?;
                 }
-                Ok(by_reference(scene, camera, wanted, run))
+                if wanted.samples > 1 {
+                    let frame = |camera: &Arc<Camera>, wanted: &Wanted, run: &RunOptions| {
+                        Ok(by_reference(scene, camera, wanted, run))
+                    };
+                    return accumulation::render((camera, wanted, scene.tone), run, frame, ids);
+                }
+                let mut rendered = by_reference(scene, camera, wanted, run);
+                rendered.sample_ids.drain(..).for_each(ids);
+                Ok(rendered)
             }
         }
     }
@@ -102,7 +116,8 @@ impl<'e> Backend<'e> {
 /// A frame by the reference, in the engine's form.
 fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Rendered {
     let colours = [Channel::R, Channel::G, Channel::B].into_iter().filter(|_| wanted.srgb8);
-    let channels = Channel::in_order(wanted.channels.iter().copied().chain(colours));
+    let ids = wanted.sample_ids.then_some(Channel::TriangleId);
+    let channels = Channel::in_order(wanted.channels.iter().copied().chain(colours).chain(ids));
     let started = Instant::now();
     let maps = if wanted.has_colour() { reference::caustics::caustics(scene) } else { None };
     let ms = ms_since(started);
@@ -118,10 +133,12 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
         n => (0..n).map(|_| timed().1).collect(),
     };
     let srgb8 = if wanted.srgb8 { opaque8(&frame, scene.tone) } else { None };
+    let ids = frame.u32(Channel::TriangleId).filter(|_| wanted.sample_ids);
+    let sample_ids = ids.map(<[u32]>::to_vec).into_iter().collect();
     frame.planes.retain(|(c, _)| wanted.channels.contains(c));
     Rendered {
         frame,
-        sample_ids: Vec::new(),
+        sample_ids,
         srgb8,
         frame_ms,
         call: CallMs { wait: first_ms, ..CallMs::default() },

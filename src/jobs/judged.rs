@@ -22,7 +22,7 @@ pub fn render(job: &RenderJob, backend: &mut Backend, scene: &Scene, camera: &Ar
     let channels = if job.check { camera.channels() } else { vec![Channel::TriangleId] };
     let wanted = Wanted { counting, ..Wanted::of(channels) };
     let run = job.run_options();
-    backend.render(scene, camera, &wanted, &run).map(Some)
+    backend.render(scene, camera, &wanted, &run, &mut |_| {}).map(Some)
 }
 
 /// The error against the reference. Each requested channel is compared as rendered, except averaged ones, because

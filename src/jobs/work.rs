@@ -1,6 +1,6 @@
 //! A render in three steps: read and check, render on a device, write. Only the second step needs the device.
 
-use super::backend::Backend;
+use super::backend::{Backend, NO_AREAS};
 use super::files::{self, Files};
 use super::gradients::gradients_of;
 use super::job::{Change, RenderJob, load_from};
@@ -8,16 +8,17 @@ use super::job::{Change, RenderJob, load_from};
 use super::notes;
 use super::options::{Gradients, Named};
 use super::strips::{self, Strips};
-use super::{judged, memory, points, samples};
+use super::{judged, memory, points};
 use crate::arrays::MapEach;
 use crate::camera::{Camera, Rays};
 use crate::engine::call_ms::{CallMs, ms_since};
-use crate::engine::combinations::{Asked, at_once};
+use crate::engine::combinations::Asked;
 use crate::engine::left_out::LeftOut;
 use crate::engine::plan::{Rows, Wanted};
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::report::{Device, FrameMs, Judged, Report};
 use crate::engine::rival::EngineName;
+use crate::engine::sequence::Sequence;
 use crate::engine::{Rendered, RunOptions};
 use crate::geometry::mesh::{Mesh, Missing};
 use crate::geometry::texture::ImagesRead;
@@ -157,17 +158,21 @@ impl Work {
         }
         points::check(&files, &camera)?;
         let is_compute = matches!(job.engine, None | Some(EngineName::Compute));
-        let samples = if is_compute && at_once(&scene, &camera, job.samples) { job.samples } else { 1 };
-        wanted.analytic = job.analytic;
-        if job.analytic && samples == 1 {
-            let what = if job.samples == 1 {
-                "add --samples N"
-            } else {
-                "each sample needs a frame of its own here; leave --analytic out"
-            };
-            return Err(Error::input(format!("--analytic needs several samples per pixel in one frame; {what}")));
+        let is_reference = matches!(job.engine, Some(EngineName::Reference));
+        let mut wanted =
+            Wanted { samples: job.samples, sample_ids: !matte_kinds.is_empty(), analytic: job.analytic, ..wanted };
+        if !matte_kinds.is_empty() && samples_at_once(&job, &scene, &camera, &wanted) == job.samples {
+            // costs nothing, and notes look at it
+            wanted.channels = Channel::in_order(wanted.channels.into_iter().chain([Channel::TriangleId]));
+        }
+        if job.analytic {
+            if is_reference {
+                return Err(Error::input(NO_AREAS));
+            }
+            Asked { rival: job.rival(), ..Asked::new(&scene, &camera, &wanted) }.check()?;
         }
         let (size, channels) = ((camera.width, camera.height), wanted.channels.len() + 3);
+        let samples = if is_reference { 1 } else { samples_at_once(&job, &scene, &camera, &wanted) };
         let more = sample_bytes(&camera, samples, !matte_kinds.is_empty());
         let mesh = scene.mesh.base();
         let mut bytes = memory::need(size, channels, more);
@@ -177,7 +182,7 @@ impl Work {
         let of_rows = Wanted { rows: Some(Rows { first: 0, count: camera.height }), ..wanted.clone() };
         let is_in_strips = bytes > strips::WHOLE_MAX
             && (is_compute && is_plain && is_alone)
-            && samples::in_sequence(&scene, &camera, &of_rows, job.samples, false).is_some();
+            && Sequence::takes(&scene, &camera, &of_rows);
         if is_in_strips {
             bytes = strips::WHOLE_MAX;
         }
@@ -261,12 +266,10 @@ impl Work {
     /// Renders it, and the extra frame that a report or a check needs.
     pub fn render(&self, backend: &mut Backend) -> Result<Seen> {
         let Work { job, scene, camera, wanted, .. } = self;
-        let at_once = samples::at_once_on(backend, scene, camera, job.samples);
-        let samples = if at_once { job.samples } else { 1 };
+        let samples = samples_at_once(job, scene, camera, wanted);
         backend.check_size(camera, &Wanted { samples, ..wanted.clone() })?;
         if let (Some(row_bytes), Backend::Compute(engine, None)) = (self.strips, &mut *backend) {
             let run = RunOptions { share: self.share(), ..job.run_options() };
-            let wanted = &Wanted { samples, ..wanted.clone() };
             let (color, exr) = (self.files.color.as_deref(), self.files.exr.as_deref());
             let rendered = Strips { scene, camera, wanted, run, row_bytes, color, exr }.render(engine)?;
             return Ok(Seen {
@@ -284,7 +287,8 @@ impl Work {
         let mut mattes = self.mattes();
         let (repeat, share) = (job.repeat.unwrap_or(0), self.share());
         let run = RunOptions { repeat, moving: job.moving, share, ..job.run_options() };
-        let rendered = samples::render(backend, scene, camera, wanted, job.samples, &run, &mut mattes)?;
+        let mut count = |ids: Vec<u32>| mattes.iter_mut().for_each(|matte| matte.add(&ids));
+        let rendered = backend.render(scene, camera, wanted, &run, &mut count)?;
         let started = Instant::now();
         let extra = judged::render(job, backend, scene, camera)?;
         let repeated_ms = if repeat > 0 { rendered.frame_ms.iter().sum() } else { 0.0 };
@@ -310,19 +314,19 @@ impl Work {
         if !is_compute || is_timed || self.strips.is_some() || job.gradients.is_some() {
             return Ok(None);
         }
-        let has_mattes = !self.matte_kinds.is_empty();
-        let Some(wanted) = samples::in_sequence(scene, camera, wanted, job.samples, has_mattes) else {
+        if !Sequence::takes(scene, camera, wanted) {
             return Ok(None);
-        };
-        planner.check_size(camera, &wanted)?;
+        }
+        planner.check_size(camera, wanted)?;
         let run = job.run_options();
-        planner.plan(scene, camera.clone(), &wanted, &run, last).map(Some)
+        planner.plan(scene, camera.clone(), wanted, &run, last).map(Some)
     }
 
     /// The result of the frame that [`Work::plan`] planned.
     pub fn seen(&self, mut rendered: Rendered) -> Seen {
         let mut mattes = self.mattes();
-        samples::count(&mut rendered, &mut mattes);
+        let count = |ids: Vec<u32>| mattes.iter_mut().for_each(|matte| matte.add(&ids));
+        rendered.sample_ids.drain(..).for_each(count);
         Seen { rendered, extra: None, excluded_ms: 0.0, mattes, gradients: None, is_written: false }
     }
 
@@ -398,6 +402,12 @@ impl Work {
 
 fn mesh_bytes(mesh: &Mesh) -> u64 {
     VERTEX_BYTES * mesh.positions.len() as u64 + TRIANGLE_BYTES * mesh.triangles.len() as u64
+}
+
+/// How many samples per pixel one frame computes.
+fn samples_at_once(job: &RenderJob, scene: &Scene, camera: &Camera, wanted: &Wanted) -> u32 {
+    let asked = Asked { rival: job.rival(), ..Asked::new(scene, camera, wanted) };
+    if asked.is_separate() { 1 } else { wanted.samples }
 }
 
 /// Bytes per pixel that multisampling adds: offsets of rays, here and on the device, and the ids that mattes count, in
@@ -487,9 +497,7 @@ fn check_gradients(
     (scene, camera): (&Scene, &Camera),
     loading: &Loading,
 ) -> Result<()> {
-    let samples = job.samples;
-    let wanted =
-        Wanted { gradients: true, coverage_gradients: asked.has_coverage(), samples, ..Wanted::of(Vec::new()) };
+    let wanted = Wanted { gradients: true, coverage_gradients: asked.has_coverage(), ..Wanted::of(Vec::new()) };
     Asked { rival: job.rival(), ..Asked::new(scene, camera, &wanted) }.check()?;
     asked.numbers().try_for_each(|key| scene.camera_keys.number(key, loading).map(|_| ()))?;
     asked.check_memory((camera.width, camera.height), job.limits)

@@ -39,12 +39,12 @@ pub fn photons(scene: &Scene, caustics: &Caustics) -> Vec<Photon> {
     let (columns, rows) = (light.width, light.height);
     let photon = |k: u32| {
         let shown = reference.shown(light, Path::of_pixel(light, k % columns, k / columns));
-        photon(caustics, first_id, &shown)
+        photon(caustics, first_id, |id| joined.mesh.radius(id).is_some(), &shown)
     };
     parallel::map(0..columns * rows, photon)
 }
 
-fn photon(caustics: &Caustics, first_id: u32, shown: &Outcome) -> Photon {
+fn photon(caustics: &Caustics, first_id: u32, is_sphere: impl Fn(u32) -> bool, shown: &Outcome) -> Photon {
     if shown.first.is_none() {
         return Photon { fate: Fate::Direct, left: [1.0; 3] };
     }
@@ -52,6 +52,7 @@ fn photon(caustics: &Caustics, first_id: u32, shown: &Outcome) -> Photon {
     let fate = match shown.seen {
         None => Fate::Missed,
         Some(seen) if seen.hit.triangle >= first_id => Fate::Absorbed,
+        Some(seen) if is_sphere(seen.hit.triangle) => Fate::Missed,
         Some(seen) => {
             let p = match shown.path.of(&seen) {
                 Segment::Straight(b) => Some(b.ray(0.0, 0.0)).map(|r| r.origin + seen.hit.t * r.direction),
@@ -81,6 +82,9 @@ fn add(map: &mut Map, triangle: &CausticTriangle, budget: &mut FluxBudget) {
 
 /// The light that a receiver adds to the colour of a hit: diffuse reflection of the caustic.
 pub fn reflected(scene: &Scene, caustics: &CausticMaps, triangle: u32, bary: [f64; 2]) -> [f32; 3] {
+    if scene.mesh.radius(triangle).is_some() {
+        return [0.0; 3];
+    }
     let corners = scene.mesh.triangles[triangle as usize].map_each(|k| scene.mesh.positions[k as usize]);
     let Some(map) = caustics.maps.iter().find(|m| corners.iter().all(|p| is_in_plane(&m.receiver, *p))) else {
         return [0.0; 3];

@@ -10,6 +10,7 @@ use crate::camera::Ray;
 use crate::camera::composition::Composition;
 use crate::image::frame::{NO_ID, PixelValues};
 use crate::scene::Scene;
+use crate::scene::caustics::CausticMaps;
 use std::borrow::Cow;
 use std::cmp::Ordering;
 
@@ -30,9 +31,14 @@ struct Candidate {
 
 impl<'a> Composed<'a> {
     /// `scenes` are those of [`Scene::of_each_camera`].
-    pub fn new(scene: &'a Scene, composition: &'a Composition, scenes: &'a [Cow<'a, Scene>]) -> Composed<'a> {
+    pub fn new(
+        scene: &'a Scene,
+        composition: &'a Composition,
+        scenes: &'a [Cow<'a, Scene>],
+        maps: Option<&'a CausticMaps>,
+    ) -> Composed<'a> {
         let members = scenes.iter().zip(&composition.members);
-        let views = members.map(|(own, member)| CameraView::new(own, &member.camera, scene, None)).collect();
+        let views = members.map(|(own, member)| CameraView::new(own, &member.camera, scene, maps)).collect();
         Composed { scene, composition, views }
     }
 

@@ -56,7 +56,7 @@ fn explain_each(scene: &Scene, composition: &Composition, (i, j): (u32, u32)) ->
         let _ = writeln!(text, "camera: {k}{place}\n{}", rest.trim_end());
         each.push(explained);
     }
-    let shown = Composed::new(scene, composition, &scenes).owner_of(i, j);
+    let shown = Composed::new(scene, composition, &scenes, None).owner_of(i, j);
     let number = shown.map_or("none".into(), |k| k.to_string());
     let _ = writeln!(text, "shown: {number}");
     let own = shown.map(|k| each.swap_remove(k));

@@ -75,7 +75,7 @@ fn rows_with_caustics(
     };
     if let Some(composition) = camera.layered() {
         let scenes = scene.of_each_camera(composition);
-        let composed = Composed::new(scene, composition, &scenes);
+        let composed = Composed::new(scene, composition, &scenes, maps);
         return frame(camera, &each_pixel(camera, step, |i, j| told(i, composed.values(i, j))), channels);
     }
     let camera = &*own(camera);
@@ -94,12 +94,12 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
 pub fn judge_rows(scene: &Scene, camera: &Camera, frame_seen: &Frame, step: u32) -> Judgement {
     let ids = frame_seen.u32(Channel::TriangleId);
     let id = |i: u32, j: u32| ids.map(|ids| ids[j as usize * camera.width as usize + i as usize]);
+    let maps = caustics(scene);
     let judged = if let Some(composition) = camera.layered() {
         let scenes = scene.of_each_camera(composition);
-        let composed = Composed::new(scene, composition, &scenes);
+        let composed = Composed::new(scene, composition, &scenes, maps.as_ref());
         each_pixel(camera, step, |i, j| composed.judged((i, j), id(i, j)))
     } else {
-        let maps = caustics(scene);
         let camera = &*own(camera);
         let scene = &*scene.with_optics(camera);
         let casters = scene.of_casters();

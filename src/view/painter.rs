@@ -21,7 +21,7 @@ use crate::gpu::device::GpuOptions;
 use crate::image::png_bytes;
 use crate::image::tone::Tone;
 use crate::input::{Error, Limits, Loading, Result};
-use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options, samples};
+use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options};
 use crate::reference;
 use crate::scene::labels::Labels;
 use crate::scene::library::Library;
@@ -322,39 +322,32 @@ impl Painter {
         let started = Instant::now();
         let shown = job.asked.look.shown;
         let count = if job.asked.quality == Quality::Rest { job.asked.look.samples } else { 1 };
-        let wanted = shown.wanted();
+        let wanted = Wanted { samples: count, ..shown.wanted() };
         check_memory((camera.width, camera.height), wanted.channels.len() + 3, 0, scene.limits)?;
         let lane = match job.asked.quality {
             _ if scene.mesh.triangle_count() >= LANES_TRIANGLES => 0,
             quality => quality as usize,
         };
-        let rendered = self.render(lane, scene, camera, &wanted, count)?;
+        let rendered = self.render(lane, scene, camera, &wanted)?;
         let mut pixels = coloured(shown, scene, camera, &rendered)?;
         pixels.times.render = ms_since(started);
         Ok(pixels)
     }
 
-    fn render(
-        &mut self,
-        lane: usize,
-        scene: &Scene,
-        camera: &Arc<Camera>,
-        wanted: &Wanted,
-        count: u32,
-    ) -> Result<Rendered> {
+    fn render(&mut self, lane: usize, scene: &Scene, camera: &Arc<Camera>, wanted: &Wanted) -> Result<Rendered> {
         let run = RunOptions::default();
         if let Some(engine) = &mut self.engine
-            && let Some(wanted) = samples::in_sequence(scene, camera, wanted, count, false)
+            && Sequence::takes(scene, camera, wanted)
         {
             let Lane { sequence, last } = &mut self.lanes[lane];
             let planner = engine.planner();
-            planner.check_size(camera, &wanted)?;
-            let planned = planner.plan(scene, camera.clone(), &wanted, &run, last.as_ref())?;
+            planner.check_size(camera, wanted)?;
+            let planned = planner.plan(scene, camera.clone(), wanted, &run, last.as_ref())?;
             *last = Some(planned.clone());
             return Ok(sequence.render(engine, planned, &run)?.rendered());
         }
         let mut backend = Backend::of(self.engine.as_mut(), &RenderJob::of(""))?;
-        samples::render(&mut backend, scene, camera, wanted, count, &run, &mut [])
+        backend.render(scene, camera, wanted, &run, &mut |_| {})
     }
 
     /// The same picture by a rival.
@@ -363,15 +356,8 @@ impl Painter {
         let (scene, camera, render_job) = beside(&self.loader, job)?;
         let started = Instant::now();
         let mut backend = Backend::of(self.engine.as_mut(), &render_job)?;
-        let rendered = samples::render(
-            &mut backend,
-            &scene,
-            &camera,
-            &job.asked.look.shown.wanted(),
-            1,
-            &RunOptions::default(),
-            &mut [],
-        )?;
+        let wanted = job.asked.look.shown.wanted();
+        let rendered = backend.render(&scene, &camera, &wanted, &RunOptions::default(), &mut |_| {})?;
         let mut pixels = coloured(job.asked.look.shown, &scene, &camera, &rendered)?;
         pixels.times.render = ms_since(started);
         encoded(job, pixels)
@@ -409,8 +395,7 @@ fn by_reference(loader: &Loader, job: &Job) -> Result<(Header, Arc<Vec<u8>>)> {
     debug_assert!(matches!(render_job.engine, Some(EngineName::Reference)));
     let started = Instant::now();
     let shown = job.asked.look.shown;
-    let rendered =
-        samples::render(&mut Backend::Reference, &scene, &camera, &shown.wanted(), 1, &RunOptions::default(), &mut [])?;
+    let rendered = Backend::Reference.render(&scene, &camera, &shown.wanted(), &RunOptions::default(), &mut |_| {})?;
     let mut pixels = coloured(shown, &scene, &camera, &rendered)?;
     pixels.times.render = ms_since(started);
     encoded(job, pixels)

@@ -186,8 +186,8 @@ fn room() -> String {
 #[test]
 fn photons_of_the_engine_are_where_the_reference_has_them() {
     let Some(mut engine) = engine() else { return };
-    for text in SCENES {
-        let scene = scene(&room(), text);
+    for (text, more) in SCENES.into_iter().flat_map(|text| [(text, ""), (text, SPHERES)]) {
+        let scene = scene(&format!("{}{more}", room()), text);
         let spec = scene.caustics.clone().unwrap();
         let (white, camera) = spec.counting(&scene);
         let wanted = Wanted::of(CHANNELS.to_vec());
@@ -320,6 +320,48 @@ fn pictures_show_what_falls_on_the_floor() {
         }
     }
     assert!(shown > 1000, "{shown}");
+}
+
+/// One sphere in the way of the light, and one whose center is in the plane of the floor.
+const SPHERES: &str = "\n[[spheres]]\ncenters = [[0.5, 0.7, 0.3], [-1, 0, 0.5]]\nradius = 0.3\n";
+
+#[test]
+fn spheres_cast_shadows_in_the_caustic_and_receive_none() {
+    let Some(mut engine) = engine() else { return };
+    let lit = scene(&format!("{FLOOR}{SPHERES}"), &format!("flux = 30\nmap = [200, 200]\n{FLAT}"));
+    let dark = Scene { caustics: None, ..lit.clone() };
+    let camera = lit.camera().unwrap();
+    let channels = vec![Channel::R, Channel::T, Channel::TriangleId];
+    let wanted = Wanted::of(channels.clone());
+    let mut render = |scene: &Scene| engine.render(scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
+    let by_engine = [render(&lit), render(&dark)];
+    let by_reference = [&lit, &dark].map(|scene| image(scene, &camera, &channels));
+    for [with, without] in [by_engine, by_reference] {
+        let red = |f: &anamorph::internals::image::frame::Frame, k: usize| f.f32(Channel::R).unwrap()[k];
+        let (mut on_spheres, mut in_shadow, mut lit_floor) = (0, 0, 0);
+        for k in 0..80 * 60 {
+            let id = with.u32(Channel::TriangleId).unwrap()[k];
+            let more = red(&with, k) - red(&without, k);
+            if lit.mesh.triangles.get(id as usize).is_none() {
+                continue;
+            }
+            if lit.mesh.radius(id).is_some() {
+                on_spheres += 1;
+                assert_eq!(more, 0.0, "pixel {k} on a sphere");
+                continue;
+            }
+            let ray = camera.ray(k as u32 % 80, k as u32 / 80).unwrap();
+            let p = ray.origin + f64::from(with.f32(Channel::T).unwrap()[k]) * ray.direction;
+            // the shadow of the first sphere from the light's image above the floor, less two texels of 0.1
+            let enlarged = FLAT_HEIGHT / (FLAT_HEIGHT - 0.7);
+            if (enlarged * DVec2::new(0.5, 0.3)).distance(DVec2::new(p.x, p.z)) < 0.3 * enlarged - 0.2 {
+                in_shadow += 1;
+                assert_eq!(more, 0.0, "pixel {k} in the shadow");
+            }
+            lit_floor += u32::from(more > 0.0);
+        }
+        assert!(on_spheres > 50 && in_shadow >= 5 && lit_floor > 800, "{on_spheres} {in_shadow} {lit_floor}");
+    }
 }
 
 #[test]

@@ -124,10 +124,46 @@ fn layers_of_rays_take_a_frame_a_sample() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let text = "kind = \"occlusion\"\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nvfov = 45\nnear = 2\nfar = 6\ndistortion = [0.05, 0.1]";
     let (scene, camera) = (scene(icosphere(2)), camera_of("", SIZE, text).unwrap());
-    assert!(camera.layers.len() > 1 && !at_once(&scene, &camera, 4));
-    let wanted = Wanted { samples: 4, ..Wanted::of(vec![Channel::A]) };
-    let message = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap_err().to_string();
-    assert!(message.contains("a frame takes 1 sample per pixel, not 4"), "{message}");
+    assert!(camera.layers.len() > 1);
+    assert_takes_a_frame_per_sample(&mut engine, &scene, &camera);
+}
+
+/// The ids of samples are there for a mirror with an atlas, too, and change no other channel.
+#[test]
+fn samples_of_a_mirror_with_an_atlas_have_ids() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let text = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 1, 5], target = [0, 0, 0], vfov = 40 }\n\
+        mirror = { builtin = \"icosphere\", level = 1, scale = 0.6 }\nfacets = \"flat\"\natlas = 16";
+    let (scene, camera) = (crowd(), camera_of("", SIZE, text).unwrap());
+    let with_ids = vec![Channel::A, Channel::Z, Channel::TriangleId, Channel::NormalX];
+    let mut render = |channels: Vec<Channel>, samples: u32, sample_ids: bool| {
+        let wanted = Wanted { samples, sample_ids, ..Wanted::of(channels) };
+        engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap()
+    };
+    let expected = render(with_ids, 1, false);
+    let seen = render(vec![Channel::A, Channel::Z, Channel::NormalX], 1, true);
+    assert!(seen.sample_ids == [ids(&expected.frame)] && seen.sample_ids[0].iter().any(|id| *id != NO_ID));
+    for channel in [Channel::A, Channel::Z, Channel::NormalX] {
+        assert_eq!(seen.frame.f32(channel), expected.frame.f32(channel), "{channel:?}");
+    }
+    let of_samples = render(vec![Channel::A], 4, true);
+    let covered = |k: usize| of_samples.sample_ids.iter().filter(|ids| ids[k] != NO_ID).count();
+    let alpha = of_samples.frame.f32(Channel::A).unwrap();
+    assert!((0..alpha.len()).all(|k| alpha[k] >= covered(k) as f32 / 4.0) && of_samples.sample_ids.len() == 4);
+}
+
+/// Samples of one image are those of frames, coverage is their mean, and the rest is of pixel centers.
+fn assert_takes_a_frame_per_sample(engine: &mut Engine, scene: &Scene, camera: &Camera) {
+    assert!(!at_once(scene, camera, 4));
+    let wanted = Wanted { samples: 4, sample_ids: true, ..Wanted::of(vec![Channel::A, Channel::TriangleId]) };
+    let all = engine.render(scene, camera, &wanted, &RunOptions::default()).unwrap();
+    assert!(all.sample_ids == one_by_one(engine, scene, camera, 4));
+    let covered = |k: usize| all.sample_ids.iter().filter(|ids| ids[k] != NO_ID).count();
+    let alpha = all.frame.f32(Channel::A).unwrap();
+    assert!((0..alpha.len()).all(|k| alpha[k] == covered(k) as f32 / 4.0));
+    assert!(alpha.iter().any(|a| *a > 0.0 && *a < 1.0));
+    let centers = engine.render(scene, camera, &Wanted::of(vec![Channel::TriangleId]), &RunOptions::default()).unwrap();
+    assert!(ids(&all.frame) == ids(&centers.frame));
 }
 
 #[test]
@@ -137,10 +173,9 @@ fn rays_all_over_the_scene_take_a_frame_a_sample() {
     let incoherent = camera_of("", (64, 64), display).unwrap();
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = crowd();
-    assert!(!at_once(&scene, &incoherent, 4));
+    assert_takes_a_frame_per_sample(&mut engine, &scene, &incoherent);
     let wanted = Wanted { samples: 4, ..Wanted::of(vec![Channel::A]) };
     let run = RunOptions::default();
-    assert!(engine.render(&scene, &incoherent, &wanted, &run).is_err());
     let mut frames = engine.prepare(&scene, &plain, &wanted, &run).unwrap();
     assert!(frames.aim(&incoherent).is_err());
     // those of centres come in the image's own order
@@ -296,16 +331,8 @@ fn sixteen_frames_come_as_near_where_each_sample_takes_one() {
         let camera = camera_of("", SIZE, text).unwrap();
         assert!(!at_once(&scene, &camera, 16));
         let wanted = Wanted { samples: 16, ..Wanted::of(vec![Channel::R, Channel::G, Channel::B]) };
-        let error = engine.render(&scene, &camera, &wanted, &RunOptions::default()).expect_err("an error");
-        println!("{error}");
-        let wanted = Wanted { samples: 1, ..wanted };
-        let mut sum = vec![[0.0; 3]; (SIZE.0 * SIZE.1) as usize];
-        for place in sample_offsets(16) {
-            let moved = camera.with_sample_offset(place.x, place.y);
-            let frame = engine.render(&scene, &moved, &wanted, &RunOptions::default()).unwrap().frame;
-            sum.iter_mut().zip(colours(&frame)).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / 16.0));
-        }
-        let error = psnr(&sum, &box_filtered(&scene, &camera, 256));
+        let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
+        let error = psnr(&colours(&frame), &box_filtered(&scene, &camera, 256));
         println!("{}: {error:.1} dB", camera.kind);
         assert!(error >= 35.0, "{}: {error:.1} dB", camera.kind);
     }

@@ -16,11 +16,11 @@ use anamorph::internals::geometry::load::Object;
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::geometry::place::merge;
 use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
-use anamorph::internals::image::frame::{Channel, NO_ID, Plane};
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::internals::reference::image::{explain, image};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::{AmbientOcclusion, Light};
-use common::file::camera_of;
+use common::file::{camera_of, load};
 use common::gpu::{check, engine_on, hits};
 use common::rng::Rng;
 use common::soup;
@@ -550,15 +550,15 @@ fn the_number_of_its_camera_is_each_pixels_piece() {
 
 #[test]
 fn samples_are_composed_one_by_one() {
-    use anamorph::internals::jobs::{Backend, samples};
+    use anamorph::internals::jobs::Backend;
     let scene = still_life();
     let members = [member(FRONT, ""), member(RIGHT, "objects = ['ball']")];
     let camera: Arc<Camera> = Arc::new(camera(&composite("master = 0", &members), SIZE));
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let wanted = everything(&scene, &camera);
-    let of = |backend: &mut Backend| {
-        samples::render(backend, &scene, &camera, &wanted, 4, &RunOptions::default(), &mut []).unwrap()
-    };
+    let several = Wanted { samples: 4, ..wanted.clone() };
+    let of =
+        |backend: &mut Backend| backend.render(&scene, &camera, &several, &RunOptions::default(), &mut |_| {}).unwrap();
     let (by_engine, by_reference) = (of(&mut Backend::Compute(&mut engine, None)), of(&mut Backend::Reference));
     let (a, b) = (by_engine.frame.f32(Channel::A).unwrap(), by_reference.frame.f32(Channel::A).unwrap());
     let between = b.iter().filter(|a| **a > 0.0 && **a < 1.0).count();
@@ -607,4 +607,83 @@ fn errors_say_what_to_do() {
     let wanted = Wanted::of(vec![Channel::TriangleId]);
     let got = engine.render(&still_life(), &camera, &wanted, &RunOptions::default()).err().unwrap();
     assert_eq!(got.to_string(), error.to_string());
+}
+
+/// Where no depths decide, the proof of a pixel is that of the cameras that decide which one shows.
+#[test]
+fn what_is_proven_is_the_reference_s() {
+    let scene = still_life();
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let left = "region = { kind = 'rectangle', from = [0, 0], to = [0.5, 1] }";
+    for (name, rest, members) in [
+        ("regions", "", [member(FRONT, &format!("feather = 6, {left}")), member(RIGHT, "")]),
+        ("priorities", "master = 0", [member(FRONT, ""), member(RIGHT, "objects = ['ball'], priority = 1")]),
+        ("depths", "master = 0", [member(FRONT, ""), member(RIGHT, "objects = ['ball']")]),
+    ] {
+        let camera = camera(&composite(rest, &members), SIZE);
+        let wanted = Wanted::of(vec![Channel::TriangleId, Channel::Certified]);
+        let rendered = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap();
+        let truth = image(&scene, &camera, &[Channel::TriangleId]);
+        let [proven, seen] = [Channel::Certified, Channel::TriangleId].map(|channel| words(&rendered, channel));
+        let truth = truth.u32(Channel::TriangleId).unwrap();
+        let wrong = (0..proven.len()).filter(|k| proven[*k] > 0 && seen[*k] != truth[*k]).count();
+        let hits = (0..proven.len()).filter(|k| seen[*k] != NO_ID);
+        let (all, certain) = hits.fold((0, 0), |(all, certain), k| (all + 1, certain + usize::from(proven[k] > 0)));
+        println!("{name}: {certain} of {all} hits proven, {wrong} wrongly");
+        assert_eq!(wrong, 0, "{name}");
+        // depths decide wherever both cameras hit something
+        assert!(if name == "depths" { certain < all } else { 2 * certain > all }, "{name}: {certain} of {all}");
+    }
+}
+
+/// Light that a mirror sends past an object reaches no floor, whichever camera shows the object.
+#[test]
+fn objects_that_a_camera_does_not_show_are_in_the_way_of_caustics() {
+    let text = |objects: &str| {
+        format!(
+            r#"image = {{ width = 64, height = 48 }}
+[[mesh]]
+name = "floor"
+builtin = "plane"
+size = 12
+[[mesh]]
+name = "ball"
+builtin = "icosphere"
+level = 2
+scale = 0.4
+translate = [0.5, 0.8, 0.3]
+[camera]
+kind = "composite"
+master = 0
+cameras = [
+  {{ camera = {{ kind = "pinhole", eye = [0, 3, 6], target = [0, 0, 0], vfov = 45 }} }},
+  {{ camera = {{ kind = "pinhole", eye = [0, 3, 6], target = [0, 0, 0], vfov = 45 }}, objects = [{objects}] }}]
+[caustics]
+flux = 30
+map = [100, 100]
+light = {{ kind = "reflection",
+  eye = {{ kind = "pinhole", eye = [0, 1.5, 0], target = [0, 3, 0], up = [0, 0, 1], vfov = 60 }},
+  mirror = {{ shape = "quadric", vertex = [0, 3, 0], axis = [0, -1, 0], curvature = 0, radius = 2 }} }}
+receivers = [{{ origin = [-2, 0, 2], u = [4, 0, 0], v = [0, 0, -4], texels = [40, 40] }}]
+"#
+        )
+    };
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let channels = [Channel::R, Channel::TriangleId];
+    let mut render = |objects: &str| {
+        let scene = load(&text(objects)).unwrap();
+        let camera = scene.camera().unwrap();
+        let by_engine =
+            engine.render(&scene, &camera, &Wanted::of(channels.to_vec()), &RunOptions::default()).unwrap().frame;
+        (by_engine, image(&scene, &camera, &channels))
+    };
+    let ((split, truth), (whole, _)) = (render("'ball'"), render(""));
+    let red = |frame: &Frame, k: usize| frame.f32(Channel::R).unwrap()[k];
+    let ids = |frame: &Frame| frame.u32(Channel::TriangleId).unwrap().to_vec();
+    assert!(ids(&split) == ids(&whole) && ids(&split).iter().any(|id| *id >= 2 && *id != NO_ID));
+    // both cameras stand in one place: the picture is that of one camera that shows all
+    assert!((0..64 * 48).all(|k| red(&split, k) == red(&whole, k)));
+    let off = (0..64 * 48).filter(|k| (red(&split, *k) - red(&truth, *k)).abs() > 1e-4).count();
+    // edges that pass through a pixel within rounding
+    assert!(off <= 4, "{off} pixels have another color than the reference's");
 }

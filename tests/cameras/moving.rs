@@ -168,10 +168,13 @@ fn only_rays_change_while_a_frame_is_taken() {
     assert!(camera_of(BOX, SIZE, &fixed).unwrap().moving.is_some());
     let grows = region(&keyed("[0.5, 1]", "[0.7, 1]"), "[0, 0, 4]");
     let reaches = format!("{pinhole}\nline_time = 0.02\nt_range = {}", keyed("[0, 4]", "[0, 5]"));
-    for keys in [grows, reaches] {
+    let sharpens = fixed.replace("region = {", &format!("feather = {}, region = {{", keyed("8", "0")));
+    for keys in [grows, reaches, sharpens] {
         let error = refusal(BOX, SIZE, &keys);
         assert!(
-            error.contains("t_range and the regions of a composite cannot change while a frame is taken"),
+            error.contains(
+                "t_range and all keys of a composite but its cameras' own cannot change while a frame is taken"
+            ),
             "{error}"
         );
     }

@@ -3,11 +3,13 @@
 use crate::common;
 
 use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout};
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::planned::Planned;
 use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Arithmetic, Capacities, Counts, Engine, RunOptions};
 use anamorph::internals::geometry::generate::icosphere;
+use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
@@ -73,6 +75,28 @@ fn check(engine: &mut Engine, what: &str) {
 
 /// Removes features of an adapter.
 type Less = fn(&mut Gpu);
+
+/// Each pixel sees moving objects at its own time, through another camera too.
+#[test]
+fn frames_of_moving_objects_look_through_another_camera() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let mut scene = scene(icosphere(2));
+    let at = |x: f64| TimeStep {
+        positions: scene.mesh.positions.iter().map(|p| *p + DVec3::X * x).collect(),
+        normals: scene.mesh.normals.clone(),
+    };
+    scene.steps = TimeSteps::new(vec![0.0, 1.0], vec![at(-0.3), at(0.3)]).map(Arc::new);
+    let lines = Lines { first: 0.0, line_time: 1.0 / f64::from(SIZE.1), order: LineOrder::Down, count: SIZE.1 };
+    scene.exposure = Exposure { readout: Readout::Lines(lines), shutter: 0.0, is_even: false };
+    for (name, [first, second]) in &pairs() {
+        let run = RunOptions::default();
+        let expected = engine.render(&scene, second, &wanted(), &run).unwrap();
+        let mut frames = engine.prepare(&scene, first, &wanted(), &run).unwrap();
+        frames.aim(second).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let aimed = frames.finish().unwrap();
+        assert!(hits(&aimed.frame) > 100 && words(&aimed.frame) == words(&expected.frame), "{name}");
+    }
+}
 
 #[test]
 #[ignore = "slow: make test-all"]

@@ -9,7 +9,7 @@ use anamorph::internals::reference::image::image;
 use anamorph::internals::reference::{Path, Reference, Segment};
 use anamorph::internals::scene::Scene;
 use common::file::load;
-use common::gpu::{Without, assert_same_without_f64, check, render_with};
+use common::gpu::{Without, assert_same_without_f64, check, ids, render_with};
 use glam::DVec3;
 
 /// A floor, a ball, a box and a teapot around the origin; the mirror goes into the middle.
@@ -479,6 +479,27 @@ fn what_is_approximate_comes_nearer_with_facets_and_texels() {
         println!("{law} in an atlas: {few} {many}, direct {direct}");
         assert!(many < few && many < direct + (few - direct) / 3.0, "{law}: {few} {many}, direct {direct}");
     }
+    // an atlas shows spheres, too
+    let spheres = |keys: &str| {
+        let text = format!(
+            "kind = \"reflection\"\n{EYE}\n{keys}\nmirror = {{ shape = \"sphere\", radius = 1.2, count = 1000 }}"
+        );
+        let spheres = "[[spheres]]\ncenters = [[-1.6, -0.3, 1.4], [1.2, 0.4, 1.6]]\nradius = 0.4\n";
+        let (scene, camera) = scene((141, 107), &format!("{THINGS}{spheres}"), &text);
+        let frame = render_with(&scene, &camera, Without::Nothing, &Default::default()).unwrap().frame;
+        let is_shown = |id: &u32| *id != NO_ID && scene.mesh.radius(*id).is_some();
+        ids(&frame).iter().map(is_shown).collect::<Vec<bool>>()
+    };
+    let [direct, atlas] = ["facets = \"normals\"", "facets = \"normals\"\natlas = 32"].map(spheres);
+    // normals of the atlas are those of a texel's middle: outlines move by up to two pixels
+    let width = 141;
+    let around = |k: usize| (0..25).map(move |n| k + n / 5 * width + n % 5 - 2 * width - 2);
+    let rows = 2 * width + 2..direct.len() - 2 * width - 2;
+    let inside: Vec<usize> = rows.filter(|k| around(*k).all(|n| direct[n] == direct[*k])).collect();
+    let shown = inside.iter().filter(|k| direct[**k]).count();
+    let different = inside.iter().filter(|k| atlas[**k] != direct[**k]).count();
+    println!("{shown} pixels inside of spheres; {different} differ with an atlas");
+    assert!(shown > 200 && different == 0, "{shown} {different}");
     // as the paper has it: few cameras in an atlas, on a mirror of its own silhouette
     let shot = |cameras: u32, texels: u32| {
         off(&format!("facets = \"normals\"\natlas = {texels}"), &format!("count = 3000, cameras = {cameras}"))

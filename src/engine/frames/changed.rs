@@ -1,11 +1,11 @@
 //! Frames of a scene that are aimed by another camera, or lit in another way. Only the laboratory and tests use them so far.
 
 use super::super::changes::Changes;
-use super::super::combinations::{Asked, Feature};
+use super::super::combinations::Asked;
 use super::super::in_view::{InView, SceneFacts};
 use super::super::planned::{Whole, outlined_by};
 use super::super::resident::BvhState;
-use super::super::{RunOptions, setup};
+use super::super::setup;
 use super::{Frames, moved};
 use crate::camera::Camera;
 use crate::camera::ray_order::reordered;
@@ -21,8 +21,14 @@ impl Frames {
     /// # Errors
     /// [`Error::Input`] where the camera is not of the same kind and size as the one before, or reflects or refracts rays.
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
-        let asked = self.changed(&self.whole.scene, camera, Feature::Aimed);
+        let (old, new) = (self.camera.kind, camera.kind);
+        let other =
+            || Error::input(format!("frames of {old} cannot be taken by this {new}; call Engine::prepare again"));
+        let asked = Asked::of(&self.whole.scene, camera, &self.wanted, &self.run);
         asked.check()?;
+        if camera.optics.is_some() || camera.layered().is_some() || asked.is_separate() {
+            return Err(other());
+        }
         let Plan { anchor, origin, centre, scene_size, .. } = *self.plan;
         let extent = SceneExtent { anchor, origin, centre, scene_size };
         let shown = Arc::new(reordered(camera, extent.centre).unwrap_or_else(|| camera.clone()));
@@ -30,15 +36,13 @@ impl Frames {
         let contents = self.planner.contents(&whole.scene);
         let last = (Some(self.plan.in_view), Some((&*self.plan, &*self.whole.camera)));
         let plan = self.planner.plan_by(&self.run, &whole, (contents, extent), &self.wanted, last);
+        let plan = plan.at_its_moments(&whole.scene, &shown);
         Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;
         let camera = shown;
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
         let is_alike = (plan.variant, plan.in_view) == (self.plan.variant, self.plan.in_view);
         if !is_alike || !is_as_large {
-            let (old, new) = (self.camera.kind, camera.kind);
-            return Err(Error::input(format!(
-                "frames of {old} cannot be taken by this {new}; call Engine::prepare again"
-            )));
+            return Err(other());
         }
         // until all is there nothing is drawn
         let was_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
@@ -67,7 +71,7 @@ impl Frames {
     /// a sky), or caustics are shown.
     pub fn light(&mut self, scene: &Scene) -> Result<()> {
         if self.caustics.is_some() {
-            self.changed(&self.whole.scene, &self.whole.camera, Feature::Relit).check()?;
+            return Err(Error::input("the light cannot change with caustics; call Engine::prepare again"));
         }
         if let Some(atlas) = &mut self.atlas {
             atlas.frames.light(scene)?;
@@ -127,12 +131,6 @@ impl Frames {
         self.is_partly_uploaded = was_partly_uploaded;
         self.mark_dirty(Changes { appearance: true, alpha_masks: !keeps_masks, ..Changes::default() });
         Ok(())
-    }
-
-    /// What these frames are asked for when something of them is changed.
-    fn changed<'a>(&'a self, scene: &'a Scene, camera: &'a Camera, change: Feature) -> Asked<'a> {
-        let RunOptions { rival, no_cull, moving, .. } = self.run;
-        Asked { rival, no_cull, moving, change: Some(change), ..Asked::new(scene, camera, &self.wanted) }
     }
 
     /// The wall time of the first frame, ms.

@@ -40,6 +40,10 @@ pub(crate) fn is_in_plane(receiver: &Receiver, p: DVec3) -> bool {
 impl ReceiverTriangles {
     pub fn new(receivers: &[Receiver], mesh: &Mesh) -> ReceiverTriangles {
         let receiver_triangle = |(id, triangle): (usize, &[u32; 3])| {
+            if mesh.radius(id as u32).is_some() {
+                // caustics fall on triangles
+                return None;
+            }
             let corners = triangle.map_each(|k| mesh.positions[k as usize]);
             let receiver = receivers.iter().position(|r| corners.iter().all(|p| is_in_plane(r, *p)))?;
             let diffuse = mesh.materials[mesh.material_of[id] as usize].diffuse;

@@ -1,6 +1,7 @@
 //! The page that explains an error.
 
 use crate::engine::combinations::REFUSALS;
+use crate::engine::rival::{NOT_CULLED, NOT_RENDERED};
 
 /// Words of errors, and the page about them.
 const PAGES: &[(&str, &str)] = &[
@@ -11,12 +12,18 @@ const PAGES: &[(&str, &str)] = &[
 ];
 
 const COMBINATIONS: &str = "docs/reference/combinations.md";
+const RIVALS: &str = "docs/reference/rivals.md";
 
 /// The page about a message, of those of this repository.
 pub fn page_of(message: &str) -> Option<&'static str> {
     let about = |(words, page): &(&str, &'static str)| message.contains(words).then_some(*page);
     let is_refusal = || REFUSALS.iter().any(|row| message.ends_with(row.remedy) && has_in_order(message, row.reason));
-    PAGES.iter().find_map(about).or_else(|| is_refusal().then_some(COMBINATIONS))
+    let is_of_rival = || {
+        let mut rows = NOT_RENDERED.iter().map(|row| (row.1, row.2)).chain([NOT_CULLED]);
+        rows.any(|(what, remedy)| message.ends_with(&format!(" {what}; {remedy}")))
+    };
+    let refused = || is_refusal().then_some(COMBINATIONS).or_else(|| is_of_rival().then_some(RIVALS));
+    PAGES.iter().find_map(about).or_else(refused)
 }
 
 /// It has the parts of `reason` between the names in braces.
@@ -41,11 +48,8 @@ mod tests {
                 PAGES[0].1,
             ),
             ("scene.toml:5: unknown key \"vfv\" in camera; nearest known key: \"vfov\"", PAGES[3].1),
-            ("raytrace has no gradients; use --engine compute", COMBINATIONS),
-            (
-                "gradients are those of the rays of pixel centres, not of 16 samples; use one sample per pixel",
-                COMBINATIONS,
-            ),
+            ("gradients are of triangles alone; leave the gradients out", COMBINATIONS),
+            ("raytrace has no gradients; use --engine compute", RIVALS),
         ] {
             assert_eq!(page_of(message), Some(page), "{message}");
         }
