@@ -26,7 +26,7 @@ pub mod camera {
         pub use crate::camera::optics::{Bounce, FLAT_LEAST, Facets, Law, Optics, Quadric, Smooth, Surface};
     }
     pub mod perturb {
-        pub use crate::camera::perturb::{END_REACH, PERTURB, PERTURB_PX, scene_size};
+        pub use crate::camera::perturb::{EDGE_ON, END_REACH, PERTURB, PERTURB_PX, scene_size};
     }
     pub mod pieces {
         pub use crate::camera::pieces::{Piece, Pieces};

@@ -25,6 +25,9 @@ pub const PERTURB_DOWN: f64 = 47.0 / 83.0;
 /// 2^-32. A ray whose angle to a plane has the sine 2^-10 stays within 2^-42 of the plane over that distance.
 pub const END_REACH: f64 = 1.0 / (1u64 << 32) as f64;
 
+/// A ray sees a triangle edge-on if its angle to the triangle's plane has a smaller sine (of 1-norms): 2^-21. Bounds in f32 prove no t there.
+pub const EDGE_ON: f64 = 1.0 / (1u64 << 21) as f64;
+
 /// A scene far from the world's origin is rounded more: this share of its distance is added to its size.
 const FAR_SHARE: f64 = 1.0 / 16.0;
 
@@ -110,6 +113,9 @@ mod tests {
             include_str!("../../wgsl/shared/plane_tolerance.wgsl").contains("const LEAST_SINE: real = 1.0 / 1024.0;")
         );
         assert_eq!([2.0 * END_REACH, PERTURB / END_REACH], [1.0 / 2_147_483_648.0, 1.0 / 1024.0]);
+        let edge_on = "const EDGE_ON: real = 1.0 / 2097152.0;";
+        assert!(include_str!("../../wgsl/shared/plane_tolerance.wgsl").contains(edge_on));
+        assert_eq!(EDGE_ON, 1.0 / 2_097_152.0);
     }
 
     /// Right and down by the constants above, wherever the scene is and whatever weight the bundle has.

@@ -293,6 +293,7 @@ const A_FRAME_PER_SAMPLE: [Feature; 9] = [
 ];
 
 /// Whether one frame renders all samples. Its kernels then compute the samples of edge pixels only.
+#[cfg(feature = "internals")]
 pub fn at_once(scene: &Scene, camera: &Camera, count: u32) -> bool {
     let wanted = Wanted { samples: count.max(2), ..Wanted::of(Vec::new()) };
     !Asked::new(scene, camera, &wanted).is_separate()

@@ -121,7 +121,7 @@ pub struct Wanted {
     /// Count tested and kept fragments (slower).
     pub counting: bool,
     /// Samples per pixel. Color and coverage are averaged over them; all other channels use the center. [`crate::engine::Engine::render`] takes a
-    /// frame for each where one frame does not render them all ([`super::combinations::at_once`]).
+    /// frame for each where one frame does not render them all ([`super::combinations::Asked::is_separate`]).
     pub samples: u32,
     /// Weight triangles by their visible area in the pixel, not by the number of samples that see them.
     pub analytic: bool,

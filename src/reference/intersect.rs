@@ -13,7 +13,7 @@
 
 use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
-use crate::camera::perturb::{END_REACH, PERTURB};
+use crate::camera::perturb::{EDGE_ON, END_REACH, PERTURB};
 use crate::geometry::exact::{self, Exact};
 use glam::DVec3;
 
@@ -197,7 +197,10 @@ pub fn meet(aim: &Aim, c: &Corners) -> Option<Meeting> {
     if sign == 0 {
         return None;
     }
-    let t = depth(&aim.centre, c)?;
+    let t = match is_edge_on(&aim.centre, c) {
+        true => depth(&aim.centre, c).and_then(|_| depth_between(&aim.perturbed, c))?,
+        false => depth(&aim.centre, c)?,
+    };
     let inside = f64::from(sign * c.parity);
     // the perturbed ray is inside; the centre's may be outside by the perturbation
     let e = OPPOSITE
@@ -233,12 +236,31 @@ fn depth(b: &Bundle, c: &Corners) -> Option<f64> {
 
 /// The end of `t_range` at which a hit at `t` counts as a hit (`docs/reference/definitions.md`, Ends of t_range). `h > 0`.
 pub fn end_at(b: &Bundle, c: &Corners, t: f64, t_range: [f64; 2], scene_size: f64) -> Option<f64> {
+    if is_edge_on(b, c) {
+        return None;
+    }
     let (p, d, h) = (b.p[0], b.d[0], b.h[0]);
     let normal = (c.v[1] - c.v[0]).cross(c.v[2] - c.v[0]);
     let tolerance = plane_tolerance(normal, scene_size) * h;
     let is_on_plane = |end: f64| normal.dot(c.v[0] * h - p - end * d).abs() <= tolerance;
     let is_near = |end: f64| (t - end).abs() * d.abs().element_sum() <= END_REACH * scene_size * h;
     t_range.into_iter().find(|end| end.is_finite() && is_near(*end) && is_on_plane(*end))
+}
+
+/// The bundle's central ray runs almost along the triangle's plane.
+pub fn is_edge_on(b: &Bundle, c: &Corners) -> bool {
+    let size = |v: DVec3| v.abs().element_sum();
+    let normal = (c.v[1] - c.v[0]).cross(c.v[2] - c.v[0]);
+    normal.dot(b.d[0]).abs() < EDGE_ON * size(normal) * size(b.d[0])
+}
+
+/// The `t` at which the central ray, which passes between the corners, is nearest to their mean by the weights of its point in the triangle.
+fn depth_between(b: &Bundle, c: &Corners) -> Option<f64> {
+    let d = b.d[0];
+    let e = OPPOSITE.map_each(|(i, j, _)| edge_side(b, c.v[i], c.v[j]).0.abs());
+    let sum = e[0] + e[1] + e[2];
+    let along = |k: usize| (c.v[k] * b.h[0] - b.p[0]).dot(d) / d.length_squared();
+    (sum > 0.0).then(|| (0..3).map(|k| e[k] / sum * along(k)).sum())
 }
 
 /// The largest `N . (v_0 - X)` of a point `X` that counts as on the plane.
@@ -311,6 +333,30 @@ mod tests {
             let rest = exact::dot(&normal, d).times(t).minus(&above).value();
             assert!(rest.abs() <= T_ROUNDING * above.value().abs(), "{k}: {rest} of {}", above.value());
         }
+    }
+
+    /// The slits of this camera are 10^-12 apart, and triangles between them and the image lie in a plane through both. The unperturbed ray meets
+    /// the plane where it starts, far from the triangle.
+    #[test]
+    fn a_triangle_seen_edge_on_is_met_where_it_is() {
+        let (slope, apart) = (0.0625, 6.48e-13);
+        let c = Corners::new([DVec3::new(0.9, 0.9, -1.0), DVec3::new(0.0, 0.0, -0.5), DVec3::new(0.9, 0.9, -0.5)]);
+        let mut met = 0;
+        for k in 1..40 {
+            let at = f64::from(k) / 32.0;
+            let b = Bundle {
+                p: [DVec3::new(at, at, 2.0), slope * DVec3::X, -slope * DVec3::Y],
+                d: [DVec3::new(-at * (1.0 + apart), -at, -4.0), -slope * (1.0 + apart) * DVec3::X, slope * DVec3::Y],
+                h: [1.0, 0.0, 0.0],
+            };
+            let aim = Aim::new(b, 16.0);
+            assert!(is_edge_on(&aim.centre, &c) && depth(&aim.centre, &c) == Some(0.0));
+            if let Some(m) = meet(&aim, &c) {
+                met += 1;
+                assert!((0.625..=0.75).contains(&m.t), "{k}: {}", m.t);
+            }
+        }
+        assert!(met >= 3, "{met}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::bvh::Probe;
 use super::intersect::{Corners, OPPOSITE, TERM_ROUNDING, cross_size, offset_size, plane_tolerance};
 use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
-use crate::camera::perturb::END_REACH;
+use crate::camera::perturb::{EDGE_ON, END_REACH};
 use glam::DVec3;
 
 /// Half the side of the box in which a safe pixel's answer must be constant, px (`docs/reference/definitions.md`, Safe).
@@ -134,7 +134,8 @@ impl Depth {
         let sign = if d[0] > spread { 1 } else { -i8::from(d[0] < -spread) };
         let mut depth =
             Depth { n, d, n_error, d_error, facing: sign * c.parity, span: [f64::MIN, f64::MAX], may_be_at_end: false };
-        if sign != 0 {
+        let edge_on = EDGE_ON * normal.abs().element_sum() * over_box(b.d.map_each(|d| d.abs().element_sum()));
+        if sign != 0 && d[0].abs() - spread >= edge_on {
             depth.span = depth.corner_span();
         } else {
             // Edge-on somewhere in the box: a hit still lies within the triangle's bounds.

@@ -34,7 +34,7 @@ fn wrong_command_lines() {
         (more(&["--samples", "65"]), "1..=64"),
         (more(&["--analytic"]), "analytic coverage needs several samples per pixel; use at least 2"),
         (more(&["--analytic", "--samples", "40"]), "areas are found in one frame"),
-        (more(&["--analytic", "--samples", "4", "--engine", "reference"]), "--analytic"),
+        (more(&["--analytic", "--samples", "4", "--engine", "reference"]), "leave out analytic coverage"),
         (more(&["--gradients", "depth"]), "--gradients-to"),
         (more(&["--gradients-to", "g"]), "--gradients"),
         (more(&["--gradients-of", "vertices"]), "--gradients"),

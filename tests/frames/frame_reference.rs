@@ -17,6 +17,7 @@ use anamorph::internals::image::compare::compare;
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
+use common::any::any;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, mesh_spec, pinhole, raymap};
 use common::gpu::{Without, assert_right, assert_same_without_f64, check, engine, hits, ids, render, render_with};
 use common::rng::Rng;
@@ -49,6 +50,13 @@ fn a_glc_of_each_class() {
         // the ball alone covers a fifth of each of these pictures
         assert!(hits(&frame) > 1000, "{name}: {} hits", hits(&frame));
     }
+}
+
+/// A camera of two slits 10^-12 apart, and a triangle in a plane through both: the unperturbed ray meets that plane far before the triangle.
+#[test]
+fn a_triangle_that_two_slits_see_edge_on_hides_nothing_before_it() {
+    let (scene, camera) = any(&mut Rng(668_277), (32, 32));
+    check("edge-on", &scene, &camera);
 }
 
 #[test]

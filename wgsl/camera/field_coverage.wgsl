@@ -78,13 +78,13 @@ fn field_bound(e: vec3<f32>, sizes: f32, g: vec3<f32>, rounding: f32) -> f32 {
 // What N . (v - P) and N . D need: their ratio is t.
 struct CellDepth {
     normal: real3,
-    v: real3,
+    v: array<real3, 3>,
     back_sign: real,
     slot: u32,
 }
 
 fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, back_sign: real, slot: u32) -> CellDepth {
-    return CellDepth(normal, v[0], back_sign, slot);
+    return CellDepth(normal, v, back_sign, slot);
 }
 
 fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
@@ -92,7 +92,8 @@ fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let at = field_at(corner.x + x, corner.y + y);
     let b = cell_bundle_at(at);
     let across = dot(q.normal, b.d);
-    var meeting = ray_meeting(dot(q.normal, q.v - b.p), across, plane_tolerance(q.normal, b.d, across), q.back_sign);
+    let along = dot(q.normal, q.v[0] - b.p);
+    var meeting = ray_meeting(b, q.v, q.normal, along, across, plane_tolerance(q.normal, b.d, across), q.back_sign);
     meeting.visible = meeting.visible && is_there(q.slot, b);
     return meeting;
 }

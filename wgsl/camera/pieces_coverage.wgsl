@@ -137,6 +137,7 @@ fn coverage(
 struct CellDepth {
     along: real3,           // value at the tile's centre, slopes in x and y
     across: real3,
+    v: array<real3, 3>,
     normal: real3,
     reach: real,
     back_sign: real,
@@ -155,6 +156,7 @@ fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, back_sign: real,
     q.back_sign = back_sign;
     q.slot = slot;
     q.whole = whole;
+    q.v = v;
     q.normal = normal;
     q.reach = reach3(v);
     return q;
@@ -166,7 +168,7 @@ fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let along = q.along.x + fx * q.along.y + fy * q.along.z;
     let across = q.across.x + fx * q.across.y + fy * q.across.z;
     let b = bundle_at(q.whole, fx, fy);
-    var meeting = ray_meeting(along, across, end_rounding(b, q.normal, across, q.reach), q.back_sign);
+    var meeting = ray_meeting(b, q.v, q.normal, along, across, end_rounding(b, q.normal, across, q.reach), q.back_sign);
     meeting.visible = meeting.visible && is_there(q.slot, b);
     return meeting;
 }

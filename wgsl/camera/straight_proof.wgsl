@@ -4,7 +4,7 @@
 // components, so that a product is at most the product of the sizes. Every bound has the same form: the error of each factor
 // times the size of the other, plus PRODUCT_UNITS of both sizes.
 // Provides: Weighed, offset_of, pixel_proof, side_value
-// Needs: Bundle, Cell, FARTHEST, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, end_rounding, mask_side, normal_of,
+// Needs: Bundle, Cell, EDGE_ON, FARTHEST, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, end_rounding, mask_side, normal_of,
 //   perturbed, reach3, real, real3, real_from_bits, sign_beyond, size3, weighed
 // Binds: params
 
@@ -82,7 +82,8 @@ fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane 
     let error_across = normal.error * size_d + normal.size * q.error_d + units * size_d;
     let along = dot(normal.n, from_v.m);
     let across = dot(normal.n, q.b.d);
-    let facing = sign_beyond(across, error_across);
+    // where the triangle is seen edge-on, t is that of the perturbed ray
+    let facing = sign_beyond(across, max(error_across, EDGE_ON * normal.size * size_d));
     if facing == 0 {
         return OnPlane(-FARTHEST, FARTHEST, 0, 0.0);
     }

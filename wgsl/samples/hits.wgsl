@@ -46,7 +46,7 @@ fn recheck_hits(
 // A triangle's plane, and its invisible side.
 struct Flat {
     normal: real3,
-    v: real3,
+    v: array<real3, 3>,
     reach: real,
     back_sign: real,
 }
@@ -54,11 +54,11 @@ struct Flat {
 fn flat_of(triangle: vec4<u32>, v: array<real3, 3>) -> Flat {
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
     let back_sign = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
-    return Flat(cross(v[1] - v[0], v[2] - v[0]), v[0], reach3(v), back_sign);
+    return Flat(cross(v[1] - v[0], v[2] - v[0]), v, reach3(v), back_sign);
 }
 
 fn flat_meeting(q: Flat, b: Bundle) -> Meeting {
-    let along = dot(q.normal, q.v * b.h - b.p);
+    let along = dot(q.normal, q.v[0] * b.h - b.p);
     let across = dot(q.normal, b.d);
-    return ray_meeting(along, across, end_rounding(b, q.normal, across, q.reach), q.back_sign);
+    return ray_meeting(b, q.v, q.normal, along, across, end_rounding(b, q.normal, across, q.reach), q.back_sign);
 }

@@ -1,15 +1,31 @@
 // Straight rays against a triangle's plane.
 // Provides: end_rounding, meeting_between, ray_meeting
-// Needs: Bundle, Meeting, REAL_UNIT, SLABBED, plane_tolerance, real, real3, real_from_bits, size3
+// Needs: Bundle, EDGE_ON, Meeting, REAL_UNIT, SLABBED, perturbed, plane_tolerance, real, real3, real_from_bits, size3, t_between
 // Binds: params
 
-// The hit at t = along / across. A triangle whose back face is hidden is not hit where `across` has the sign of `back_sign`. A hit is
-// moved to an end of t_range where N . (v - X) is at most `rounding`, X the ray's point at that end.
-fn ray_meeting(along: real, across: real, rounding: real, back_sign: real) -> Meeting {
-    return meeting_between(along, across, rounding, back_sign, real_from_bits(params.t_words.xy), real_from_bits(params.t_words.zw));
+// The hit of a ray that a triangle covers, at t = along / across. A triangle whose back face is hidden is not hit where `across` has the sign of
+// `back_sign`. A hit is moved to an end of t_range where N . (v - X) is at most `rounding`, X the ray's point at that end. Where the ray runs
+// almost along the plane, t is that of the perturbed ray, which is in the triangle (`docs/reference/definitions.md`, Perturbed rays).
+fn ray_meeting(
+    b: Bundle, v: array<real3, 3>, normal: real3, along: real, across: real, rounding: real, back_sign: real,
+) -> Meeting {
+    let t_min = real_from_bits(params.t_words.xy);
+    let t_max = real_from_bits(params.t_words.zw);
+    var meeting = meeting_between(along, across, rounding, back_sign, t_min, t_max);
+    // a loop: software adapters take every branch
+    var is_edge_on = abs(across) < EDGE_ON * size3(normal) * size3(b.d) && across != 0.0 && across * back_sign <= 0.0;
+    loop {
+        if !is_edge_on {
+            break;
+        }
+        is_edge_on = false;
+        let t = t_between(perturbed(b, real(params.scene_size)), v);
+        meeting = Meeting(t, t >= t_min && t <= t_max);
+    }
+    return meeting;
 }
 
-// As ray_meeting; a caller in a loop loads the ends of t_range once.
+// A hit between two ends of t_range.
 fn meeting_between(along: real, across: real, rounding: real, back_sign: real, t_min: real, t_max: real) -> Meeting {
     if across == 0.0 || across * back_sign > 0.0 {
         return Meeting(0.0, false);

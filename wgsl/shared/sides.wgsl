@@ -1,7 +1,7 @@
 // On which side of an edge a ray passes, after Woop, Benthin and Wald 2013: corners go along the ray onto a plane, where each is
 // rounded once and for all its triangles alike; in the plane the sign of every edge is exact. So triangles that share an edge or a
 // corner leave no hole, however near the ray passes, and overlap only where roundings fold one of them over.
-// Provides: is_between
+// Provides: is_between, t_between
 // Needs: Bundle, REAL_ROUNDING, order_of_products, real, real3, sign_beyond
 
 // The axis along which a ray goes farthest, and how far it goes along the other two for each step along that.
@@ -70,4 +70,25 @@ fn is_between(b: Bundle, v: array<real3, 3>) -> bool {
         sides[k] = side_of(places[select(k, 0u, k == 2u)], places[min(k + 1u, 2u)]);
     }
     return sides[0] == sides[1] && sides[0] == -sides[2];
+}
+
+// The t of a ray between the corners, as the mean of the corners' own: each counts as much as the triangle of the ray and the two others.
+fn t_between(b: Bundle, v: array<real3, 3>) -> real {
+    let s = shear_of(b);
+    let d = turned_to(s.axis, b.d);
+    var corners = v;
+    var places: array<vec2<real>, 3>;
+    for (var k = 0u; k < 3u; k++) {
+        places[k] = in_plane(b, s, corners[k]);
+    }
+    var sum = real(0.0);
+    var weights = real(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        let u = places[select(k + 1u, 0u, k == 2u)];
+        let w = places[select(k - 1u, k + 2u, k == 0u)];
+        let weight = abs(u.x * w.y - u.y * w.x);
+        sum += weight * turned_to(s.axis, corners[k] * b.h - b.p).z;
+        weights += weight;
+    }
+    return sum / (weights * d.z);
 }

@@ -3,7 +3,7 @@
 use super::edge::{Side, side};
 use super::rays::{Cast, PixelRays, owned};
 use super::{KernelInputs, Real, bin, curve};
-use anamorph::internals::camera::perturb::{END_REACH, PERTURB};
+use anamorph::internals::camera::perturb::{EDGE_ON, END_REACH, PERTURB};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -136,7 +136,10 @@ fn test_ray(input: &KernelInputs, rays: &PixelRays, c: &Corners, real: Real) -> 
     if !in_range && !at_end {
         return NOTHING;
     }
-    let uncertain = covered.uncertain || at_end || (c.one_sided && edge_on);
+    let size = |v: DVec3| v.abs().element_sum();
+    // kernels take the t of the perturbed ray there
+    let is_along_plane = across.abs() < EDGE_ON * size(normal) * size(b.d[0]);
+    let uncertain = covered.uncertain || at_end || is_along_plane || (c.one_sided && edge_on);
     let hit = (covered.inside && in_range && !is_back_face).then_some(Fragment { t, t_error, id: c.id });
     Tested { hit, uncertain }
 }

@@ -42,7 +42,8 @@ pub const PLACES: Parts = snippets!("shared/places.wgsl");
 pub const PAIR: Parts = snippets!("shared/pair.wgsl");
 pub const BITS: Parts = snippets!("shared/bits.wgsl");
 pub const MEETING: Parts = snippets!("shared/meeting.wgsl");
-pub const MEETING_OF_RAYS: Parts = snippets!("shared/plane_tolerance.wgsl", "shared/meeting_of_rays.wgsl");
+pub const MEETING_OF_RAYS: Parts =
+    snippets!("shared/plane_tolerance.wgsl", "shared/sides.wgsl", "shared/perturb.wgsl", "shared/meeting_of_rays.wgsl");
 pub const KEY: Parts = snippets!("shared/key.wgsl");
 pub const REAL_F64: Parts = snippets!("shared/real_f64.wgsl");
 pub const REAL_F32: Parts = snippets!("shared/real_f32.wgsl");

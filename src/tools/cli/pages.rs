@@ -20,7 +20,8 @@ pub fn page_of(message: &str) -> Option<&'static str> {
     let is_refusal = || REFUSALS.iter().any(|row| message.ends_with(row.remedy) && has_in_order(message, row.reason));
     let is_of_rival = || {
         let mut rows = NOT_RENDERED.iter().map(|row| (row.1, row.2)).chain([NOT_CULLED]);
-        rows.any(|(what, remedy)| message.ends_with(&format!(" {what}; {remedy}")))
+        let name = |(what, remedy)| message.strip_suffix(&format!(" {what}; {remedy}"));
+        rows.any(|row| name(row).is_some_and(|name: &str| !name.contains(' ')))
     };
     let refused = || is_refusal().then_some(COMBINATIONS).or_else(|| is_of_rival().then_some(RIVALS));
     PAGES.iter().find_map(about).or_else(refused)
@@ -55,6 +56,7 @@ mod tests {
         }
         assert_eq!(page_of("scene.toml: cannot be read: no such file"), None);
         assert_eq!(page_of("something else; use --engine compute"), None);
+        assert_eq!(page_of("the reference has no gradients; use --engine compute"), None);
     }
 
     #[test]
