@@ -25,7 +25,8 @@ pub const PERTURB_DOWN: f64 = 47.0 / 83.0;
 /// 2^-32. A ray whose angle to a plane has the sine 2^-10 stays within 2^-42 of the plane over that distance.
 pub const END_REACH: f64 = 1.0 / (1u64 << 32) as f64;
 
-/// A ray sees a triangle edge-on if its angle to the triangle's plane has a smaller sine (of 1-norms): 2^-21. Bounds in f32 prove no t there.
+/// The sine of a ray's angle to a triangle's plane (of 1-norms), 2^-21, below which the ray sees the triangle edge-on. Bounds in f32 prove no t
+/// there.
 pub const EDGE_ON: f64 = 1.0 / (1u64 << 21) as f64;
 
 /// A scene far from the world's origin is rounded more: this share of its distance is added to its size.

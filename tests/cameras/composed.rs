@@ -609,7 +609,7 @@ fn errors_say_what_to_do() {
     assert_eq!(got.to_string(), error.to_string());
 }
 
-/// Where no depths decide, the proof of a pixel is that of the cameras that decide which one shows.
+/// A pixel is as certain as the frames of the cameras that decide which camera it shows, and not certain if depths decide.
 #[test]
 fn what_is_proven_is_the_reference_s() {
     let scene = still_life();

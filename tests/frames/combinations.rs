@@ -365,7 +365,7 @@ impl Engines {
     }
 }
 
-/// What the reference says of a frame.
+/// The reference's verdict on a frame.
 struct Verdict {
     /// Safe pixels with another triangle than the reference's, other pixels with none of the triangles near by, and proven pixels with another
     /// triangle than the reference's.

@@ -7,7 +7,7 @@
 // the scene's size.
 const LEAST_SINE: real = 1.0 / 1024.0;
 
-// Where the sine of the ray's angle to the plane is smaller than this, 2^-21, the ray sees the triangle edge-on. Bounds in f32 prove no t there.
+// The sine of a ray's angle to a triangle's plane, 2^-21, below which the ray sees the triangle edge-on. Bounds in f32 prove no t there.
 const EDGE_ON: real = 1.0 / 2097152.0;
 
 // Largest N . (v - X) of a hit that counts as a hit at an end of t_range, where its ray along d is at X (`docs/reference/definitions.md`,
