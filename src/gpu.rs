@@ -1,4 +1,4 @@
-//! Everything that touches a GPU: the adapter, how kernels are joined from snippets, the structs that they read, and buffers. Of cameras
+//! Everything that touches a GPU: the adapter, how kernels are joined from files, the structs that they read, and buffers. Of cameras
 //! only the layouts that kernels read.
 
 pub mod buffers;

@@ -171,7 +171,7 @@ pub mod gpu {
         pub use crate::gpu::buffers::{Binder, Buffers, Pipeline, wait};
     }
     pub mod compile {
-        pub use crate::gpu::compile::lowered;
+        pub use crate::gpu::compile::{Module, lowered};
     }
     pub mod device {
         pub use crate::gpu::device::{AdapterFeatures, GpuOptions, NO_ADAPTER, adapters, label};
@@ -181,8 +181,8 @@ pub mod gpu {
     }
     pub mod kernels {
         pub use crate::gpu::kernels::{
-            Access, Binding, Kernel, Method, OpticsKind, Parts, RaysKind, Snippet, SurfaceKind, Variant, VolumeKind,
-            parts,
+            Access, Binding, File, Files, Kernel, LightsKind, Method, OpticsKind, RaysKind, SurfaceKind, Variant,
+            VolumeKind, reached, storage_buffers,
         };
     }
     pub mod needs {

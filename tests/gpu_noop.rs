@@ -1,11 +1,10 @@
 //! Every pipeline and bind-group layout of every variant, built on a device without a driver that has the limits of a
 //! small adapter and no feature that the variant does not ask for.
 
-use anamorph::internals::engine::stage::Stages;
-use anamorph::internals::engine::stage::all_kernels;
+use anamorph::internals::engine::stage::{KernelId, Stages, all_kernels};
 use anamorph::internals::gpu::buffers::Pipeline;
 use anamorph::internals::gpu::device::AdapterFeatures;
-use anamorph::internals::gpu::kernels::{Access, Binding, Kernel, Snippet, Variant};
+use anamorph::internals::gpu::kernels::{Access, Binding, File, Files, Kernel, Variant, reached, storage_buffers};
 use anamorph::internals::gpu::layout::{GROUP, LANES, TEXELS_A_ROW};
 use anamorph::internals::gpu::needs::{NEEDS, STORAGE_BUFFERS, STORAGE_BUFFERS_BY_TILE, lacks};
 use anamorph::internals::gpu::{Gpu, GpuOptions};
@@ -108,23 +107,24 @@ fn a_variant_that_the_device_cannot_run_is_reported() {
     assert!(built.is_err() || gpu.failure().is_err());
 }
 
-/// A snippet of that text; tests may leak a few bytes.
-fn snippet(name: &'static str, text: &str) -> &'static Snippet {
-    Box::leak(Box::new(Snippet { name, text: text.to_string().leak() }))
+/// A file of that text; tests may leak a few bytes.
+fn file(path: &'static str, text: &str) -> &'static File {
+    Box::leak(Box::new(File::new(path, text.to_string().leak())))
 }
 
 /// The error of a broken kernel, joined from a helper and the entry point, on a device that runs nothing.
 fn fault(helper: &str, source: &str) -> String {
     let gpu = open(Features::empty(), limits(), &GpuOptions::default()).unwrap();
-    let bindings = vec![Binding { name: "given", access: Access::Read, wgsl_type: "array<u32>" }];
-    let parts = vec![snippet("shared/helper.wgsl", helper), snippet("broken.wgsl", source)];
-    let kernel = Kernel { name: "broken", bindings, parts, enables: "", constants: Vec::new(), f64: false };
+    // the compiler takes declarations in any order
+    let source = format!("{source}#import shared/helper.wgsl\nvar<storage, read> given: array<u32>;\n");
+    let files = Files::of(&[file("shared/helper.wgsl", helper), file("broken.wgsl", &source)]);
+    let kernel = Kernel { name: "broken", ..Kernel::of(&files, "broken.wgsl", &|_| &[], &|_| None) };
     let _broken = Pipeline::new(&gpu, kernel).unwrap();
     gpu.failure().unwrap_err().to_string()
 }
 
 #[test]
-fn errors_of_kernels_name_the_snippet_its_line_and_that_line() {
+fn errors_of_kernels_name_the_file_its_line_and_that_line() {
     let helper = |body: &str| format!("// A helper.\nfn helper() {{\n    {body}\n}}\n");
     let kernel = |body: &str| format!("@compute @workgroup_size(64)\nfn broken() {{\n    {body}\n}}\n");
     let (missing, stored) = ("let x = missing + 1u;", "given[0] = 1u;");
@@ -148,21 +148,21 @@ fn errors_of_kernels_name_the_snippet_its_line_and_that_line() {
     assert!(text.contains("kernel broken") && !text.contains('\n'), "{text}");
 }
 
-/// The errors of all kernels of a variant on a device with these features, with `from` of a snippet replaced.
+/// The errors of all kernels of a variant on a device with these features, with `from` of a file replaced.
 fn planted(features: Features, f64: bool, name: &'static str, from: &str, to: &str) -> String {
     let mut gpu = open(features, limits(), &GpuOptions::default()).unwrap();
     let variant = Variant::every(f64, false)[0];
-    let raster = anamorph::internals::engine::stage::raster::kernel(variant);
-    let there = raster.parts.iter().find(|p| p.name == name).expect("a snippet of raster");
+    let raster = KernelId::Raster.kernel(variant, &[]).unwrap();
+    let there = raster.files.iter().find(|f| f.path == name).expect("a file of raster");
     assert!(there.text.contains(from), "{name} has no {from:?}");
-    gpu.replaced = vec![snippet(name, &there.text.replacen(from, to, 1))];
+    gpu.replaced = vec![file(name, &there.text.replacen(from, to, 1))];
     let _broken = Pipeline::new(&gpu, raster).unwrap();
     gpu.failure().unwrap_err().to_string()
 }
 
 #[test]
-fn an_error_planted_in_a_snippet_is_found_there() {
-    let (name, from) = ("shared/bundle.wgsl", "fn size3(v: real3) -> real {");
+fn an_error_planted_in_a_file_is_found_there() {
+    let (name, from) = ("rays/affine_bundle.wgsl", "fn size3(v: real3) -> real {");
     let text =
         std::fs::read_to_string(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("wgsl").join(name)).unwrap();
     let line = 1 + text.lines().position(|l| l == from).expect("the line of size3");
@@ -173,17 +173,20 @@ fn an_error_planted_in_a_snippet_is_found_there() {
     }
 }
 
-/// A file holds a kernel's source, and above the first line of each snippet a line with its name.
+/// A file holds a kernel's source, and above the first line of each file a line with its path.
 fn assert_labelled(text: &str, kernel: &Kernel) {
     let label =
         |line: &str| line.strip_prefix("// ").and_then(|l| l.strip_suffix(".wgsl:1")).map(|n| format!("{n}.wgsl"));
     let plain: String = text.lines().filter(|l| label(l).is_none()).map(|l| format!("{l}\n")).collect();
     assert!(plain.starts_with(&kernel.source()));
-    assert!(text.lines().filter_map(label).eq(kernel.parts.iter().map(|p| p.name)));
-    // the n-th line after a label is the snippet's n-th
-    for part in &kernel.parts {
-        let (_, after) = text.split_once(&format!("// {}:1\n", part.name)).expect("a label");
-        assert!(after.starts_with(part.text), "{}", part.name);
+    assert!(text.lines().filter_map(label).eq(kernel.files.iter().map(|f| f.path)));
+    // the n-th line after a label is the file's n-th: a binding with its number, or once declared a comment; an import as a comment
+    for file in &kernel.files {
+        let (_, after) = text.split_once(&format!("// {}:1\n", file.path)).expect("a label");
+        for (line, own) in after.lines().zip(file.text.lines()) {
+            let is_again = || line.strip_prefix("// ").is_some_and(|name| own.contains(&format!("{name}: ")));
+            assert!(line == own || line.ends_with(own) || is_again(), "{}: {line}", file.path);
+        }
     }
 }
 
@@ -199,7 +202,7 @@ fn kernels_are_written_as_they_are_compiled() {
         Stages::new(&gpu, variant, &planes).unwrap();
     }
     let text = |name: &str| std::fs::read_to_string(into.join(name)).unwrap();
-    let [first, second] = [variants[0], variants[2]].map(anamorph::internals::engine::stage::raster::kernel);
+    let [first, second] = [variants[0], variants[2]].map(|variant| KernelId::Raster.kernel(variant, &planes).unwrap());
     assert!(first.source() != second.source() && text("raster.wgsl").contains("// override COUNTING = 0"));
     for (file, kernel) in [("raster.wgsl", first), ("raster-2.wgsl", second)] {
         assert_labelled(&text(file), &kernel);
@@ -232,12 +235,19 @@ fn plain_kernels(f64: bool, atomics64: bool) -> Vec<Kernel> {
     plain.flat_map(|v| all_kernels(v, &channels)).filter(|k| k.name != "gather").collect()
 }
 
+/// What a kernel binds.
+fn bound(kernel: &Kernel) -> Vec<(u32, Binding)> {
+    reached(&naga::front::wgsl::parse_str(&kernel.source()).unwrap(), &kernel.bindings())
+}
+
 #[test]
 fn plain_scenes_take_what_is_said_and_webgpu_has_it_by_default() {
     let kernels = plain_kernels(true, true);
+    let mut seen = HashSet::new();
+    let distinct: Vec<&Kernel> = kernels.iter().filter(|k| seen.insert(k.source())).collect();
+    let lists: Vec<Vec<(u32, Binding)>> = distinct.par_iter().map(|kernel| bound(kernel)).collect();
     let most = |of: fn(&Binding) -> bool| {
-        let count = |k: &Kernel| k.bindings.iter().filter(|b| of(b)).count() as u32;
-        kernels.iter().map(count).max().unwrap()
+        lists.iter().map(|list| list.iter().filter(|(_, b)| of(b)).count() as u32).max().unwrap()
     };
     let taken = [
         most(|b| matches!(b.access, Access::Read | Access::Write)),
@@ -252,8 +262,7 @@ fn plain_scenes_take_what_is_said_and_webgpu_has_it_by_default() {
     assert!(NEEDS.iter().all(|need| need.needed <= (need.allowed)(&defaults)));
     assert!(lacks(&defaults).is_none());
     // what has no row: memory of workgroups, and structs in uniform buffers, which are small
-    let mut seen = HashSet::new();
-    for kernel in kernels.iter().filter(|k| seen.insert(k.source())) {
+    for kernel in distinct {
         let module = naga::front::wgsl::parse_str(&kernel.source()).unwrap();
         for (_, global) in module.global_variables.iter() {
             assert_ne!(global.space, naga::AddressSpace::WorkGroup, "{}", kernel.name);
@@ -262,7 +271,7 @@ fn plain_scenes_take_what_is_said_and_webgpu_has_it_by_default() {
                 global.space == naga::AddressSpace::Uniform && bytes > defaults.max_uniform_buffer_binding_size;
             assert!(!is_large, "{}: {bytes} bytes", kernel.name);
         }
-        assert!((kernel.bindings.len() as u32) < defaults.max_bindings_per_bind_group);
+        assert!((kernel.bindings().len() as u32) < defaults.max_bindings_per_bind_group);
     }
 }
 
@@ -301,6 +310,6 @@ fn an_adapter_with_less_is_an_error_that_names_it() {
 fn raster_by_tile_binds_as_many_storage_buffers_as_is_said() {
     let by_tile = Variant::every(true, true).into_iter().flat_map(|v| [v, v.with_tiles(), v.with_tiles().with_small()]);
     let kernels = by_tile.flat_map(|v| all_kernels(v, &Channel::every().collect::<Vec<_>>()));
-    let most = kernels.filter(|k| k.name != "gather").map(|k| k.storage_buffers()).max();
+    let most = kernels.filter(|k| k.name != "gather").map(|k| storage_buffers(&bound(&k))).max();
     assert_eq!(most, Some(STORAGE_BUFFERS_BY_TILE));
 }

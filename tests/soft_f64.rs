@@ -184,7 +184,7 @@ fn soft(source: &str) -> wgpu::ShaderSource<'static> {
     wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(lowered(source).unwrap()))
 }
 
-const REAL: &str = include_str!("../wgsl/shared/real_f64.wgsl");
+const REAL: &str = include_str!("../wgsl/arithmetic/f64.wgsl");
 
 #[test]
 fn every_operation_gives_the_hosts_number() {

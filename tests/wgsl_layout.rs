@@ -2,7 +2,6 @@
 //! `shading.wgsl` and `beams.wgsl` against its twin in `src/gpu/layout.rs`, field by field, and every constant against its own.
 
 use anamorph::internals::engine::clusters::CORNER_ORDERS;
-use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::kernels::{Kernel, Variant};
 use anamorph::internals::gpu::layout::{self, Counter};
 use anamorph::internals::image::frame::Channel;
@@ -10,11 +9,11 @@ use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, Type
 use std::collections::BTreeMap;
 
 const PARAMS: &str = include_str!("../wgsl/shared/params.wgsl");
-const SHADING: &str = include_str!("../wgsl/shared/shading.wgsl");
-const MATERIAL: &str = include_str!("../wgsl/materials/material.wgsl");
-const STYLE: &str = include_str!("../wgsl/styles/layout.wgsl");
-const SEGMENT: &str = include_str!("../wgsl/shared/segment.wgsl");
-const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
+const SHADING: &str = include_str!("../wgsl/shading/numbers.wgsl");
+const MATERIAL: &str = include_str!("../wgsl/shading/materials/material.wgsl");
+const STYLE: &str = include_str!("../wgsl/shading/styles/layout.wgsl");
+const SEGMENT: &str = include_str!("../wgsl/hierarchy/segment.wgsl");
+const BEAMS: &str = include_str!("../wgsl/project/beams.wgsl");
 const PROJECT: &str = include_str!("../wgsl/project/layout.wgsl");
 const GRADIENTS: &str = include_str!("../wgsl/gradients/layout.wgsl");
 const OPTICS: &str = include_str!("../wgsl/optics/layout.wgsl");
@@ -352,8 +351,10 @@ fn host() -> Layouts {
     ])
 }
 
+/// Of a kernel, or of a file that names nothing of those that it imports.
 fn parse(source: &str) -> Module {
-    naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
+    let source: String = source.lines().filter(|l| !l.starts_with('#')).map(|l| format!("{l}\n")).collect();
+    naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)))
 }
 
 fn wgsl(source: &str) -> Layouts {
@@ -494,11 +495,11 @@ fn every_channel_has_an_override_that_defaults_to_no_plane() {
     let expected: Vec<(String, u32)> = all.iter().map(|channel| (name(channel), layout::NONE)).collect();
     let of = |planes: &[Channel]| {
         [
-            stage::shade::kernel(Variant::PLAIN, planes),
-            stage::certify::kernel(Variant::PLAIN, planes),
-            stage::gather::kernel(Variant::PLAIN, planes),
-            stage::outline::kernel(planes),
-            stage::write::kernel(planes),
+            Kernel::new("shade.wgsl", Variant::PLAIN, planes),
+            Kernel::new("certify.wgsl", Variant::PLAIN, planes),
+            Kernel::new("gather.wgsl", Variant::PLAIN, planes),
+            Kernel::new("outline.wgsl", Variant::PLAIN, planes),
+            Kernel::new("write.wgsl", Variant::PLAIN, planes),
         ]
     };
     for kernel in of(&all) {
@@ -515,7 +516,7 @@ fn every_channel_has_an_override_that_defaults_to_no_plane() {
 
 #[test]
 fn the_last_word_of_a_triangle_has_equal_fields() {
-    let raster = stage::raster::kernel(Variant::PLAIN).source();
+    let raster = Kernel::new("raster.wgsl", Variant::PLAIN, &[]).source();
     let module = parse(&raster);
     let constant = |name: &str| {
         let (_, c) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
@@ -558,8 +559,8 @@ fn corner_orders(source: &str) -> Vec<[usize; 3]> {
 
 #[test]
 fn the_six_corner_orders_are_the_same_table() {
-    let source = stage::raster::kernel(Variant::PLAIN).source();
-    let shade = stage::shade::kernel(Variant::PLAIN, &Channel::ALL).source();
+    let source = Kernel::new("raster.wgsl", Variant::PLAIN, &[]).source();
+    let shade = Kernel::new("shade.wgsl", Variant::PLAIN, &Channel::ALL).source();
     assert_eq!((corner_orders(&source), corner_orders(&shade)), (CORNER_ORDERS.to_vec(), CORNER_ORDERS.to_vec()));
     let planted = source.replace("vec3<u32>(2u, 0u, 1u)", "vec3<u32>(0u, 2u, 1u)");
     assert_ne!(corner_orders(&planted), CORNER_ORDERS);

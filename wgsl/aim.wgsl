@@ -1,7 +1,14 @@
 // aim: one thread per ray of a field's table.
 // Reads the rays of a lens, and the eye and axes of the viewer; writes the rays, turned and moved.
-// Needs: item_index, real, real3, real_from_bits, round_to_f32
-// Binds: lens_hi, lens_lo, rays_hi, rays_lo, viewer
+
+#import arithmetic
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read> lens_hi: array<f32>;
+var<storage, read> lens_lo: array<f32>;
+var<storage, read_write> rays_hi: array<f32>;
+var<storage, read_write> rays_lo: array<f32>;
 
 fn pose_vector(k: u32) -> real3 {
     let a = viewer.numbers[3u * k / 2u];

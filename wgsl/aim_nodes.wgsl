@@ -1,7 +1,11 @@
 // aim_nodes: one thread per node of a lens.
 // Reads bounds on the rays of the lens, in the viewer's frame, and the viewer's pose; writes the same bounds in the world.
-// Needs: RAYS_NONE, item_index
-// Binds: lens_nodes, nodes, viewer
+
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read> lens_nodes: array<Node>;
+var<storage, read_write> nodes: array<Node>;
 
 // Rounding of what is written, and of what kernels compute from it, relative to the sizes: 2^-20, or 16 units of 2^-24. A turned vector takes 9:
 // each axis has 1 for the stored number, 1 for the viewer's axis, 1 for the product and 2 for sums, and a vector of three such axes is off by less

@@ -1,8 +1,13 @@
 // allot: one thread per tile.
 // Reads bin's pair count of each tile, in `ends`; writes the tile's run of the sorted list, from `starts` to `ends`, and
 // lists the tiles that have any pairs in `busy`.
-// Needs: COUNT_BUSY, COUNT_SORTED, item_index
-// Binds: busy, counters, ends, params, starts
+
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read_write> busy: array<u32>;
+var<storage, read_write> ends: array<u32>;
+var<storage, read_write> starts: array<u32>;
 
 @compute @workgroup_size(64)
 fn allot(

@@ -1,8 +1,9 @@
 // args: one thread in all. Reads a stage's count in `counters` and the capacity of its list, or how many tiles there are;
 // writes the indirect arguments of the next dispatch, in two dimensions, clamped to the list's end.
-// Needs: CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_LARGE, COUNT_PAIRS, COUNT_RECHECK_ITEMS,
-//   COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK, GROUP, LANES, NONE, TRIANGLE_GROUP
-// Binds: counters, indirect, params, step
+
+#import shared/params.wgsl
+
+var<storage, read_write> indirect: array<u32>;
 
 const GROUPS_A_SIDE: u32 = 65535u;
 

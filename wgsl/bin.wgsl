@@ -1,10 +1,20 @@
 // bin: one thread per triangle of a (triangle group, node) item of `tasks`, or per (triangle, node) item of `large`.
 // Reads triangles, vertices and nodes; writes (slot, tile) pairs of the tiles under the node that the triangle may cover, by its extent
 // and its three edge conics there, or of the one tile of the cell that the item names. `pairs` may overflow: the counter keeps counting.
-// Needs: BOUND_TOLERANCE, CENTRES, COUNT_PAIRS, COUNT_PAIRS_TESTED, LEVEL_CELL, NODE_PX, NONE, SAMPLE_REACH, TILE, bin_item, box_met,
-//   close_extent, conics, is_empty, item_pixels, may_cover, node_cell, node_level, node_x, node_y, pair_pack, pixels_within, store,
-//   take_places, tile_pixels, triangle_at, vertex
-// Binds: cells, counters, params
+
+#import bin/items
+#import nodes/box_met.wgsl
+#import nodes/conics.wgsl
+#import nodes/extent.wgsl
+#import nodes/index.wgsl
+#import nodes/item_rays
+#import nodes/tables.wgsl
+#import nodes/within.wgsl
+#import pairs
+#import pairs/pair.wgsl
+#import shared/params.wgsl
+#import shared/places.wgsl
+#import vertices/vertex
 
 override COUNTING: bool = false;
 
@@ -47,7 +57,7 @@ fn bin(
         side = TILE;
     }
     let seen = close_extent(node, v0, v1, v2);
-    var within = pixels_within(seen, side);
+    var within = pixels_within(seen, side, SAMPLE_REACH);
     if !seen.tight && !box_met(node, v0, v1, v2) {
         within = vec4<u32>(0u);
     }

@@ -1,9 +1,23 @@
 // bounce: one thread per pixel of the band that may have a ray.
 // Reads the visibility buffer, the pixel's ray or curve, its path state and the first surface hit; writes the bounced ray and its path
 // state, or zeros where the ray misses the optics; and lists the tiles that have a ray.
-// Needs: NONE, PathState, SLABBED, TILE, arrival_at, bounce_at, key_id, key_layer, key_t, norm, piece_of, pixel_at, real, real3,
-//   round_to_f32, segment_length
-// Binds: bounced_hi, bounced_live, bounced_lo, bounced_paths, optic, params, paths, visibility
+
+#import arithmetic
+#import keys/key.wgsl
+#import nodes/slabs.wgsl
+#import optics/arrival
+#import optics/bounce
+#import optics/layout.wgsl
+#import optics/refract.wgsl
+#import pixels/live.wgsl
+#import rays/pixel
+#import shared/params.wgsl
+
+var<storage, read> visibility: array<u32>;
+var<storage, read_write> bounced_hi: array<f32>;
+var<storage, read_write> bounced_live: array<atomic<u32>>;
+var<storage, read_write> bounced_lo: array<f32>;
+var<storage, read_write> bounced_paths: array<PathState>;
 
 // Maximum squared length of a direction: corners' rays are scaled to 64 times unit length at most.
 const SIZE_MAX: f32 = 65536.0;

@@ -2,10 +2,25 @@
 // Reads what raster reads, and the visibility buffer. The first dispatch finds in each pixel the nearest bound behind which some triangle
 // is proven to be met; the second compares every triangle that may be met before it with the one that was found; the third writes
 // the plane: 2 proven by f32, 1 by recheck arithmetic, 0 not.
-// Needs: COUNT_PAIRS, COVERAGE_PROVES, Cell, NONE, ONE_SIDED, STEP_PIXELS, TILE, bit_mask, box_mask, cell_bundle, coverage, first_bit,
-//   is_solid, item_index, pair_from, pair_slot, pair_tile, pair_to, pixel_proof, real3, take_place, tile_corner, tile_layer, triangle_at,
-//   triangle_id, triangle_reversed, vertex, vertex_real, weigh, without_bit, write_certainty
-// Binds: cells, counters, pairs, params, step, tile_start
+
+#import arithmetic
+#import masks/holes
+#import masks/opacity
+#import nodes/slabs.wgsl
+#import nodes/tables.wgsl
+#import pairs/pair.wgsl
+#import rays/bundle
+#import rays/certainty.wgsl
+#import rays/coverage
+#import rays/triangle_proof
+#import shared/bits.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import vertices/real
+#import vertices/triangle.wgsl
+#import vertices/vertex
+
+var<storage, read> pairs: array<vec2<u32>>;
 
 @compute @workgroup_size(64)
 fn certify(

@@ -3,12 +3,36 @@
 // Reads what trace reads, and the visibility buffer. Follows each pixel's ray through the hierarchy, and proves in recheck arithmetic what can
 // be of each triangle and sphere that it may meet; what f32 leaves out by its boxes is proven to be missed. Writes bounds and flags, and from
 // them the plane.
-// Provides: with_primitive
-// Needs: Bundle, BvhTriangle, Cell, ONE_SIDED, PROOF_CONTESTED, Path, Proof, ROUNDS, SLABBED, STEP_BOUND, STEP_PIXELS, Seen, Stretch, TILE,
-//   bit_mask, bvh_scale, cell_bundle, followed, has_ray, is_sphere, item_index, nothing_seen, path_of, pixel_at, pixel_proof, real3,
-//   sphere_of, sphere_proof, stretch_of, take_place, tile_corner, tile_layer, triangle_at, triangle_id, triangle_reversed, vertex_real, weigh,
-//   write_certainty
-// Binds: cells, params, proofs, step, tile_start
+
+#choose primitives certify_traced.wgsl
+#import arithmetic
+#import hierarchy/followed.wgsl
+#import hierarchy/nodes.wgsl
+#import masks/opacity
+#import nodes/slabs.wgsl
+#import nodes/tables.wgsl
+#import pixels/tiles
+#import primitives/spheres/chord.wgsl
+#import primitives/spheres/sphere.wgsl
+#import rays/affine_bundle.wgsl
+#import rays/bundle
+#import rays/certainty.wgsl
+#import rays/path
+#import rays/pixel
+#import rays/proof.wgsl
+#import rays/straight/sphere_proof.wgsl
+#import rays/stretch
+#import rays/triangle_proof
+#import shared/bits.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import vertices/followed
+#import vertices/real
+#import vertices/traced
+#import vertices/triangle.wgsl
+#import vertices/vertex
+
+var<storage, read_write> proofs: array<atomic<u32>>;
 
 // The cell of this thread's pixel in the layer that it is followed in.
 var<private> own_cell: u32;

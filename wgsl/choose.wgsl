@@ -1,8 +1,8 @@
 // choose: one thread in all. Reads a count of what a stage of raster has still to do, and writes 0 in its place once that costs more than
 // tracing, so that nothing more of raster is dispatched; COUNT_TRACED is then the number of pixels that trace takes, those of whole tiles.
 // (It has no branches: lavapipe would compile it anew for uniform numbers that alone decide one.)
-// Needs: CULL_COST, LARGE_COST, PAIR_COST, TASK_COST, COUNT_TRACED, TILE
-// Binds: counters, params, step
+
+#import shared/params.wgsl
 
 // By the places of counters: the queues of cull, then COUNT_WORK and so on.
 const COSTS: array<u32, 22> = array<u32, 22>(

@@ -1,7 +1,14 @@
 // claim: one thread per proven image of points: the least t that each pixel is sure to have.
 // Reads `images` and its length; writes to `nearest` the upper bound of t, as bits that ascend with it.
-// Needs: NONE, item_index, rising_bits
-// Binds: counts, images, nearest, solving
+
+#import project/layout.wgsl
+#import project/rising.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read> counts: array<u32>;
+var<storage, read> images: array<SolveImage>;
+var<storage, read_write> nearest: array<atomic<u32>>;
 
 @compute @workgroup_size(64)
 fn claim(

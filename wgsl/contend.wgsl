@@ -1,8 +1,16 @@
 // contend: one thread per proven image of points: whether it may be the nearest of its pixel.
 // Reads `images`, its length and `nearest`; writes bits of `wanted`: of points with an image that no other is proven to hide, or whose
 // pixel is not proven.
-// Needs: NONE, item_index, rising_bits
-// Binds: counts, images, nearest, solving, wanted
+
+#import project/layout.wgsl
+#import project/rising.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read> counts: array<u32>;
+var<storage, read> images: array<SolveImage>;
+var<storage, read> nearest: array<u32>;
+var<storage, read_write> wanted: array<atomic<u32>>;
 
 @compute @workgroup_size(64)
 fn contend(

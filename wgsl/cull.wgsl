@@ -4,9 +4,22 @@
 // extent bounds its position in the bundle.
 // Discontinuous nodes of level 1 are queued once more: their tiles go to `work`, and of discontinuous tiles the cells.
 // `queue_out` and `work` may overflow: counters keep counting.
-// Needs: BRANCH, COUNT_WORK, Node, RAYS_AFFINE, RAYS_DISCONTINUOUS, cell_pack, extent, item_index, level_height, level_width, node_index,
-//   node_level, node_meets, node_pack, node_x, node_y, table_texel, take_places, tile_meets
-// Binds: cells, clusters, counters, nodes, params, queue_in, queue_out, step, tile_start, work
+
+#import nodes/extent.wgsl
+#import nodes/index.wgsl
+#import nodes/meets.wgsl
+#import nodes/tables.wgsl
+#import nodes/tile_rays
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/places.wgsl
+#import shared/table.wgsl
+
+var<storage, read> nodes: array<Node>;
+var<storage, read> queue_in: array<vec2<u32>>;
+var<storage, read_write> queue_out: array<vec2<u32>>;
+var<storage, read_write> work: array<vec2<u32>>;
+var clusters: texture_2d<u32>;
 
 // Children met by which a cluster is handed on undivided: descending costs every triangle of the cluster a set-up a
 // child, handing on costs 16 tests; a set-up is worth about four tests.

@@ -2,8 +2,14 @@
 // Reads its corners on a receiver and its flux; adds to each texel flux in proportion to the triangle's area in the texel,
 // and the flux beyond the map's border to the missed flux. Sums are whole units in two words each, so no order of
 // threads changes them; the host's unit is so large that high words do not run over.
-// Needs: item_index
-// Binds: caustic_triangles, deposit_params, receivers, sums
+
+#import caustics/layout.wgsl
+#import shared/items.wgsl
+
+var<uniform> deposit_params: DepositParams;
+var<storage, read> caustic_triangles: array<CausticTriangle>;
+var<storage, read> receivers: array<Receiver>;
+var<storage, read_write> sums: array<atomic<u32>>;
 
 // A triangle narrower than this is a line, texels; as caustics/shares.rs has it.
 const LINE_WIDTH: f32 = 1.0 / 256.0;

@@ -5,10 +5,30 @@
 // at any sample, if it covers all; the second tests every triangle that may cover a sample before that; the third writes the records.
 // `edge_of` has a word per pixel: the depth before which another triangle would be seen instead, KEPT once an edge is
 // found; in the end 1 more than the number of its record, 0 of none. The list may overflow: the counter keeps counting.
-// Needs: COUNT_EDGES, COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, SLABBED, TILE, bit_mask, box_mask, conic_sign, conics,
-//   depths, first_bit, is_solid, item_index, key_id, key_layer, may_cover, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_cell,
-//   pixels_in_part, pixels_whole, plane, tile_corner, tile_layer, triangle_at, triangle_id, vertex, without_bit
-// Binds: cells, counters, edge_of, nodes, pairs, params, samples, slot_of_id, step, tile_start, visibility
+
+#choose arithmetic f32
+#import depth/nearness.wgsl
+#import keys/key.wgsl
+#import masks/holes
+#import nodes/cells.wgsl
+#import nodes/conics.wgsl
+#import nodes/slabs.wgsl
+#import nodes/tables.wgsl
+#import pairs/pair.wgsl
+#import samples/cells.wgsl
+#import samples/depth_bounds.wgsl
+#import shared/bits.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import vertices/triangle.wgsl
+#import vertices/vertex
+
+var<storage, read> nodes: array<Node>;
+var<storage, read> pairs: array<vec2<u32>>;
+var<storage, read> slot_of_id: array<u32>;
+var<storage, read> visibility: array<u32>;
+var<storage, read_write> edge_of: array<atomic<u32>>;
+var<storage, read_write> samples: array<u32>;
 
 const STEP_SEEN: u32 = 0u;
 const STEP_PAIRS: u32 = 1u;

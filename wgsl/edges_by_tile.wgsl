@@ -5,11 +5,35 @@
 // each pair the pixels that it may cover and its slot into `touches`, and `blocks` of LANES strips, four samples each, of the records of
 // one tile.
 // Records and blocks may overflow: the counter of records keeps counting, and blocks have space for all records.
-// Needs: Bounds, CENTRES, COUNT_BLOCKS, COUNT_EDGES, GROUP, LANES, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, STRIPS, TILE, bit_mask, bound,
-//   conics, edge_pixels, extent, four, given_bounds, group_index, is_empty, item_node, key_id, lanes_any, may_cover, pair_slot,
-//   pixels_in_part, pixels_whole, pixels_within, plane, rows_mask, side, subgroup_lane, take_lane, tile_corner, triangle_at, triangle_id,
-//   vertex
-// Binds: blocks, counters, edge_of, ends, pairs, params, samples, starts, tile_start, touches, visibility
+
+#choose arithmetic f32
+#import keys/key.wgsl
+#import lanes
+#import lanes/loads/node
+#import lanes/together.wgsl
+#import nodes/conics.wgsl
+#import nodes/extent.wgsl
+#import nodes/slabs.wgsl
+#import nodes/tables.wgsl
+#import nodes/within.wgsl
+#import pairs/pair.wgsl
+#import samples/cells.wgsl
+#import samples/depth_bounds.wgsl
+#import samples/four.wgsl
+#import shared/bits.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import vertices/triangle.wgsl
+#import vertices/vertex
+
+var<storage, read> ends: array<u32>;
+var<storage, read> pairs: array<vec2<u32>>;
+var<storage, read> starts: array<u32>;
+var<storage, read> visibility: array<vec2<u32>>;
+var<storage, read_write> blocks: array<vec4<u32>>;
+var<storage, read_write> edge_of: array<u32>;
+var<storage, read_write> samples: array<vec2<u32>>;
+var<storage, read_write> touches: array<vec4<u32>>;
 
 @compute @workgroup_size(64)
 fn edges(
@@ -49,7 +73,7 @@ fn edges(
         let v2 = vertex(triangle.z);
         let sides = conics(node, v0, v1, v2);
         let seen = extent(node, v0, v1, v2);
-        let may = at + lane < end && !is_empty(pixels_within(seen, TILE))
+        let may = at + lane < end && !is_empty(pixels_within(seen, TILE, SAMPLE_REACH))
             && may_cover(sides, 0.0, 0.0, CENTRES + SAMPLE_REACH * NODE_PX);
         let flat = plane(node, v0, v1, v2);
         let s = SAMPLE_REACH * NODE_PX;

@@ -1,9 +1,18 @@
 // fit: one thread per node of the step's level.
 // Reads the rays of the pixels of a tile that is listed, or the nodes of the level below; writes the node's affine fit and how
 // far its rays may lie from it, and of tiles which pixels have a ray. The host does the same for a camera's own rays.
-// Needs: BRANCH, Node, RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE, TILE, field_at, field_direction, field_origin, item_index, level_height,
-//   level_width, node_index, with_bit
-// Binds: cells, live, nodes, optic, params, step
+
+#choose arithmetic f32
+#import nodes/index.wgsl
+#import optics/layout.wgsl
+#import rays/field/table.wgsl
+#import shared/bits.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read> live: array<u32>;
+var<storage, read_write> cells: array<Cell>;
+var<storage, read_write> nodes: array<Node>;
 
 // A ray, and its position in [-1, 1]^2 over the node.
 struct TileRay {

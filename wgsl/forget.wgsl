@@ -1,7 +1,14 @@
 // forget: one thread per pixel of a tile that had a ray after as many bounces before.
 // Reads the list of these tiles; writes zeros for their rays and path states. They may be of a band with more rows.
-// Needs: NONE, PathState, TILE, group_index
-// Binds: bounced_hi, bounced_live, bounced_lo, bounced_paths, params
+
+#import optics/layout.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read_write> bounced_hi: array<f32>;
+var<storage, read_write> bounced_live: array<atomic<u32>>;
+var<storage, read_write> bounced_lo: array<f32>;
+var<storage, read_write> bounced_paths: array<PathState>;
 
 @compute @workgroup_size(64)
 fn forget(

@@ -1,8 +1,20 @@
 // gather: one thread per pixel of the band.
 // Reads the visibility buffer, the place of the pixel's hit on a receiver, and the flux of the four texels around it; adds
 // its diffuse reflection to the colour planes.
-// Needs: NONE, Receiver, ReceiverTriangle, ends_here, item_index, key_id, light_kept
-// Binds: params, planes, receiver_triangle_of, receiver_triangles, receivers, sums, visibility
+
+#choose arithmetic f32
+#import caustics
+#import caustics/layout.wgsl
+#import keys/key.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/planes.wgsl
+
+var<storage, read> receiver_triangle_of: array<u32>;
+var<storage, read> receiver_triangles: array<ReceiverTriangle>;
+var<storage, read> receivers: array<Receiver>;
+var<storage, read> sums: array<u32>;
+var<storage, read> visibility: array<u32>;
 
 fn received(receiver: Receiver, x: u32, y: u32) -> vec3<f32> {
     let at = 6u * (receiver.first + y * receiver.columns + x);

@@ -2,8 +2,16 @@
 // Reads the pixel's ray, how it changes along a direction, and the corners of its triangle; writes to `changes`, for each direction, the
 // changes of t, Z, the position (3) and the weights (3), 0 where nothing is hit. The hit stays in the triangle's plane, so that all
 // follow from the change of t.
-// Needs: NONE, corner, corner_rate, item_index, ray_rate, ray_vector, real3, side
-// Binds: changes, gradient_params, slots
+
+#choose arithmetic f64
+#import arithmetic
+#import gradients/layout.wgsl
+#import gradients/rays.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read> slots: array<vec2<u32>>;
+var<storage, read_write> changes: array<f32>;
 
 const HIT_NUMBERS: u32 = 8u;
 

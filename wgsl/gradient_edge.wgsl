@@ -2,8 +2,17 @@
 // Reads the rays of a pixel and of the four around it, how the pixel's own changes along a direction, and their triangles; finds the
 // nearest edge at which a triangle ends between two of them. Writes to `edges` the coverage of the triangle, its slot, and the
 // pixels inside and outside; and to `changes`, for each direction, the change of the coverage.
-// Needs: NONE, corner, corner_rate, item_index, ray_rate, ray_vector, real, real3, side
-// Binds: changes, edges, gradient_params, slots
+
+#choose arithmetic f64
+#import arithmetic
+#import gradients/layout.wgsl
+#import gradients/rays.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read> slots: array<vec2<u32>>;
+var<storage, read_write> changes: array<f32>;
+var<storage, read_write> edges: array<vec4<u32>>;
 
 // An edge of a triangle between two pixels.
 struct Edge {

@@ -1,8 +1,16 @@
 // meet: one thread per pixel of the band that may have a ray.
 // Reads the pixel's ray, or the rays of its layers, and its path state; merges the visibility key of the nearest smooth surface that
 // they meet. Ids of smooth surfaces follow those of all triangles.
-// Needs: NONE, Root, SLABBED, has_ray, meeting_with, merge, pixel_at, ray_bundle, real, visibility_key
-// Binds: optic, params, paths
+
+#import arithmetic
+#import keys/key.wgsl
+#import keys/merge
+#import nodes/slabs.wgsl
+#import optics/layout.wgsl
+#import optics/smooth/bounce.wgsl
+#import pixels/live.wgsl
+#import rays/pixel
+#import shared/params.wgsl
 
 @compute @workgroup_size(64)
 fn meet(

@@ -1,7 +1,10 @@
 // mip: one thread per texel of a level of an image.
 // Reads the next finer level; writes the mean of the texels that each texel covers there.
-// Needs: item_index
-// Binds: coarser, finer
+
+#import shared/items.wgsl
+
+var finer: texture_2d<f32>;
+var coarser: texture_storage_2d<rgba16float, write>;
 
 @compute @workgroup_size(64)
 fn mip(

@@ -1,8 +1,11 @@
 // outline: one thread per pixel of the band, after shade and resolve.
 // Reads the planes around each pixel; mixes line colours into the colour planes at silhouettes, at creases, and at borders of the
 // camera's pieces.
-// Needs: NONE, covered, item_index, narrowed
-// Binds: params, planes, style
+
+#import shading/styles/layout.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/planes.wgsl
 
 fn word(plane: u32, pixel: u32) -> u32 {
     return planes[plane * params.width * params.height + pixel];

@@ -1,8 +1,21 @@
 // paste: one thread per pixel of the band.
 // Reads the visibility buffer, the pixel's ray and the facet that it meets first; copies the nearest atlas
 // texel of the facet's piece to the planes.
-// Needs: NONE, facet_place, facet_weights, item_index, key_id, norm, piece_of, piece_weights, ray_bundle, real3
-// Binds: atlas, atlas_layout, optic, params, planes, visibility
+
+#import arithmetic
+#import keys/key.wgsl
+#import optics/bounce
+#import optics/facets/bounce.wgsl
+#import optics/layout.wgsl
+#import optics/refract.wgsl
+#import rays/pixel
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/planes.wgsl
+
+var<uniform> atlas_layout: AtlasLayout;
+var<storage, read> atlas: array<u32>;
+var<storage, read> visibility: array<u32>;
 
 fn copied(plane: u32, pixel: u32, texel: u32) {
     if plane != NONE {

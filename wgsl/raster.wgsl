@@ -2,9 +2,23 @@
 // Reads pairs, triangles, vertices, cells and the camera's rays; merges the visibility key of every pixel that the
 // triangle covers at a t in range, and leaves those whose coverage f32 does not prove to recheck. Keys are complemented,
 // so that the nearest hit is the largest and 0 is no hit. The list recheck_items may overflow: the counter keeps counting.
-// Needs: COUNTING, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, box_mask, cell_bundle, coverage, is_excluded, item_index,
-//   leave_to_recheck, merge_hits, pair_from, pair_slot, pair_tile, pair_to, real3, triangle_at, triangle_id, vertex, vertex_real
-// Binds: cells, counters, pairs, params, step, tile_start
+
+#import arithmetic
+#import nodes/tables.wgsl
+#import optics/start
+#import pairs/pair.wgsl
+#import rays/bundle
+#import rays/coverage
+#import shared/bits.wgsl
+#import shared/hits.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/recheck_items.wgsl
+#import vertices/real
+#import vertices/triangle.wgsl
+#import vertices/vertex
+
+var<storage, read> pairs: array<vec2<u32>>;
 
 // Nothing is proven.
 override ALL_UNCERTAIN: bool = false;

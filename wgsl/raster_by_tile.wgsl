@@ -3,13 +3,31 @@
 // of all pairs of its tile, and leaves what f32 does not prove to recheck. A tile of more than ROUNDS times LANES pairs is listed as
 // busy again, with what is left of its run. The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
-// Provides: INFINITE
-// Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT,
-//   COUNT_RECHECK_ITEMS, Extent, GROUP, LANES, LOWER, SLABBED, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, in_line,
-//   is_empty, is_excluded, item_node, keep_nearest, lanes_any, lanes_max, lines_of, may_cover, nothing_nearest, pair_slot, pixels_within,
-//   row_bits, start_of, subgroup_lane, take_lane, take_places, test_pixels, tile_column, tile_corner, tile_reach, triangle_at, triangle_id,
-//   triangle_shared, vertex
-// Binds: busy, counters, ends, pairs, params, recheck_items, starts
+
+#import depth/column
+#import depth/columns
+#import depth/nearest
+#import lanes
+#import lanes/loads/node
+#import lanes/together.wgsl
+#import nodes/conics.wgsl
+#import nodes/extent.wgsl
+#import nodes/slabs.wgsl
+#import nodes/within.wgsl
+#import optics/start
+#import pairs/pair.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/places.wgsl
+#import shared/waiting.wgsl
+#import vertices/triangle.wgsl
+#import vertices/vertex
+
+var<storage, read> ends: array<u32>;
+var<storage, read> pairs: array<vec2<u32>>;
+var<storage, read_write> busy: array<u32>;
+var<storage, read_write> recheck_items: array<vec2<u32>>;
+var<storage, read_write> starts: array<u32>;
 
 // Rounds of LANES pairs that a subgroup looks at, at most: software adapters end a thread's loops after 65535 rounds in all. Of what a
 // round leaves, LANES pairs at most, each is tested against either half and may be left to recheck: 16 rounds for the tests, 9 for the loop
@@ -68,7 +86,7 @@ fn raster(
 
             // leave one where the tile's bounds do, and where all pixels show what is nearer
             let seen = extent(node, v0, v1, v2);
-            let within = pixels_within(seen, TILE);
+            let within = pixels_within(seen, TILE, 0.0);
             let may = at + lane < end && !is_excluded(triangle_id(triangle)) && !is_empty(within)
                 && may_cover(conics(node, v0, v1, v2), 0.0, 0.0, CENTRES);
             let may_upper = may && within.y < 4u && !is_behind(seen, far_upper);

@@ -1,7 +1,15 @@
 // reach: one thread per tile of the band, in each slab.
 // Reads its node; writes the list of tiles of which a ray may meet the box around the optics, each once.
-// Needs: SLABBED, TILE, item_index, level_height, level_width, node_index, node_meets, tile_corner
-// Binds: live, nodes, optic, params
+
+#import nodes/index.wgsl
+#import nodes/meets.wgsl
+#import nodes/slabs.wgsl
+#import optics/layout.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read> nodes: array<Node>;
+var<storage, read_write> live: array<atomic<u32>>;
 
 @compute @workgroup_size(64)
 fn reach(

@@ -1,10 +1,22 @@
 // recheck: one thread per item that was left to it.
 // Reads recheck_items, triangles, vertices, cells and the camera's rays; finds in recheck arithmetic whether the triangle or sphere covers the
 // item's pixel, where that is not proven, and at which t, and merges its key.
-// Provides: recheck_triangle
-// Needs: COUNT_RECHECK_ITEMS, Cell, PROVEN, TILE, bit_mask, cell_bundle, is_between, item_index, merge_hits, perturbed, pixel_bundle, real,
-//   real3, recheck_primitive, take_moment, tile_corner, triangle_at, vertex_real
-// Binds: cells, counters, params, recheck_items, tile_start
+
+#import arithmetic
+#import nodes/slabs.wgsl
+#import nodes/tables.wgsl
+#import primitives/recheck
+#import rays/bundle
+#import rays/straight/perturb.wgsl
+#import rays/straight/sides.wgsl
+#import shared/bits.wgsl
+#import shared/hits.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import vertices/real
+#import vertices/vertex
+
+var<storage, read_write> recheck_items: array<vec2<u32>>;
 
 @compute @workgroup_size(64)
 fn recheck(

@@ -1,8 +1,19 @@
 // recheck_samples: one thread per item that sample left, tile by tile.
 // Reads recheck_items, pairs, triangles, vertices, cells and the samples' rays; finds in recheck arithmetic which of an item's samples the
 // triangle covers, and merges their keys into the records of `samples`.
-// Needs: COUNT_RECHECK_SAMPLES, STRIPS, TILE, flat_of, item_index, pair_slot, pair_tile, real3, recheck_hits, triangle_at, vertex_real
-// Binds: cells, counters, pairs, params, recheck_items, tile_start
+
+#import arithmetic
+#import nodes/tables.wgsl
+#import pairs/pair.wgsl
+#import samples/cells.wgsl
+#import samples/hits.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import vertices/real
+#import vertices/vertex
+
+var<storage, read> pairs: array<vec2<u32>>;
+var<storage, read> recheck_items: array<vec2<u32>>;
 
 @compute @workgroup_size(64)
 fn recheck_samples(

@@ -3,11 +3,33 @@
 // means of its samples', each triangle's share of them by its samples' number or by areas; where these and the centre see one triangle they
 // are what shade has written. Each triangle is shaded once, in the middle of the samples that see it. Triangles in another
 // chunk of the scene are left to that chunk's dispatch, which adds its share.
-// Provides: key_of, nearest_to, seen_alike
-// Needs: COUNT_EDGES, Lit, NONE, PICTURES, Ray, RayDifferential, SAMPLES, SLABBED, STYLED, ShadedHit, TEXTURED, all_samples, beyond, drawn, flat_normal,
-//   item_index, key_id, key_layer, key_t, measure, painted, part_of, pattern_at, point_at, reach_of, reached, sample_differential, sample_offset,
-//   sample_ray, seen_next, segment_length, sent_back, share_of, surface_albedo, surface_normal, take_place, triangle_at, whole
-// Binds: counters, params, planes, samples, shading, slot_of_id
+
+#import keys/key.wgsl
+#import masks/opacity
+#import nodes/slabs.wgsl
+#import primitives/flat
+#import rays/pixel
+#import rays/ray.wgsl
+#import rays/sample_ray
+#import samples/cells.wgsl
+#import samples/measure
+#import samples/offsets.wgsl
+#import samples/shaded_part
+#import shading/materials
+#import shading/numbers.wgsl
+#import shading/pictures
+#import shading/sky
+#import shading/styles
+#import shading/styles/shaded_hit.wgsl
+#import shading/surface.wgsl
+#import shading/textures
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/planes.wgsl
+#import vertices/vertex
+
+var<storage, read> samples: array<u32>;
+var<storage, read> slot_of_id: array<u32>;
 
 fn key_of(record: u32, sample: u32) -> vec2<u32> {
     let at = 2u * (record * (SAMPLES + 1u) + 1u + sample);

@@ -2,10 +2,24 @@
 // Reads what recheck reads, the listed pixels and which cells samples lie in; finds in f32, and where that proves nothing in recheck
 // arithmetic, which samples of those pixels the triangle covers, and merges their keys into the records of `samples`: a pixel, and a
 // visibility key per sample.
-// Needs: COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, TILE, box_mask, conic_sign, conics, first_bit, flat_of, item_index,
-//   may_cover, pair_from, pair_slot, pair_tile, pair_to, pixels_in_part, real3, recheck_hits, sample_offset, tile_corner, triangle_at,
-//   vertex, vertex_real, without_bit
-// Binds: cells, counters, edge_of, nodes, pairs, params, tile_start
+
+#import arithmetic
+#import nodes/conics.wgsl
+#import nodes/slabs.wgsl
+#import nodes/tables.wgsl
+#import pairs/pair.wgsl
+#import samples/cells.wgsl
+#import samples/hits.wgsl
+#import samples/offsets.wgsl
+#import shared/bits.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import vertices/real
+#import vertices/vertex
+
+var<storage, read> edge_of: array<u32>;
+var<storage, read> nodes: array<Node>;
+var<storage, read> pairs: array<vec2<u32>>;
 
 @compute @workgroup_size(64)
 fn sample(

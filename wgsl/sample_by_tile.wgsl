@@ -4,10 +4,29 @@
 // and its rays as bits; the pixel.
 // The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
-// Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, complemented_key, given,
-//   group_index, in_line, item_node, lanes_any, lanes_max, lines_of, nothing_nearest, reach_of, real3, row_bits, sample_strip, shared_of,
-//   size, subgroup_lane, take_lane, take_places, test_pixels, triangle_at, vertex, vertex_lo
-// Binds: blocks, counters, params, recheck_items, samples, touches
+
+#import arithmetic
+#import depth/column
+#import depth/edges.wgsl
+#import depth/exact/test.wgsl
+#import depth/test
+#import lanes
+#import lanes/loads/node
+#import lanes/together.wgsl
+#import rays/strip
+#import samples/cells.wgsl
+#import shared/bits.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/places.wgsl
+#import shared/waiting.wgsl
+#import vertices/still/vertex.wgsl
+#import vertices/vertex
+
+var<storage, read> blocks: array<vec4<u32>>;
+var<storage, read> touches: array<vec4<u32>>;
+var<storage, read_write> recheck_items: array<vec2<u32>>;
+var<storage, read_write> samples: array<vec2<u32>>;
 
 @compute @workgroup_size(64)
 fn sample(

@@ -1,13 +1,32 @@
 // shade: one thread per pixel of the band that may have a ray.
 // Reads the visibility buffer, the triangle that won and the pixel's ray; writes the planes that were asked for.
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
-// Provides: Place
-// Needs: Bundle, Lit, NONE, PICTURES, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, WRITES, beyond, by_thread, colour_of, drawn,
-//   ends_on_smooth, first_piece, first_surface, goes_on, has_corners, has_path, in_file_order, key_id, key_layer, key_t, light_before,
-//   light_left, painted, path_length, pattern_at, piece_number, pixel_at, pixel_key, pixel_ray, point_at, ray_bundle, ray_differential,
-//   reach_of, reached, real3, says_what_is_seen, segment_length, sent_back, slot_of, surface_albedo, surface_normal, surface_uv,
-//   take_moment, take_place, take_surface, triangle_at, vertex_real, write_srgb
-// Binds: params, planes, shading
+
+#import arithmetic
+#import keys/key.wgsl
+#import keys/pixel
+#import masks/opacity
+#import nodes/slabs.wgsl
+#import optics/seen
+#import pixels
+#import primitives/flat
+#import rays/affine_bundle.wgsl
+#import rays/pixel
+#import rays/ray.wgsl
+#import shading/materials
+#import shading/numbers.wgsl
+#import shading/pictures
+#import shading/sky
+#import shading/styles
+#import shading/styles/shaded_hit.wgsl
+#import shading/surface.wgsl
+#import shading/textures
+#import shading/written
+#import shared/params.wgsl
+#import shared/planes.wgsl
+#import vertices/real
+#import vertices/slot
+#import vertices/vertex
 
 // Some plane shows more than the key says.
 override FOLLOWS_RAYS: bool = true;

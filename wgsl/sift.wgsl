@@ -2,8 +2,16 @@
 // Reads beams and points; writes to `found`, for each point: the number of nodes that may see it, then their indices, ascending, as
 // many as there are slots. Lists overflow where the number is larger than `slots`; it is true up to `most`, and NONE for
 // points that are too far away for f32.
-// Needs: NONE, half_meets, item_index
-// Binds: beams, chunk, found, points
+
+#import project/beams.wgsl
+#import project/half_meets.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<uniform> chunk: Chunk;
+var<storage, read> beams: array<Beam>;
+var<storage, read> points: array<vec4<f32>>;
+var<storage, read_write> found: array<u32>;
 
 // Rounding of the difference of a point and an end, relative to both, 2^-24 each of the point, of the difference and of
 // adding the tolerance: space for four.

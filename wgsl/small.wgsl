@@ -2,9 +2,23 @@
 // Reads triangles, vertices, nodes and pieces; draws the triangles that cover few pixels of a node whose pixels are all of one piece:
 // merges their visibility keys, and leaves what f32 does not prove to recheck. All others go to `large`. Both lists may overflow: counters
 // keep counting.
-// Needs: COUNT_LARGE, COUNT_TASKS, LEVEL_CELL, NONE, TILE, TRIANGLE_GROUP, address_node, close_extent, draw_small, item_index, item_node,
-//   lanes_piece, node_level, node_x, node_y, pixels_within, subgroup_lane, take_lane, take_places, triangle_at, vertex
-// Binds: counters, large, params, tasks, triangle_groups
+
+#import lanes
+#import lanes/loads/node
+#import lanes/loads/piece
+#import nodes/address.wgsl
+#import nodes/extent.wgsl
+#import nodes/index.wgsl
+#import nodes/within.wgsl
+#import rays/pieces/small.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/places.wgsl
+#import vertices/vertex
+
+var<storage, read> tasks: array<u32>;
+var<storage, read> triangle_groups: array<u32>;
+var<storage, read_write> large: array<vec2<u32>>;
 
 // Pixels of a box that one thread draws.
 const SMALL: u32 = 512u;
@@ -49,7 +63,7 @@ fn small(
 
     // bound the pixels it may cover
     let seen = close_extent(node, hi[0], hi[1], hi[2]);
-    let within = pixels_within(seen, TILE << (2u * level));
+    let within = pixels_within(seen, TILE << (2u * level), 0.0);
     let corner = TILE * (vec2<u32>(node_x(address), node_y(address)) << vec2<u32>(2u * level));
     let size = vec2<u32>(params.width, params.height);
     let pixels = vec4<u32>(min(corner + within.xy, size), min(corner + within.zw, size));

@@ -3,8 +3,20 @@
 // or NONE where something is not proven; and the images to the list `images`, in any order, its length to `counts`. A candidate whose images
 // the list cannot hold is not proven: `counts` then is larger than the list. Bits of points of which anything is not proven are set in
 // `wanted`.
-// Needs: Answer, NONE, item_index, solved_at
-// Binds: counts, found, images, leaves, points, solved, solving, wanted
+
+#import project/answer.wgsl
+#import project/layout.wgsl
+#import project/solved
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read> found: array<u32>;
+var<storage, read> leaves: array<u32>;
+var<storage, read> points: array<SolvePoint>;
+var<storage, read_write> counts: array<atomic<u32>>;
+var<storage, read_write> images: array<SolveImage>;
+var<storage, read_write> solved: array<u32>;
+var<storage, read_write> wanted: array<atomic<u32>>;
 
 @compute @workgroup_size(64)
 fn solve(

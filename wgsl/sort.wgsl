@@ -1,8 +1,15 @@
 // sort: one thread per pair.
 // Reads `unsorted` pairs, their places among those of their tile, and where the run of each tile starts; writes `pairs`, those of a
 // tile side by side.
-// Needs: COUNT_PAIRS, item_index, pair_tile
-// Binds: counters, pairs, params, ranks, starts, unsorted
+
+#import pairs/pair.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read> ranks: array<u32>;
+var<storage, read> starts: array<u32>;
+var<storage, read> unsorted: array<vec2<u32>>;
+var<storage, read_write> pairs: array<vec2<u32>>;
 
 @compute @workgroup_size(64)
 fn sort(

@@ -1,9 +1,18 @@
 // split: one thread per triangle group of the cluster of an item of `work`.
 // Reads triangle groups and nodes; writes (triangle group, node) items where a ray of the node may meet the triangle group's box. `tasks`
 // may overflow: the counter keeps counting.
-// Needs: CLUSTER, COUNT_TASKS, COUNT_WORK, TRIANGLE_GROUP, address_node, item_index, item_meets, item_node, item_rays, node_meets,
-//   take_places
-// Binds: counters, params, tasks, triangle_groups, work
+
+#import lanes/loads/node
+#import nodes/address.wgsl
+#import nodes/item_rays
+#import nodes/meets.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/places.wgsl
+
+var<storage, read> triangle_groups: array<Cluster>;
+var<storage, read> work: array<vec2<u32>>;
+var<storage, read_write> tasks: array<vec2<u32>>;
 
 const TRIANGLE_GROUPS: u32 = CLUSTER / TRIANGLE_GROUP;
 

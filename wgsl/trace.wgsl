@@ -2,9 +2,19 @@
 // Reads the chunk's hierarchy, its triangles and vertices, cells and the camera's rays; follows each pixel's path to the nearest triangle
 // that it meets at a t in range, and writes that. Triangles of which f32 proves neither a hit nor a miss are left to recheck.
 // The list recheck_items may overflow: the counter keeps counting. What takes too many steps is counted, too.
-// Needs: COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_UNFINISHED, ROUNDS, SLABBED, bvh_scale, followed, has_ray, is_seen, keep_seen,
-//   last_of, nothing_seen, path_of, pixel_at, stretch_of, stretches, take_moment, take_place
-// Binds: counters, params, step
+
+#import hierarchy/followed.wgsl
+#import hierarchy/nodes.wgsl
+#import masks/opacity
+#import nodes/slabs.wgsl
+#import pixels/tiles
+#import rays/path
+#import rays/pixel
+#import rays/seen
+#import rays/stretch
+#import shared/params.wgsl
+#import vertices/followed
+#import vertices/vertex
 
 override COUNTING: bool = false;
 

@@ -1,10 +1,18 @@
 // volume: one thread per pixel of the band, once its surface and the lines on it are drawn.
 // Reads the pixel's path up to the surface that the visibility buffer names, and the cells of the grid that it passes, front to back;
 // puts the light of the volume over the colour planes, and adds what it hides to the coverage.
-// Provides: grid_direction, grid_place
-// Needs: Leg, NONE, Passed, Stretch, UNCHANGED, has_ray, is_dark, item_index, key_layer, key_t, leg_at, legs_of, passed_light, pixel_key,
-//   real, real3, stretch_in, stretch_part, take
-// Binds: medium, params, planes
+
+#import arithmetic
+#import keys/key.wgsl
+#import keys/pixel
+#import rays/legs
+#import rays/pixel
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/planes.wgsl
+#import volume/layout.wgsl
+#import volume/light
+#import volume/passed
 
 // Below and above all t.
 const FAR: f32 = 3.0e38;

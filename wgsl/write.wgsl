@@ -1,7 +1,12 @@
 // write: one thread per pixel of the band. Reads the colour planes; writes 8-bit sRGB of their tones with alpha 255, four bytes a
 // word.
-// Needs: item_index, packed_srgb
-// Binds: params, planes, srgb8
+
+#import shading/tone.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import shared/planes.wgsl
+
+var<storage, read_write> srgb8: array<u32>;
 
 @compute @workgroup_size(64)
 fn write(

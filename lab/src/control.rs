@@ -1,8 +1,9 @@
 //! Control kernels: what memory and subgroups of an adapter do for kernels that do nothing else.
 
+use crate::files::files;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Buffers, Pipeline};
-use anamorph::internals::gpu::kernels::parts::*;
+use anamorph::internals::gpu::kernels::Kernel;
 use anamorph::internals::gpu::layout::GROUP;
 use anamorph::internals::gpu::single::{run, words};
 use anamorph::internals::input::Result;
@@ -20,19 +21,21 @@ const RUNS: usize = 9;
 
 /// Reads a list, 16 bytes an item.
 pub fn read_only() -> Kernel {
-    let bindings = vec![reads("list", "array<vec4<u32>>"), writes("found", "array<u32>")];
-    Kernel::new("read_only", bindings, &[PARAMS, ITEMS, snippets!("control/read_only.wgsl")])
+    alone("control/read_only.wgsl")
 }
 
 /// Writes a list, 16 bytes an item.
 pub fn write_only() -> Kernel {
-    let bindings = vec![writes("list", "array<vec4<u32>>")];
-    Kernel::new("write_only", bindings, &[PARAMS, ITEMS, snippets!("control/write_only.wgsl")])
+    alone("control/write_only.wgsl")
 }
 
 /// Asks the threads of a workgroup how wide their subgroups are.
 pub fn subgroup_width() -> Kernel {
-    Kernel::new("subgroup_width", vec![writes("found", "array<u32>")], &[snippets!("control/subgroup_width.wgsl")])
+    alone("control/subgroup_width.wgsl")
+}
+
+fn alone(entry: &'static str) -> Kernel {
+    Kernel::of(files(), entry, &|_| &[], &|_| None)
 }
 
 /// A control kernel's time.

@@ -3,7 +3,7 @@
 //! A ray that meets an edge exactly must pass on one side of it, the same for all triangles. And a ray that should meet an edge
 //! exactly misses it by rounding, which differs between any two ways to compute the ray. So coverage tests use a perturbed ray: it
 //! lies to the right of the pixel's centre and about half as far down, by far more than rounding and far less than anyone can see. The
-//! reference, the twins and the kernels (`wgsl/shared/perturb.wgsl`) perturb alike, so they agree about edges through pixel
+//! reference, the twins and the kernels (`wgsl/rays/straight/perturb.wgsl`) perturb alike, so they agree about edges through pixel
 //! centres too. Depths and weights are those of the unperturbed ray.
 
 use super::bundle::{Bundle, Ray};
@@ -97,13 +97,13 @@ mod tests {
 
     #[test]
     fn constants_match_the_kernels() {
-        let source = include_str!("../../wgsl/shared/perturb.wgsl");
+        let source = include_str!("../../wgsl/rays/straight/perturb.wgsl");
         for (name, value) in [("PERTURB_PX", "1.0 / 16777216.0"), ("PERTURB_DOWN", "47.0 / 83.0")] {
             assert!(source.contains(&format!("const {name}: real = {value};")), "{name}");
         }
         assert_eq!(PERTURB_PX, 1.0 / 16_777_216.0);
         let share = "const PERTURB: real = 2.2737367544323206e-13;";
-        assert!(include_str!("../../wgsl/shared/real_f64.wgsl").contains(share));
+        assert!(include_str!("../../wgsl/arithmetic/f64.wgsl").contains(share));
         assert_eq!(PERTURB, 2.2737367544323206e-13);
         assert!(
             include_str!("../../wgsl/shared/params.wgsl").contains("const PERTURB_BOUND: f32 = 1.0 / 2199023255552.0;")
@@ -111,11 +111,12 @@ mod tests {
         assert_eq!(2.0 * PERTURB, 1.0 / 2_199_023_255_552.0);
         assert!(include_str!("../../wgsl/shared/params.wgsl").contains("const END_BOUND: f32 = 1.0 / 2147483648.0;"));
         assert!(
-            include_str!("../../wgsl/shared/plane_tolerance.wgsl").contains("const LEAST_SINE: real = 1.0 / 1024.0;")
+            include_str!("../../wgsl/rays/straight/plane_tolerance.wgsl")
+                .contains("const LEAST_SINE: real = 1.0 / 1024.0;")
         );
         assert_eq!([2.0 * END_REACH, PERTURB / END_REACH], [1.0 / 2_147_483_648.0, 1.0 / 1024.0]);
         let edge_on = "const EDGE_ON: real = 1.0 / 2097152.0;";
-        assert!(include_str!("../../wgsl/shared/plane_tolerance.wgsl").contains(edge_on));
+        assert!(include_str!("../../wgsl/rays/straight/plane_tolerance.wgsl").contains(edge_on));
         assert_eq!(EDGE_ON, 1.0 / 2_097_152.0);
     }
 

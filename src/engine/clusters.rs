@@ -415,7 +415,7 @@ fn order_by_position(all: MovingMesh, id: u32, first: [DVec3; 3]) -> [usize; 3] 
     k
 }
 
-/// Where each file corner stands in a packed triangle, by order code: the table of `wgsl/shared/triangle.wgsl`.
+/// Where each file corner stands in a packed triangle, by order code: the table of `wgsl/vertices/triangle.wgsl`.
 #[cfg(any(test, feature = "internals"))]
 pub const CORNER_ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 

@@ -1,11 +1,12 @@
 //! The images on a scene's triangles, put on the device with all their levels.
 
 use crate::engine::plan::pages::{PageLimits, Pages, Placed, level_place, level_size, levels};
-use crate::engine::stage::{dispatch_items, mip};
+use crate::engine::stage::dispatch_items;
 use crate::geometry::mesh::Material;
 use crate::geometry::texture::Texels;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
+use crate::gpu::kernels::Kernel;
 use crate::input::Result;
 use crate::parallel;
 use half::f16;
@@ -49,7 +50,7 @@ impl PageStore {
                 let target = texture(gpu, "pages", size, 1, usage);
                 let pipeline = match pipeline {
                     Some(pipeline) => pipeline,
-                    None => pipeline.insert(Pipeline::new(gpu, mip::kernel())?),
+                    None => pipeline.insert(Pipeline::new(gpu, Kernel::alone("mip.wgsl"))?),
                 };
                 pages.images.iter().try_for_each(|image| put(gpu, pipeline, image, &target))?;
                 *last = Some((pages.clone(), target.clone()));

@@ -14,11 +14,9 @@
 //! an image that may see a point, where [`solve`] finds its images and [`splat`] the nearest of each pixel; nor is [`gradient`], which follows a frame that was read back.
 
 pub mod aim;
-pub mod args;
 pub mod bin;
 pub mod bounce;
 pub mod certify;
-pub mod choose;
 pub mod cull;
 pub mod deposit;
 pub mod edges;
@@ -27,7 +25,6 @@ pub mod forget;
 pub mod gather;
 pub mod gradient;
 pub mod meet;
-pub mod mip;
 pub mod outline;
 pub mod paste;
 pub mod raster;
@@ -56,9 +53,9 @@ use crate::parallel;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
-/// Generates the ids of kernels, their list, and how each is made, from one table.
+/// Generates the ids of kernels, their list, and the entry file of each, from one table.
 macro_rules! kernels {
-    ($($(#[$doc:meta])* $id:ident, $is_there:expr, $kernel:expr;)*) => {
+    ($($(#[$doc:meta])* $id:ident, $is_there:expr, $file:expr;)*) => {
         /// The kernels of frames.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum KernelId {
@@ -68,69 +65,76 @@ macro_rules! kernels {
         impl KernelId {
             pub const ALL: [KernelId; [$(stringify!($id)),*].len()] = [$(KernelId::$id),*];
 
-            /// The kernel of a variant whose frames have these planes; `None`: they do without.
-            pub fn kernel(self, variant: Variant, planes: &[Channel]) -> Option<Kernel> {
-                type PerVariant<T> = fn(Variant, &[Channel]) -> T;
-                let (is_there, kernel): (PerVariant<bool>, PerVariant<Kernel>) = match self {
-                    $(KernelId::$id => ($is_there, $kernel),)*
+            /// The entry file of the kernel of a variant whose frames have these planes; `None`: they do without.
+            fn entry_file(self, variant: Variant, planes: &[Channel]) -> Option<&'static str> {
+                let (is_there, file): (fn(Variant, &[Channel]) -> bool, fn(Variant) -> &'static str) = match self {
+                    $(KernelId::$id => ($is_there, $file),)*
                 };
-                is_there(variant, planes).then(|| kernel(variant, planes))
+                is_there(variant, planes).then(|| file(variant))
             }
         }
     };
 }
 
-// the variants that have a kernel, and how it is made
+// the variants that have a kernel, and its entry file
 kernels! {
     /// Lays out the dispatches of the others that follow a counter.
-    Args, |_, _| true, |_, _| args::kernel();
+    Args, |_, _| true, |_| "args.wgsl";
     /// Whether trace takes over from raster.
-    Choose, |v, _| v.method == Method::Auto, |_, _| choose::kernel();
+    Choose, |v, _| v.method == Method::Auto, |_| "choose.wgsl";
     /// The rays of a viewer that turns and moves.
-    Aim, |v, _| v.rays == RaysKind::Field && !v.bounced, |v, _| aim::kernel(v);
+    Aim, |v, _| v.rays == RaysKind::Field && !v.bounced, |_| "aim.wgsl";
     /// The bounds on the rays of such a viewer.
-    AimNodes, |v, _| aim::turns_nodes(v), |_, _| aim::nodes_kernel();
-    Cull, |v, _| v.rasters(), |v, _| cull::kernel(v);
-    Split, |v, _| v.rasters(), |v, _| split::kernel(v);
-    Small, |v, _| v.small, |v, _| small::kernel(v);
-    Bin, |v, _| v.rasters(), |v, _| bin::kernel(v);
-    Allot, |v, _| v.by_tile, |_, _| sort::allot_kernel();
-    Sort, |v, _| v.by_tile, |_, _| sort::kernel();
-    Raster, |v, _| v.rasters(), |v, _| raster::kernel(v);
-    Trace, |v, _| v.traces(), |v, _| trace::kernel(v);
-    Recheck, |v, _| v.rechecks(), |v, _| recheck::kernel(v);
-    Meet, |v, _| v.meets(), |v, _| meet::kernel(v);
-    Certify, |_, planes| planes.contains(&Channel::Certified), certify::kernel;
+    AimNodes, |v, _| aim::turns_nodes(v), |_| "aim_nodes.wgsl";
+    Cull, |v, _| v.rasters(), |_| "cull.wgsl";
+    Split, |v, _| v.rasters(), |_| "split.wgsl";
+    Small, |v, _| v.small, |_| "small.wgsl";
+    Bin, |v, _| v.rasters(), |_| "bin.wgsl";
+    Allot, |v, _| v.by_tile, |_| "allot.wgsl";
+    Sort, |v, _| v.by_tile, |_| "sort.wgsl";
+    Raster, |v, _| v.rasters(), |v| if v.by_tile { "raster_by_tile.wgsl" } else { "raster.wgsl" };
+    Trace, |v, _| v.traces(), |_| "trace.wgsl";
+    Recheck, |v, _| v.rechecks(), |_| "recheck.wgsl";
+    Meet, |v, _| v.meets(), |_| "meet.wgsl";
+    Certify, |_, planes| planes.contains(&Channel::Certified), certify::entry_file;
     /// Edges and samples, pair by pair.
-    Edges, |v, _| v.samples_edges(), |v, _| edges::kernel(v);
-    Sample, |v, _| v.samples_edges(), |v, _| sample::kernel(v);
+    Edges, |v, _| v.samples_edges(), |_| "edges.wgsl";
+    Sample, |v, _| v.samples_edges(), |_| "sample.wgsl";
     /// The same tile by tile.
-    EdgesByTile, |v, _| v.samples_by_tile(), |v, _| edges::by_tile_kernel(v);
-    SampleByTile, |v, _| v.samples_by_tile(), |v, _| sample::by_tile_kernel(v);
-    RecheckSamples, |v, _| v.samples_by_tile(), |v, _| sample::recheck_kernel(v);
-    Shade, |_, _| true, shade::kernel;
-    Resolve, |v, _| v.samples_edges(), resolve::kernel;
-    Gather, |_, _| true, gather::kernel;
-    Reach, |v, _| v.bounces_rays(), |v, _| reach::kernel(v);
-    Forget, |v, _| v.bounces_rays(), |_, _| forget::kernel();
-    Bounce, |v, _| v.bounces_rays(), |v, _| bounce::kernel(v);
-    Fit, |v, _| v.bounces_rays() && v.rasters(), |v, _| fit::kernel(v);
-    Paste, |v, _| v.optics == Some(OpticsKind::Atlas), paste::kernel;
-    Outline, |v, _| v.outlined, |_, planes| outline::kernel(planes);
-    Volume, |v, _| v.volume.is_some(), volume::kernel;
-    Write, |v, _| !v.writes, |_, planes| write::kernel(planes);
+    EdgesByTile, |v, _| v.samples_by_tile(), |_| "edges_by_tile.wgsl";
+    SampleByTile, |v, _| v.samples_by_tile(), |_| "sample_by_tile.wgsl";
+    RecheckSamples, |v, _| v.samples_by_tile(), |_| "recheck_samples.wgsl";
+    Shade, |_, _| true, |_| "shade.wgsl";
+    Resolve, |v, _| v.samples_edges(), |_| "resolve.wgsl";
+    Gather, |_, _| true, |_| "gather.wgsl";
+    Reach, |v, _| v.bounces_rays(), |_| "reach.wgsl";
+    Forget, |v, _| v.bounces_rays(), |_| "forget.wgsl";
+    Bounce, |v, _| v.bounces_rays(), |_| "bounce.wgsl";
+    Fit, |v, _| v.bounces_rays() && v.rasters(), |_| "fit.wgsl";
+    Paste, |v, _| v.optics == Some(OpticsKind::Atlas), |_| "paste.wgsl";
+    Outline, |v, _| v.outlined, |_| "outline.wgsl";
+    Volume, |v, _| v.volume.is_some(), |_| "volume.wgsl";
+    Write, |v, _| !v.writes, |_| "write.wgsl";
 }
 
 /// The kernels of a variant whose frames have these planes, and those that are no part of a frame but the ones of [`gradient`].
 #[cfg(feature = "internals")]
 pub fn all_kernels(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     let of_frames = KernelId::ALL.into_iter().filter_map(|id| id.kernel(variant, planes));
-    let solve = [solve::kernel(), solve::kernel_of_curves()];
-    let others = [mip::kernel(), sift::kernel(), splat::claim(), splat::contend(), deposit::kernel()];
+    let solve = [solve::PIECES, solve::CURVES].map(solve::kernel);
+    let others = ["mip.wgsl", "sift.wgsl", "claim.wgsl", "contend.wgsl", "deposit.wgsl"].map(Kernel::alone);
     of_frames.chain(solve).chain(others).collect()
 }
 
 impl KernelId {
+    /// The kernel of a variant whose frames have these planes; `None`: they do without.
+    pub fn kernel(self, variant: Variant, planes: &[Channel]) -> Option<Kernel> {
+        let file = self.entry_file(variant, planes)?;
+        // fit bounds the rays of the next bounce
+        let variant = if self == KernelId::Fit { variant.after_bounce() } else { variant };
+        Some(Kernel::new(file, variant, planes))
+    }
+
     /// Compiled when a frame first needs it: most frames do not.
     fn is_lazy(self) -> bool {
         use KernelId::*;

@@ -34,7 +34,7 @@ pub struct Span {
 #[derive(Debug, Clone)]
 pub struct Appearance {
     pub shading: layout::Shading,
-    /// Plain lights: the direction of travel; else two vec4s each, see `lights/positional.wgsl`, and what hides them.
+    /// Plain lights: the direction of travel; else two vec4s each, see `shading/lights/positional/arriving.wgsl`, and what hides them.
     pub lights: Vec<[f32; 4]>,
     pub materials: Vec<layout::Material>,
     pub normals: Vec<[f32; 4]>,

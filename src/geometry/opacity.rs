@@ -3,7 +3,7 @@
 //! Stochastic transparency (Enderton et al. 2010): a sample sees a surface of opacity at least its threshold. The thresholds of a triangle in a
 //! pixel are the middles of equal parts of [0, 1], one for each sample, in an order that differs from triangle to triangle: a surface shows
 //! in round(opacity x samples) samples, and surfaces in front of one another show independently. Kernels have the same thresholds, in
-//! `wgsl/textures/opacity.wgsl`.
+//! `wgsl/masks/masked/opacity.wgsl`.
 
 /// The least opacity that a sample sees: the middle of one of `count` equal parts of [0, 1].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,7 +1,8 @@
 //! Buffers by name, pipelines by kernel, and the bind groups that join the two.
 
+use super::compile::Module;
 use super::device::{Gpu, one_line};
-use super::kernels::{Access, Binding, Kernel};
+use super::kernels::{Access, Binding, Kernel, storage_buffers};
 use super::layout::TEXELS_A_ROW;
 use crate::input::{Error, Result};
 use std::collections::{BTreeMap, HashMap};
@@ -232,17 +233,24 @@ pub fn table_limit(limits: &wgpu::Limits) -> u64 {
 
 /// Joins the bindings of a kernel with buffers of their names.
 pub struct Binder {
-    kernel: Kernel,
+    kernel: &'static str,
+    bindings: Vec<(u32, Binding)>,
     pub layout: wgpu::BindGroupLayout,
 }
 
 impl Binder {
-    pub fn new(device: &wgpu::Device, kernel: Kernel, stages: wgpu::ShaderStages) -> Binder {
+    /// Of the bindings that a kernel of this name reaches.
+    pub fn new(
+        device: &wgpu::Device,
+        kernel: &'static str,
+        bindings: Vec<(u32, Binding)>,
+        stages: wgpu::ShaderStages,
+    ) -> Binder {
         let entries: Vec<wgpu::BindGroupLayoutEntry> =
-            kernel.bindings.iter().enumerate().map(|(k, b)| layout_entry(k as u32, b, stages)).collect();
-        let label = Some(kernel.name);
+            bindings.iter().map(|(number, binding)| layout_entry(*number, binding, stages)).collect();
+        let label = Some(kernel);
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
-        Binder { kernel, layout }
+        Binder { kernel, bindings, layout }
     }
 
     /// Binds every buffer by its name, from the first of `scopes` that has it, and textures.
@@ -263,7 +271,7 @@ impl Binder {
         renamed: &'a [(&str, &str)],
         textures: &'a [(&str, &'a wgpu::TextureView)],
     ) -> impl Iterator<Item = Result<Resource>> {
-        self.kernel.bindings.iter().map(move |b| {
+        self.bindings.iter().map(move |(_, b)| {
             let name = renamed.iter().find(|r| r.0 == b.name).map_or(b.name, |r| r.1);
             let own = || textures.iter().find(|t| t.0 == name).map(|t| t.1);
             let shared = || scopes.iter().find_map(|s| s.textures.get(name)).map(|t| &t.view);
@@ -271,14 +279,15 @@ impl Binder {
             let buffer = scopes.iter().find_map(|s| s.get(name)).cloned().map(Resource::Buffer);
             buffer
                 .or_else(texture)
-                .ok_or_else(|| Error::work(format!("kernel {}: no buffer or texture {name}", self.kernel.name)))
+                .ok_or_else(|| Error::work(format!("kernel {}: no buffer or texture {name}", self.kernel)))
         })
     }
 
     fn group(&self, gpu: &Gpu, bound: &[Resource]) -> wgpu::BindGroup {
-        let entries: Vec<wgpu::BindGroupEntry> = (0..)
+        let entries: Vec<wgpu::BindGroupEntry> = (self.bindings.iter())
             .zip(bound)
-            .map(|(binding, resource)| {
+            .map(|((binding, _), resource)| {
+                let binding = *binding;
                 let resource = match resource {
                     Resource::Buffer(buffer) => buffer.as_entire_binding(),
                     Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
@@ -286,7 +295,7 @@ impl Binder {
                 wgpu::BindGroupEntry { binding, resource }
             })
             .collect();
-        let (label, layout) = (Some(self.kernel.name), &self.layout);
+        let (label, layout) = (Some(self.kernel), &self.layout);
         gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
     }
 }
@@ -353,8 +362,8 @@ struct Compiled {
 #[derive(Default)]
 pub struct Pipelines(Mutex<HashMap<Key, Pipeline>>);
 
-/// The source of a kernel, whether its f64 is in 32-bit words, its bindings and the bits of its constants.
-type Key = (String, bool, Vec<Binding>, Vec<(&'static str, u64)>);
+/// The source of a kernel, whether its f64 is in 32-bit words, and the bits of its constants.
+type Key = (String, bool, Vec<(&'static str, u64)>);
 
 impl Pipeline {
     /// The pipeline of a kernel, without f64 of the adapter's own where it has none: compiled, if none of the same was.
@@ -362,21 +371,14 @@ impl Pipeline {
     /// # Errors
     /// [`Error::Work`] for a kernel that binds more storage buffers than the adapter has; later kernels are not affected.
     pub fn new(gpu: &Gpu, kernel: Kernel) -> Result<Pipeline> {
-        let (binds, most) = (kernel.storage_buffers(), gpu.limits.max_storage_buffers_per_shader_stage);
-        if binds > most {
-            let (adapter, name) = (&gpu.info.name, kernel.name);
-            let needs = format!("kernel {name} needs {binds} storage buffers, there are {most}");
-            return Err(Error::work(format!("adapter {adapter}: {needs}; use --engine reference")));
-        }
-
         let constants = kernel.constants.iter().map(|(name, value)| (*name, value.to_bits())).collect();
-        let key = (gpu.with_replaced(&kernel).source(), gpu.lowers(&kernel), kernel.bindings.clone(), constants);
+        let key = (gpu.with_replaced(&kernel).source(), gpu.lowers(&kernel), constants);
         let known = || gpu.pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = known().get(&key) {
             return Ok(pipeline.clone());
         }
         // others may compile meanwhile
-        let pipeline = Pipeline(Arc::new(Compiled::new(gpu, kernel)));
+        let pipeline = Pipeline(Arc::new(Compiled::new(gpu, &kernel)?));
         known().insert(key, pipeline.clone());
         Ok(pipeline)
     }
@@ -402,12 +404,18 @@ impl Pipeline {
 }
 
 impl Compiled {
-    fn new(gpu: &Gpu, kernel: Kernel) -> Compiled {
+    fn new(gpu: &Gpu, kernel: &Kernel) -> Result<Compiled> {
         let device = &gpu.device;
-        let label = Some(kernel.name);
-        let module = gpu.compile(&kernel);
-        let (name, constants) = (kernel.name, kernel.constants.clone());
-        let binder = Binder::new(device, kernel, wgpu::ShaderStages::COMPUTE);
+        let (name, constants) = (kernel.name, &kernel.constants);
+        let label = Some(name);
+        let Module { module, bindings } = gpu.compile(kernel);
+        let (binds, most) = (storage_buffers(&bindings), gpu.limits.max_storage_buffers_per_shader_stage);
+        if binds > most {
+            let adapter = &gpu.info.name;
+            let needs = format!("kernel {name} needs {binds} storage buffers, there are {most}");
+            return Err(Error::work(format!("adapter {adapter}: {needs}; use --engine reference")));
+        }
+        let binder = Binder::new(device, name, bindings, wgpu::ShaderStages::COMPUTE);
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label,
             bind_group_layouts: &[Some(&binder.layout)],
@@ -419,13 +427,13 @@ impl Compiled {
             layout: Some(&layout),
             module: &module,
             entry_point: Some(name),
-            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
             cache: None,
         });
         if let Some(error) = pollster::block_on(scope.pop()) {
             gpu.failed(format!("kernel {name}: {}", one_line(error)));
         }
-        Compiled { binder, pipeline }
+        Ok(Compiled { binder, pipeline })
     }
 }
 

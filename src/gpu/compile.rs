@@ -1,7 +1,7 @@
 //! Compiles kernels: errors name the place in the source, and `--dump-kernels` writes the sources to files.
 
 use super::device::{Gpu, one_line};
-use super::kernels::{Kernel, Snippet};
+use super::kernels::{Binding, File, Kernel, reached};
 use crate::input::{Error, Result};
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -26,7 +26,7 @@ impl Dump {
         Ok(Dump { folder: folder.into(), written: Mutex::default() })
     }
 
-    /// Writes NAME.wgsl, then NAME-2.wgsl and so on for further variants. Each snippet stands below a line with its name; overrides
+    /// Writes NAME.wgsl, then NAME-2.wgsl and so on for further variants. Each file stands below a line with its path; overrides
     /// come last.
     fn write(&self, kernel: &Kernel, is_lowered: bool) -> std::io::Result<()> {
         let mut text = kernel.labelled_source();
@@ -53,40 +53,56 @@ impl Dump {
 }
 
 impl Gpu {
-    /// The kernel with [`Gpu::replaced`] snippets.
+    /// The kernel with [`Gpu::replaced`] files.
     pub(super) fn with_replaced(&self, kernel: &Kernel) -> Kernel {
-        let other = |part: &&'static Snippet| *self.replaced.iter().find(|r| r.name == part.name).unwrap_or(part);
-        Kernel { parts: kernel.parts.iter().map(other).collect(), ..kernel.clone() }
+        let other = |file: &&'static File| *self.replaced.iter().find(|r| r.path == file.path).unwrap_or(file);
+        let mut kernel = kernel.clone();
+        kernel.files = kernel.files.iter().map(other).collect();
+        kernel
     }
 
     /// Whether a kernel is compiled with f64 in 32-bit words.
     pub(super) fn lowers(&self, kernel: &Kernel) -> bool {
-        kernel.f64 && !self.has.f64
+        kernel.has_f64() && !self.has.f64
     }
 
     /// Compiles a kernel, with f64 in 32-bit words on an adapter without f64. An error becomes the device's failure.
-    pub fn compile(&self, kernel: &Kernel) -> wgpu::ShaderModule {
+    pub fn compile(&self, kernel: &Kernel) -> Module {
         let kernel = &self.with_replaced(kernel);
         let text = kernel.source();
         let is_lowered = self.lowers(kernel);
         if let Some(Err(e)) = self.dump.as_ref().map(|dump| dump.write(kernel, is_lowered)) {
             self.failed(format!("kernel {} cannot be written to a file: {e}", kernel.name));
         }
-        let mut source = wgpu::ShaderSource::Wgsl(text.as_str().into());
-        if is_lowered {
-            match lowered(&text) {
-                Ok(module) => source = wgpu::ShaderSource::Naga(Cow::Owned(module)),
-                // the device reports below what cannot be parsed, and where
-                Err(_) if wgpu::naga::front::wgsl::parse_str(&text).is_err() => (),
-                Err(text) => {
-                    self.failed(format!("kernel {}: {}", kernel.name, one_line(text)));
-                }
+        let parsed = match is_lowered {
+            true => lowered(&text),
+            false => wgpu::naga::front::wgsl::parse_str(&text).map_err(|e| e.to_string()),
+        };
+        let mut bindings = Vec::new();
+        let as_text = || wgpu::ShaderSource::Wgsl(text.as_str().into());
+        let (source, is_wgsl) = match parsed {
+            Ok(module) => {
+                bindings = reached(&module, &kernel.bindings());
+                (wgpu::ShaderSource::Naga(Cow::Owned(module)), is_lowered)
             }
+            // the device reports below what cannot be parsed, and where
+            Err(_) if !is_lowered || wgpu::naga::front::wgsl::parse_str(&text).is_err() => (as_text(), true),
+            Err(e) => {
+                self.failed(format!("kernel {}: {}", kernel.name, one_line(e)));
+                (as_text(), true)
+            }
+        };
+        let made = |source| {
+            let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+            let module = self.create_module(wgpu::ShaderModuleDescriptor { label: Some(kernel.name), source });
+            (module, pollster::block_on(scope.pop()))
+        };
+        let (mut module, mut error) = made(source);
+        if error.is_some() && !is_wgsl {
+            // a module without its text knows no places in it
+            (module, error) = made(as_text());
         }
-        let descriptor = wgpu::ShaderModuleDescriptor { label: Some(kernel.name), source };
-        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let module = self.create_module(descriptor);
-        if let Some(error) = pollster::block_on(scope.pop()) {
+        if let Some(error) = error {
             let info = pollster::block_on(module.get_compilation_info());
             let message = info.messages.into_iter().find(|m| m.message_type == wgpu::CompilationMessageType::Error);
             self.failed(match message {
@@ -94,8 +110,14 @@ impl Gpu {
                 None => format!("kernel {}: {}", kernel.name, one_line(error)),
             });
         }
-        module
+        Module { module, bindings }
     }
+}
+
+/// A compiled kernel, and the bindings that it reaches with their numbers.
+pub struct Module {
+    pub module: wgpu::ShaderModule,
+    pub bindings: Vec<(u32, Binding)>,
 }
 
 /// Most characters of a source line that an error shows.
@@ -115,8 +137,8 @@ fn fault(kernel: &Kernel, message: &wgpu::CompilationMessage) -> String {
     let source = kernel.source();
     let shown: String =
         source.lines().nth(line.saturating_sub(1)).unwrap_or_default().trim().chars().take(SHOWN).collect();
-    let (snippet, line) = kernel.place(line);
-    format!("kernel {name}, {snippet}:{line}:{column}: {what}: {shown} (--dump-kernels DIR writes the whole source)")
+    let (file, line) = kernel.place(line);
+    format!("kernel {name}, {file}:{line}:{column}: {what}: {shown} (--dump-kernels DIR writes the whole source)")
 }
 
 /// Functions of kernels that convert between an f64 and its two words.

@@ -3,7 +3,7 @@
 use super::buffers::{Pipelines, table_limit};
 use super::compile::Dump;
 use super::exact;
-use super::kernels::Snippet;
+use super::kernels::File;
 use super::layout::LANES;
 use super::needs::{STORAGE_BUFFERS_BY_TILE, lacks};
 use super::readback::SpareBuffers;
@@ -37,8 +37,8 @@ pub struct Gpu {
     /// The largest texture that holds a table of triangles or vertices, bytes.
     pub table_limit: u64,
     pub has: AdapterFeatures,
-    /// Snippets that kernels are compiled with instead of those of the same names: tests plant errors by them.
-    pub replaced: Vec<&'static Snippet>,
+    /// Files that kernels are compiled with instead of those of the same paths: tests plant errors by them.
+    pub replaced: Vec<&'static File>,
     /// What wgpu adds to kernels, see [`Gpu::with_checks`].
     checks: wgpu::ShaderRuntimeChecks,
     /// Writes the kernels' sources.

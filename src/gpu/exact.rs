@@ -7,7 +7,7 @@
 use super::Gpu;
 use super::buffers::{Buffers, Pipeline};
 use super::device::label;
-use super::kernels::parts::*;
+use super::kernels::Kernel;
 use super::single::{run, words};
 use crate::arrays::MapEach;
 use crate::input::{Error, Result};
@@ -55,12 +55,6 @@ const CASES: [Case; 5] = [
 const PI_HI: f32 = std::f32::consts::PI;
 const PI_LO: f32 = (std::f64::consts::PI - PI_HI as f64) as f32;
 
-/// Computes all that a case is to give.
-pub fn kernel() -> Kernel {
-    let bindings = vec![reads("given", "array<vec4<u32>>"), writes("found", "array<vec4<u32>>")];
-    Kernel::new("exact", bindings, &[REAL_F64, snippets!("control/exact.wgsl")])
-}
-
 impl Case {
     fn given(&self) -> [u32; CASE_WORDS] {
         let [x, y] = self.pair.map_each(f32::to_bits);
@@ -100,7 +94,7 @@ pub fn wrong(gpu: &Gpu) -> Result<Option<&'static str>> {
     let mut buffers = Buffers::default();
     buffers.upload(gpu, "given", &CASES.map(|case| case.given()))?;
     buffers.create(gpu, "found", (4 * CASE_WORDS * CASES.len()) as u64, wgpu::BufferUsages::empty())?;
-    run(gpu, "exact", &Pipeline::new(gpu, kernel())?, &buffers, 1)?;
+    run(gpu, "exact", &Pipeline::new(gpu, Kernel::alone("control/exact.wgsl"))?, &buffers, 1)?;
     let found = buffers.get("found").map(|found| words(gpu, found)).transpose()?.unwrap_or_default();
     let is_right = |words: &std::ops::Range<usize>| {
         let found = found.chunks(CASE_WORDS);

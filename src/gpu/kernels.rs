@@ -1,16 +1,18 @@
-//! How kernels are made: a kernel is its bindings and the snippets that it is joined from; which ones, its stage says
-//! (`engine/stage`), for a variant.
+//! Kernels: each is an entry file under `wgsl/` with the files that it imports.
 //!
-//! A kernel's module is its bindings, generated, and the plain concatenation of its snippets. Each snippet names
-//! at its top what it provides, and what it needs of the others and of the bindings. Variants swap a snippet that provides the same
-//! functions, or set an `override` constant.
+//! A file says at its top what it stands on, `#import rays/meeting.wgsl`, and declares the buffers and textures that it binds by name alone,
+//! `var<storage, read> pairs: array<vec2<u32>>;`. An import without `.wgsl` names an interface, `#import rays/pixel`: a folder has its
+//! implementations, and the [`Variant`] chooses one, here `rays/pieces/pixel.wgsl`. An entry file may choose for its kernel:
+//! `#choose arithmetic f32`. The joiner ([`Kernel`]) follows the imports, numbers the bindings and sets the `override` constants;
+//! naga says which bindings the entry point reaches, and only those are bound.
 
+mod files;
 mod kernel;
 mod optics;
-pub mod parts;
-mod samples;
-mod surfaces;
+mod reflect;
 mod variant;
-pub use kernel::{Access, Binding, Kernel, Parts, Snippet};
+pub use files::{Access, Binding, File, Files};
+pub use kernel::{Kernel, storage_buffers};
 pub use optics::OpticsKind;
+pub use reflect::reached;
 pub use variant::{LightsKind, Method, RaysKind, SurfaceKind, Variant, VolumeKind};

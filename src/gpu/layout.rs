@@ -1,5 +1,5 @@
-//! The structs that the host writes and the kernels read: `wgsl/shared/params.wgsl`, `shading.wgsl` and `beams.wgsl`
-//! and `wgsl/optics/layout.wgsl` and `wgsl/caustics/layout.wgsl` in Rust.
+//! The structs that the host writes and the kernels read, in Rust: `wgsl/shared/params.wgsl`, `wgsl/shading/numbers.wgsl`,
+//! `wgsl/project/beams.wgsl`, `wgsl/optics/layout.wgsl` and `wgsl/caustics/layout.wgsl`.
 //!
 //! `tests/wgsl_layout.rs` compares names, offsets, sizes and constants of both sides.
 

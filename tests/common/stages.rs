@@ -313,9 +313,11 @@ impl Bench {
     /// Runs a source's `probe` in groups of 64, that reads the inputs as binding 0 and writes `words` for each of them to binding 1.
     pub fn probe<T: bytemuck::NoUninit>(&self, source: &str, inputs: &[T], words: usize) -> Vec<u32> {
         let gpu = &self.gpu;
+        // the source is whole: its files' imports are in it
+        let source: String = source.lines().filter(|l| !l.starts_with('#')).map(|l| format!("{l}\n")).collect();
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("probe"),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
+            source: wgpu::ShaderSource::Wgsl(source.as_str().into()),
         });
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("probe"),

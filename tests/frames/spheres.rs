@@ -402,7 +402,7 @@ fn nothing_of_it_is_in_a_frame_without_spheres() {
     use anamorph::internals::engine::stage::all_kernels;
     let has_spheres = |variant: Variant| {
         let all = all_kernels(variant, &[Channel::T]);
-        all.iter().any(|kernel| kernel.parts.iter().any(|part| part.name.contains("sphere")))
+        all.iter().any(|kernel| kernel.files.iter().any(|file| file.path.contains("sphere")))
     };
     for variant in Variant::every(true, true) {
         assert_eq!(has_spheres(variant), variant.spheres, "{variant:?}");

@@ -187,9 +187,12 @@ fn uses(kernel: &Kernel) -> Uses {
     let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module).unwrap();
     let point = info.get_entry_point(0);
     let mut uses = Uses::new();
-    for (handle, global) in module.global_variables.iter().filter(|(_, global)| global.binding.is_some()) {
+    let bindings = kernel.bindings();
+    let is_used = |handle: naga::Handle<naga::GlobalVariable>| !point[handle].is_empty();
+    for (handle, global) in module.global_variables.iter().filter(|(h, global)| global.binding.is_some() && is_used(*h))
+    {
         let name = global.name.clone().unwrap();
-        let binding = kernel.bindings.iter().find(|b| b.name == name).expect("a binding of that name");
+        let binding = bindings.iter().find(|b| b.name == name).expect("a binding of that name");
         let found = point[handle];
         let does = Use { reads: found.contains(GlobalUse::READ), writes: found.contains(GlobalUse::WRITE) };
         if let naga::AddressSpace::Storage { access } = global.space {

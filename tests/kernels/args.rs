@@ -2,9 +2,9 @@
 
 use crate::common::needs::adapter;
 use crate::stages::{assert_poisoned, counters, read, run};
-use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Buffers, Pipeline};
+use anamorph::internals::gpu::kernels::Kernel;
 use anamorph::internals::gpu::layout::*;
 use bytemuck::Zeroable;
 
@@ -83,7 +83,7 @@ fn suit(indirect: &[u32], items: u32, threads: u32) -> bool {
 #[test]
 fn dispatches_hold_all_items_of_a_list_and_end_with_it() {
     let Some(gpu) = adapter() else { return };
-    let pipeline = Pipeline::new(&gpu, stage::args::kernel()).unwrap();
+    let pipeline = Pipeline::new(&gpu, Kernel::alone("args.wgsl")).unwrap();
     for (counter, capacity, threads) in lists() {
         let counts = [
             0,
@@ -122,7 +122,7 @@ fn dispatches_hold_all_items_of_a_list_and_end_with_it() {
 #[test]
 fn trace_takes_over_where_what_is_left_of_raster_costs_more() {
     let Some(gpu) = adapter() else { return };
-    let kernels = [stage::choose::kernel(), stage::args::kernel()].map(|kernel| Pipeline::new(&gpu, kernel).unwrap());
+    let kernels = ["choose.wgsl", "args.wgsl"].map(|file| Pipeline::new(&gpu, Kernel::alone(file)).unwrap());
     let traced = Counter::Traced.index();
     let run = |pipeline: &Pipeline, budget: f32, counter: u32, given: &[(u32, u32)]| {
         let own = Params { raster_budget: budget, tiles_x: 7, height: 19, ..params() };

@@ -4,7 +4,7 @@ use crate::bounced::{bounces, cases, delicate, variant};
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use anamorph::internals::camera::TILE;
 use anamorph::internals::engine::stage;
-use anamorph::internals::gpu::kernels::OpticsKind;
+use anamorph::internals::gpu::kernels::{Kernel, OpticsKind};
 use anamorph::internals::gpu::layout::{NONE, split2};
 use anamorph_lab::twin::bounce::{Bounced, bounce};
 use anamorph_lab::twin::raster::Visibility;
@@ -236,7 +236,7 @@ fn the_comparison_sees_planted_errors() {
 #[test]
 fn the_kernel_has_the_rule_s_constant() {
     let case = cases().into_iter().next().unwrap();
-    let source = anamorph::internals::engine::stage::bounce::kernel(case.variant(Real::F64, false)).source();
+    let source = Kernel::new("bounce.wgsl", case.variant(Real::F64, false), &[]).source();
     assert!(
         source.contains(&format!("const FLAT_LEAST: real = {:?};", anamorph::internals::camera::optics::FLAT_LEAST))
     );

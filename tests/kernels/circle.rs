@@ -39,8 +39,8 @@ fn revolutions() -> Vec<[f32; 2]> {
 
 fn found(bench: &Bench, real: Real, revolutions: &[[f32; 2]]) -> Vec<[f64; 2]> {
     let arithmetic = match real {
-        Real::F64 => include_str!("../../wgsl/shared/real_f64.wgsl"),
-        Real::F32 => include_str!("../../wgsl/shared/real_f32.wgsl"),
+        Real::F64 => include_str!("../../wgsl/arithmetic/f64.wgsl"),
+        Real::F32 => include_str!("../../wgsl/arithmetic/f32.wgsl"),
     };
     let source = [arithmetic, include_str!("../../wgsl/optics/circle.wgsl"), PROBE].concat();
     let number = |w: &[u32], k: usize| [4, 2, 0].map(|part| f64::from(f32::from_bits(w[k + part]))).iter().sum();

@@ -7,7 +7,7 @@ use crate::stages::{
 };
 use anamorph::internals::engine::Capacities;
 use anamorph::internals::engine::stage;
-use anamorph::internals::gpu::kernels::Variant;
+use anamorph::internals::gpu::kernels::{Kernel, Variant};
 use anamorph::internals::gpu::layout::{COUNTERS, Counter, RAYS_AFFINE};
 use anamorph_lab::twin::cull::{
     Address, Bound, Culled, HAND_ON, HAND_ON_LEVEL, REFINEMENTS, cull, hands_on, may_hand_on, node_meets,
@@ -219,7 +219,7 @@ fn counters_keep_counting_past_the_end_of_full_lists() {
 /// Two rules are the same numbers on both sides; the other numbers of the kernel are its own.
 #[test]
 fn the_twin_s_constants_are_the_kernel_s() {
-    let source = anamorph::internals::engine::stage::cull::kernel(Variant::every(true, true)[0]).source();
+    let source = Kernel::new("cull.wgsl", Variant::every(true, true)[0], &[]).source();
     for (name, value) in [("HAND_ON", HAND_ON as u32), ("HAND_ON_LEVEL", HAND_ON_LEVEL), ("REFINEMENTS", REFINEMENTS)] {
         assert!(source.contains(&format!("const {name}: u32 = {value}u;")), "{name} is not {value}");
     }

@@ -2,9 +2,9 @@
 
 use crate::common::needs::adapter;
 use crate::common::rng::Rng;
-use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::deposit::{CausticTriangles, Deposit};
 use anamorph::internals::gpu::buffers::Buffers;
+use anamorph::internals::gpu::kernels::Kernel;
 use anamorph::internals::gpu::layout::{CausticTriangle, Receiver};
 use anamorph::internals::scene::caustics::shares::LINE_WIDTH;
 use anamorph_lab::twin::deposit::{corners, deposit};
@@ -196,7 +196,7 @@ fn sums_carry_into_their_high_words_and_do_not_depend_on_the_order() {
 #[test]
 fn the_kernel_calls_lines_what_its_twin_does() {
     let constant = format!("const LINE_WIDTH: f32 = 1.0 / {:.1};", 1.0 / LINE_WIDTH);
-    assert!(stage::deposit::kernel().source().contains(&constant), "{constant}");
+    assert!(Kernel::alone("deposit.wgsl").source().contains(&constant), "{constant}");
 }
 
 #[test]

@@ -7,6 +7,7 @@ use anamorph::internals::engine::plan::curves::RayTable;
 use anamorph::internals::engine::plan::fit::{LOOSE, LOOSE_SIZE};
 use anamorph::internals::engine::plan::nodes::{DISCONTINUOUS_WIDTH, Level};
 use anamorph::internals::engine::stage;
+use anamorph::internals::gpu::kernels::Kernel;
 use anamorph::internals::gpu::layout::{BRANCH, Cell, Node, RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE};
 use anamorph_lab::twin::cull::Address;
 use anamorph_lab::twin::fit::{fit, rays_below, reach};
@@ -251,7 +252,7 @@ fn nodes_hold_nasty_rays() {
 
 #[test]
 fn the_kernel_has_the_host_s_constants() {
-    let source = anamorph::internals::engine::stage::fit::kernel(any_case().variant(Real::F32, false)).source();
+    let source = Kernel::new("fit.wgsl", any_case().variant(Real::F32, false).after_bounce(), &[]).source();
     for line in [
         format!("const LOOSE: f32 = {LOOSE:?};"),
         format!("const LOOSE_SIZE: f32 = 1.0 / {:?};", 1.0 / LOOSE_SIZE),

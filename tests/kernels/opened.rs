@@ -3,19 +3,19 @@
 use crate::common::needs;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::device::label;
-use anamorph::internals::gpu::exact::{check, kernel, wrong};
-use anamorph::internals::gpu::kernels::Snippet;
+use anamorph::internals::gpu::exact::{check, wrong};
+use anamorph::internals::gpu::kernels::{File, Files};
 use std::time::Instant;
 
-const REAL: &str = "shared/real_f64.wgsl";
+const REAL: &str = "arithmetic/f64.wgsl";
 const OWN: &str = "control/exact.wgsl";
 
-/// A device whose kernels have `from` of a snippet replaced, after it was opened.
+/// A device whose kernels have `from` of a file replaced, after it was opened.
 fn planted(name: &'static str, from: &str, to: &str) -> Option<Gpu> {
     let mut gpu = needs::adapter()?;
-    let text = kernel().parts.iter().find(|p| p.name == name).expect("a snippet of the kernel").text;
+    let text = Files::own().get(name).expect("a file of the kernel").text;
     assert!(text.contains(from), "{name} has no {from:?}");
-    gpu.replaced = vec![Box::leak(Box::new(Snippet { name, text: text.replacen(from, to, 1).leak() }))];
+    gpu.replaced = vec![Box::leak(Box::new(File::new(name, text.replacen(from, to, 1).leak())))];
     Some(gpu)
 }
 

@@ -17,7 +17,7 @@ use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::geometry::place;
 use anamorph::internals::geometry::spheres::spheres_of;
 use anamorph::internals::geometry::texture::{Texels, Texture};
-use anamorph::internals::gpu::kernels::Snippet;
+use anamorph::internals::gpu::kernels::File;
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
 use anamorph::internals::input::Limits;
 use anamorph::internals::reference::image::{image, judge};
@@ -345,21 +345,21 @@ enum Dispatching {
     Bounded,
 }
 
-/// A snippet, its text, what is planted, and what notices it.
+/// A file, its text, what is planted, and what notices it.
 type Planted = (&'static str, &'static str, &'static str, Dispatching, Check);
 
 const PLANTED: [Planted; 60] = [
-    ("shared/nearest_bounded.wgsl", "share = 1.0 / across;", "share = 1.0 / abs(across);", Dispatching::Bounded, seen),
+    ("depth/bounded/nearest.wgsl", "share = 1.0 / across;", "share = 1.0 / abs(across);", Dispatching::Bounded, seen),
     (
-        "shared/nearest_bounded.wgsl",
+        "depth/bounded/nearest.wgsl",
         "Found(nearest, may & !is_nearest,",
         "Found(nearest, may & inside & !is_nearest,",
         Dispatching::Bounded,
         no_holes_at_centres,
     ),
-    ("shared/nearest_bounded.wgsl", "slots[k] | PROVEN", "slots[0] | PROVEN", Dispatching::Bounded, seen),
+    ("depth/bounded/nearest.wgsl", "slots[k] | PROVEN", "slots[0] | PROVEN", Dispatching::Bounded, seen),
     (
-        "camera/pieces_column_bounded.wgsl",
+        "depth/columns/pieces_bounded.wgsl",
         "cell.d + x * q.dx_hi",
         "cell.d + 1.3 * x * q.dx_hi",
         Dispatching::Bounded,
@@ -369,25 +369,25 @@ const PLANTED: [Planted; 60] = [
     ("args.wgsl", "count = min(count, params.pair_capacity);", "count = count / 2u;", Dispatching::ByPair, seen),
     ("args.wgsl", "count -= first;", "count = first;", Dispatching::ByTile, seen),
     ("trace.wgsl", "if k == stretches() {", "if k + 1u == stretches() {", Dispatching::ByPair, traced),
-    ("shared/followed.wgsl", "count += select(0u, 1u,", "count += select(0u, 0u,", Dispatching::ByPair, traced),
-    ("shared/bvh8.wgsl", "bytes_of(far.x) * x.step", "0.7 * bytes_of(far.x) * x.step", Dispatching::ByPair, traced),
-    ("camera/pieces_path.wgsl", "+ place.x * q.dx_hi", "+ 1.3 * place.x * q.dx_hi", Dispatching::ByPair, traced),
+    ("hierarchy/followed.wgsl", "count += select(0u, 1u,", "count += select(0u, 0u,", Dispatching::ByPair, traced),
+    ("hierarchy/nodes.wgsl", "bytes_of(far.x) * x.step", "0.7 * bytes_of(far.x) * x.step", Dispatching::ByPair, traced),
+    ("rays/pieces/path.wgsl", "+ place.x * q.dx_hi", "+ 1.3 * place.x * q.dx_hi", Dispatching::ByPair, traced),
     (
-        "camera/straight_seen.wgsl",
+        "rays/straight/seen.wgsl",
         "min(seen.last, last), is_met);",
         "min(seen.last, last) - 0.5, is_met);",
         Dispatching::ByPair,
         traced,
     ),
     (
-        "camera/straight_seen.wgsl",
+        "rays/straight/seen.wgsl",
         "vec2<u32>(own.slot, path.item);",
         "vec2<u32>(0u, path.item);",
         Dispatching::ByPair,
         traced_no_holes,
     ),
     (
-        "camera/curves_path.wgsl",
+        "rays/curves/stretch.wgsl",
         "vec3<f32>(x.z, y.z, z.z)",
         "0.0 * vec3<f32>(x.z, y.z, z.z)",
         Dispatching::ByPair,
@@ -412,23 +412,23 @@ const PLANTED: [Planted; 60] = [
     ("small.wgsl", "first_slot + lane;", "first_slot + lane / 2u;", Dispatching::ByTile, seen),
     ("small.wgsl", "vec2<u32>(slot, address);", "vec2<u32>(slot + 1u, address);", Dispatching::ByTile, seen),
     (
-        "shared/certainty.wgsl",
+        "rays/certainty.wgsl",
         "select(PROOF_CONTESTED, PROOF_SURE, is_found",
         "select(PROOF_SURE, PROOF_SURE, is_found",
         Dispatching::ByPair,
         proven,
     ),
-    ("shared/certainty.wgsl", "- 1u <= ~atomicLoad", "- 1u > ~atomicLoad", Dispatching::ByPair, proven),
-    ("shared/certainty.wgsl", "select(0u, PROOF_SURE, is_hit)", "0u", Dispatching::ByPair, proven),
+    ("rays/certainty.wgsl", "- 1u <= ~atomicLoad", "- 1u > ~atomicLoad", Dispatching::ByPair, proven),
+    ("rays/certainty.wgsl", "select(0u, PROOF_SURE, is_hit)", "0u", Dispatching::ByPair, proven),
     (
-        "camera/straight_sphere_proof.wgsl",
+        "rays/straight/sphere_proof.wgsl",
         "let is_met = below > error_below;",
         "let is_met = below > -error_below;",
         Dispatching::ByPair,
         proven_spheres,
     ),
     (
-        "camera/straight_sphere_proof.wgsl",
+        "rays/straight/sphere_proof.wgsl",
         "-no_more(root_low - along - error_along",
         "-no_more(root_low + along - error_along",
         Dispatching::ByPair,
@@ -442,7 +442,7 @@ const PLANTED: [Planted; 60] = [
         proven_spheres,
     ),
     (
-        "shared/certainty.wgsl",
+        "rays/certainty.wgsl",
         "select(PROOF_CONTESTED, PROOF_SURE, is_found",
         "select(PROOF_SURE, PROOF_SURE, is_found",
         Dispatching::ByPair,
@@ -500,16 +500,16 @@ const PLANTED: [Planted; 60] = [
         outlined,
     ),
     // steps ten times too coarse: errors go by their squares; and a hundred times where bounds are loose
-    ("volume/composite.wgsl", "f32 = 1.0 / 512.0;", "f32 = 100.0 / 512.0;", Dispatching::ByPair, glowing),
+    ("volume/passed/composite.wgsl", "f32 = 1.0 / 512.0;", "f32 = 100.0 / 512.0;", Dispatching::ByPair, glowing),
     (
-        "volume/curved_legs.wgsl",
+        "rays/curves/legs.wgsl",
         "0.125 * bend / medium.place_error",
         "0.0000125 * bend / medium.place_error",
         Dispatching::ByPair,
         glowing_along_curves,
     ),
     (
-        "volume/maximum.wgsl",
+        "volume/passed/maximum.wgsl",
         "largest + medium.value_error",
         "largest + 100.0 * medium.value_error",
         Dispatching::ByPair,
@@ -524,15 +524,15 @@ const PLANTED: [Planted; 60] = [
         largest_within,
     ),
     (
-        "volume/straight_legs.wgsl",
+        "rays/straight/legs.wgsl",
         "let speed = length(vec3<f32>(d));",
         "let speed = 0.98 * length(vec3<f32>(d));",
         Dispatching::ByPair,
         glowing,
     ),
-    ("volume/unlit.wgsl", "voxels[at + slice + row]", "voxels[at + slice]", Dispatching::ByPair, glowing),
+    ("volume/light/unlit.wgsl", "voxels[at + slice + row]", "voxels[at + slice]", Dispatching::ByPair, glowing),
     (
-        "volume/lit.wgsl",
+        "volume/light/lit.wgsl",
         "inner(stretch.g, extinctions)",
         "inner(stretch.r, extinctions) * 1.05",
         Dispatching::ByPair,
@@ -591,8 +591,8 @@ fn largest_within(engine: &mut Engine) -> Result<(), String> {
     clouded(engine, &eye(), Mode::Maximum, false)
 }
 
-/// An engine whose kernels have this in place of a snippet; `None` where the adapter has not what it takes.
-fn engine(by: Dispatching, replaced: Option<&'static Snippet>) -> Option<Engine> {
+/// An engine whose kernels have this in place of a file; `None` where the adapter has not what it takes.
+fn engine(by: Dispatching, replaced: Option<&'static File>) -> Option<Engine> {
     let engine = engine_on(|gpu| {
         gpu.has.lanes &= by != Dispatching::ByPair;
         (gpu.has.by_pair, gpu.has.software) = (false, by == Dispatching::ByTile);
@@ -618,8 +618,8 @@ fn check_planted(by: Dispatching) {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("wgsl");
         let text = std::fs::read_to_string(folder.join(name)).unwrap();
         assert_eq!(text.matches(from).count(), 1, "{name} has {from:?} once");
-        let snippet = Box::leak(Box::new(Snippet { name, text: text.replacen(from, to, 1).leak() }));
-        let Some(mut planted) = engine(by, Some(snippet)) else { return };
+        let file = Box::leak(Box::new(File::new(name, text.replacen(from, to, 1).leak())));
+        let Some(mut planted) = engine(by, Some(file)) else { return };
         let noticed = check(&mut planted);
         // it compiles
         planted.gpu.failure().unwrap_or_else(|e| panic!("{name}, {to:?}: {e}"));

@@ -79,11 +79,12 @@ fn sides_are_exact() {
     let reals = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0);
     for real in reals {
         let arithmetic = match real {
-            Real::F64 => include_str!("../../wgsl/shared/real_f64.wgsl"),
-            Real::F32 => include_str!("../../wgsl/shared/real_f32.wgsl"),
+            Real::F64 => include_str!("../../wgsl/arithmetic/f64.wgsl"),
+            Real::F32 => include_str!("../../wgsl/arithmetic/f32.wgsl"),
         };
         let shared =
-            [include_str!("../../wgsl/shared/bundle.wgsl"), include_str!("../../wgsl/shared/sides.wgsl")].concat();
+            [include_str!("../../wgsl/rays/affine_bundle.wgsl"), include_str!("../../wgsl/rays/straight/sides.wgsl")]
+                .concat();
         let edges = edges(real);
         let words: Vec<[u64; 4]> = edges.iter().map(|e| e.map(f64::to_bits)).collect();
         let found = bench.probe(&[arithmetic, &shared, PROBE].concat(), &words, 5);

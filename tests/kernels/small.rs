@@ -11,7 +11,7 @@ use anamorph::internals::engine::stage::small::small;
 use anamorph::internals::engine::stage::sort::sort;
 use anamorph::internals::engine::stage::split::split;
 use anamorph::internals::gpu::buffers::Buffers;
-use anamorph::internals::gpu::kernels::{Snippet, Variant};
+use anamorph::internals::gpu::kernels::{File, Variant};
 use anamorph::internals::gpu::layout::{COUNTERS, Counter};
 use anamorph_lab::twin::bin::bin;
 use anamorph_lab::twin::cull::{Bound, cull};
@@ -127,13 +127,13 @@ fn small_and_large_triangles_come_to_what_the_twin_draws() {
 /// that.
 #[test]
 fn a_bound_on_coverage_two_hundred_times_smaller_is_noticed() {
-    let (name, bound) = ("camera/pieces_small.wgsl", "20.0 * UNIT");
+    let (name, bound) = ("rays/pieces/small.wgsl", "20.0 * UNIT");
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("wgsl").join(name);
     let text = std::fs::read_to_string(path).unwrap();
     assert_eq!(text.matches(bound).count(), 1);
     let Some(mut bench) = Bench::open() else { return };
     let planted = text.replacen(bound, "0.1 * UNIT", 1);
-    bench.gpu.replaced.push(Box::leak(Box::new(Snippet { name, text: planted.leak() })));
+    bench.gpu.replaced.push(Box::leak(Box::new(File::new(name, planted.leak()))));
     let mut wrong = 0;
     for case in cases().into_iter().filter(|c| c.name.starts_with("vertices on rays")) {
         let Some(variant) = variant(&bench, &case) else { return };

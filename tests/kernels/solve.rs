@@ -10,11 +10,10 @@ use anamorph::internals::camera::project::Projector;
 use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::camera::{Camera, Rays};
 use anamorph::internals::engine::plan::solve::SolveTable;
-use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::solve::Solve;
 use anamorph::internals::engine::stage::splat::Splat;
 use anamorph::internals::gpu::Gpu;
-use anamorph::internals::gpu::kernels::Snippet;
+use anamorph::internals::gpu::kernels::{File, Files};
 use anamorph::internals::gpu::layout::NONE;
 use anamorph_lab::twin::solve::solve;
 use glam::DVec3;
@@ -244,11 +243,10 @@ fn compared(gpu: &Gpu) -> Result<(), String> {
 fn errors_planted_in_the_kernels_are_noticed() {
     let Some(mut gpu) = needs::adapter() else { return };
     compared(&gpu).unwrap();
-    let parts = [stage::solve::kernel(), stage::splat::claim(), stage::splat::contend()].map(|k| k.parts).concat();
     for (name, right, wrong) in [
-        ("project/in_piece.wgsl", "is_done = all(b > zero) || all(b < -zero);", "is_done = b.x > zero.x;"),
+        ("project/solved/pieces.wgsl", "is_done = all(b > zero) || all(b < -zero);", "is_done = b.x > zero.x;"),
         (
-            "project/in_piece.wgsl",
+            "project/solved/pieces.wgsl",
             "is_outside = is_outside || along < -(margin",
             "is_outside = is_outside || along < 0.5 - (margin",
         ),
@@ -257,10 +255,10 @@ fn errors_planted_in_the_kernels_are_noticed() {
         ("claim.wgsl", "image.t + image.error_t", "image.t - 0.1"),
         ("contend.wgsl", "<= nearest[image.pixel]", "> nearest[image.pixel]"),
     ] {
-        let own = parts.iter().find(|p| p.name == name).unwrap();
+        let own = Files::own().get(name).unwrap();
         assert_eq!(own.text.matches(right).count(), 1, "{name}: {right}");
         let text: &'static str = Box::leak(own.text.replace(right, wrong).into_boxed_str());
-        gpu.replaced = vec![Box::leak(Box::new(Snippet { name: own.name, text }))];
+        gpu.replaced = vec![Box::leak(Box::new(File::new(name, text)))];
         let said = compared(&gpu);
         assert!(said.is_err(), "nobody notices {wrong:?} in {name}");
         println!("{wrong}: {}", said.unwrap_err());

@@ -8,11 +8,10 @@ use crate::common::written;
 use anamorph::internals::camera::project::Projector;
 use anamorph::internals::camera::{Camera, Curves, Rays};
 use anamorph::internals::engine::plan::solve::cells::CellTable;
-use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::solve::{Solve, Solved};
 use anamorph::internals::engine::stage::splat::Splat;
 use anamorph::internals::gpu::Gpu;
-use anamorph::internals::gpu::kernels::Snippet;
+use anamorph::internals::gpu::kernels::{File, Files};
 use anamorph::internals::gpu::layout::{NONE, SolveImage};
 use anamorph::internals::jobs::project::project_many;
 use anamorph::internals::jobs::splat::splat;
@@ -362,15 +361,14 @@ fn compared(gpu: &Gpu) -> Result<(), String> {
 fn errors_planted_in_the_kernel_are_noticed() {
     let Some(mut gpu) = needs::adapter() else { return };
     compared(&gpu).unwrap();
-    let parts = stage::solve::kernel_of_curves().parts;
     for (name, right, wrong) in [
-        ("project/in_cell.wgsl", "found.within = 1.01 * (", "found.within = 0.01 * ("),
-        ("project/in_cell.wgsl", "found.within += bent;", "found.within += 0.0 * bent;"),
+        ("project/solved/curves.wgsl", "found.within = 1.01 * (", "found.within = 0.01 * ("),
+        ("project/solved/curves.wgsl", "found.within += bent;", "found.within += 0.0 * bent;"),
     ] {
-        let own = parts.iter().find(|p| p.name == name).unwrap();
+        let own = Files::own().get(name).unwrap();
         assert_eq!(own.text.matches(right).count(), 1, "{name}: {right}");
         let text: &'static str = Box::leak(own.text.replace(right, wrong).into_boxed_str());
-        gpu.replaced = vec![Box::leak(Box::new(Snippet { name: own.name, text }))];
+        gpu.replaced = vec![Box::leak(Box::new(File::new(name, text)))];
         let said = compared(&gpu);
         assert!(said.is_err(), "nobody notices {wrong:?} in {name}");
         println!("{wrong}: {}", said.unwrap_err());

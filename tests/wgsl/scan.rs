@@ -1,4 +1,4 @@
-//! Which names a snippet defines, and which it uses of others: by its tokens, with the scopes of WGSL's functions.
+//! Which names a file defines, and which it uses of others: by its tokens, with the scopes of WGSL's functions.
 
 use std::collections::BTreeSet;
 
@@ -16,7 +16,8 @@ pub struct Names {
 /// Names, numbers, and all else character by character.
 fn tokens(text: &str) -> Vec<&str> {
     let mut tokens = Vec::new();
-    for line in text.lines() {
+    // neither imports nor choices of implementations
+    for line in text.lines().filter(|line| !line.starts_with('#')) {
         let mut rest = line.split("//").next().unwrap_or_default();
         while let Some(first) = rest.chars().next() {
             let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -43,12 +44,7 @@ fn is_name(token: &str) -> bool {
     token.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
 }
 
-/// The names in a type.
-pub fn words(text: &str) -> Vec<String> {
-    tokens(text).into_iter().filter(|t| is_name(t)).map(str::to_string).collect()
-}
-
-/// Scans a snippet, or several joined.
+/// Scans a file.
 pub fn names(text: &str) -> Names {
     let mut scan = Scan { tokens: tokens(text), ..Scan::default() };
     while scan.at < scan.tokens.len() {
@@ -101,6 +97,7 @@ impl<'a> Scan<'a> {
                 self.until_end(&[";"], false);
             }
             ";" => (),
+            "enable" => self.until_end(&[";"], false),
             other => panic!("{other:?} begins nothing of a module"),
         }
     }

@@ -1,6 +1,6 @@
 // Which hits gather lights in cameras with optics: none on a surface where the ray bounces.
-// Provides: ends_here, light_kept
-// Binds: optic, paths
+
+#import optics/layout.wgsl
 
 fn ends_here(id: u32) -> bool {
     return id < optic.first_id;

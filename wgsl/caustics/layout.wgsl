@@ -1,5 +1,4 @@
 // Structs of caustics, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
-// Provides: CausticTriangle, DepositParams, Receiver, ReceiverTriangle
 
 // A dispatch of deposit.
 struct DepositParams {

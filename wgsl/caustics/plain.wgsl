@@ -1,5 +1,4 @@
 // Which hits gather lights in cameras without optics: all.
-// Provides: ends_here, light_kept
 
 fn ends_here(id: u32) -> bool {
     return true;

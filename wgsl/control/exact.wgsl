@@ -1,7 +1,12 @@
 // exact: one thread per case. Reads a pair of f32 and three numbers; writes what the operations that kernels need without rounding make of
 // them: the pair's sum and product, the pair that the first number splits into, and on which side of 1 the product of the others lies.
-// Needs: order_of_products, real, real_from_bits, real_to_bits, round_to_f32
-// Binds: found, given
+
+#choose arithmetic f64
+#import arithmetic
+#import arithmetic/f64.wgsl
+
+var<storage, read> given: array<vec4<u32>>;
+var<storage, read_write> found: array<vec4<u32>>;
 
 @compute @workgroup_size(64)
 fn exact(@builtin(local_invocation_index) k: u32) {

@@ -1,5 +1,6 @@
 // Structs of the kernels of gradients, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
-// Provides: GradientParams
+
+var<uniform> gradient_params: GradientParams;
 
 // Some rows of an image.
 struct GradientParams {

@@ -1,7 +1,11 @@
 // What gradients are computed from: rays, corners of triangles, and how both change along a direction.
-// Provides: corner, corner_rate, ray_rate, ray_vector, side
-// Needs: real, real3, real_from_bits
-// Binds: corners, gradient_params, ray_rates, rays
+
+#import arithmetic
+#import gradients/layout.wgsl
+
+var<storage, read> corners: array<vec2<u32>>;
+var<storage, read> ray_rates: array<vec2<u32>>;
+var<storage, read> rays: array<vec2<u32>>;
 
 // The coordinates of a triangle's corners.
 const CORNER_DIRECTIONS: u32 = 9u;

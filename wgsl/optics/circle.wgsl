@@ -1,6 +1,6 @@
 // Cosine and sine, also in f64, which WGSL's built-ins lack.
-// Provides: TWO_PI, circle
-// Needs: real
+
+#import arithmetic
 
 const TWO_PI: real = 6.283185307179586;
 

@@ -1,5 +1,7 @@
 // Structs of cameras with a mirror or a lens, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
-// Provides: AtlasLayout, Corner, LAW_NORMALS, Optic, PathState, Quadric, Torus, Wave
+
+var<uniform> optic: Optic;
+var<storage, read> paths: array<PathState>;
 
 const LAW_NORMALS: u32 = 0u;   // rays bounce about the corners' normals, interpolated
 const LAW_FLAT: u32 = 1u;      // the corners' bounced rays are interpolated

@@ -1,7 +1,9 @@
-// The first root of a function along a ray, in steps proven free of roots. A snippet per surface provides the
+// The first root of a function along a ray, in steps proven free of roots. A file per surface provides the
 // function, `along`, bounds of its second derivative, and how many steps it takes at most.
-// Provides: first_crossing
-// Needs: Along, Root, along, real
+
+#import arithmetic
+#import optics/root
+#import optics/smooth/bounce.wgsl
 
 // Fraction of the proven root-free interval that is stepped over; the rest covers the rounding errors of slope and curvature. A step can
 // pass two roots only where the function is 0 within its own rounding error.

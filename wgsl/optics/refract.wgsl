@@ -1,7 +1,7 @@
 // Reflection and refraction of a ray's direction.
-// Provides: BouncedRay, bent, bent_at, norm
-// Needs: real, real3
-// Binds: optic
+
+#import arithmetic
+#import optics/layout.wgsl
 
 // A reflected or refracted ray: origin, direction (0: no ray) and its share of the light.
 struct BouncedRay {

@@ -1,7 +1,7 @@
 // What solve finds of a point in one leaf, and the point about the leaf's anchor.
-// Provides: Answer, END_TOLERANCE, FARTHEST, UNIT_ROUNDING, about, max_abs, pixel_of
-// Needs: NONE, SolveImage, SolvePoint
-// Binds: solving
+
+#import project/layout.wgsl
+#import shared/params.wgsl
 
 // Rounding of one operation, relative: 2^-24.
 const UNIT_ROUNDING: f32 = 5.9604645e-8;

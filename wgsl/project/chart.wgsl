@@ -1,6 +1,6 @@
 // The matrix whose kernel is a ray through a point, over one chart of t, with bounds of its rounding.
-// Provides: Chart, UNDERFLOW, bernstein, chart_of, matrix_value, separated
-// Needs: UNIT_ROUNDING
+
+#import project/answer.wgsl
 
 // Magnitudes below which products are flushed to 0: 2^-126 times two columns of at most 2^21, eighteen times, and as much again.
 const UNDERFLOW: f32 = 1e-24;

@@ -1,5 +1,6 @@
 // Structs of `solve`, `claim` and `contend`, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
-// Provides: SolveCell, SolveImage, SolveParams, SolvePiece, SolvePoint
+
+var<uniform> solving: SolveParams;
 
 // A chunk of points, and the camera whose images of them are sought.
 struct SolveParams {

@@ -1,6 +1,7 @@
 // From a guess to a proven root of m_0 + u m_1 + v m_2 = 0.
-// Provides: Proof, prove
-// Needs: Chart, UNDERFLOW, UNIT_ROUNDING, matrix_value, max_abs
+
+#import project/answer.wgsl
+#import project/chart.wgsl
 
 // The only root (u, v, s) within `radius` of `at`, if it is one.
 struct Proof {

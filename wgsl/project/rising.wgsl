@@ -1,5 +1,4 @@
 // Bits that ascend with a number.
-// Provides: rising_bits
 
 fn rising_bits(t: f32) -> u32 {
     let w = bitcast<u32>(t);

@@ -1,7 +1,7 @@
 // Which cell a sample's ray belongs to. Per cell: the pixels with any sample in it, those with all, and for each sample the pixels
 // that have it there.
-// Provides: SAMPLES, STRIPS, all_samples, pixels_in_part, pixels_of_sample, pixels_whole
-// Binds: cell_samples
+
+var<storage, read> cell_samples: array<vec2<u32>>;
 
 // Samples per pixel.
 override SAMPLES: u32 = 1u;

@@ -1,7 +1,8 @@
 // Bounds on the depth of a triangle's plane over places of a node.
-// Provides: ENDLESS, depths, plane
-// Needs: BOUND_TOLERANCE, END_BOUND, LEAST, MOST, Node, size1
-// Binds: params
+
+#import nodes/conics.wgsl
+#import nodes/extent.wgsl
+#import shared/params.wgsl
 
 // N . (v - P) and N . D as affine functions over a node, in node units, and their error bounds.
 struct Plane {

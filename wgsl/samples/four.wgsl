@@ -1,7 +1,14 @@
 // Four pixels of a column of a tile against a triangle: whether it may cover any of their samples, and its depth.
-// Provides: Bounds, bound, edge_pixels, four, given_bounds, side
-// Needs: BOUND_TOLERANCE, Conic, ENDLESS, LEAST, MOST, NODE_PX, SAMPLE_REACH, TILE, key_id, row_bits, subgroup_lane, tile_corner
-// Binds: params, visibility
+
+#import depth/column
+#import keys/key.wgsl
+#import lanes
+#import nodes/conics.wgsl
+#import nodes/slabs.wgsl
+#import samples/depth_bounds.wgsl
+#import shared/params.wgsl
+
+var<storage, read> visibility: array<vec2<u32>>;
 
 // No t at all, beyond that of bounds.
 const NOWHERE: f32 = 3.3e38;

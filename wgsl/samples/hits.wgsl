@@ -1,8 +1,21 @@
 // Coverage of one pixel's samples by a triangle, in recheck arithmetic.
-// Provides: flat_of, recheck_hits
-// Needs: Bundle, Cell, Meeting, ONE_SIDED, SAMPLES, TILE, bit_mask, cell_bundle, end_rounding, is_between, is_there, merge, perturbed,
-//   pixels_of_sample, ray_meeting, reach3, real, real3, sample_bundle, tile_layer, triangle_id, triangle_reversed, visibility_key
-// Binds: params
+
+#import arithmetic
+#import keys/key.wgsl
+#import keys/merge
+#import masks/there
+#import nodes/slabs.wgsl
+#import rays/affine_bundle.wgsl
+#import rays/bundle
+#import rays/meeting.wgsl
+#import rays/sample
+#import rays/straight/meeting.wgsl
+#import rays/straight/perturb.wgsl
+#import rays/straight/sides.wgsl
+#import samples/cells.wgsl
+#import shared/bits.wgsl
+#import shared/params.wgsl
+#import vertices/triangle.wgsl
 
 // Merges the keys of those of the samples from `first` on, bit by bit of `some`, that lie in the cell and that the triangle covers, which is
 // known of those of `sure`.

@@ -1,6 +1,8 @@
 // Offsets of samples from their pixel's centre, px right and down.
-// Provides: sample_offset
-// Binds: sample_offsets
+
+#import shared/params.wgsl
+
+var<uniform> sample_offsets: SampleOffsets;
 
 fn sample_offset(sample: u32) -> vec2<f32> {
     let two = sample_offsets.at[sample / 2u];

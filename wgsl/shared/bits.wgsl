@@ -1,6 +1,6 @@
 // Sets of the 64 pixels of a tile: bit 8 y + x, low word first.
-// Provides: bit_mask, box_mask, first_bit, rows_mask, with_bit, without_bit
-// Needs: NONE
+
+#import shared/params.wgsl
 
 // The pixels of a box within a tile.
 fn box_mask(from_px: vec2<u32>, to_px: vec2<u32>) -> vec2<u32> {

@@ -1,8 +1,16 @@
 // The hits of a pair's triangle, merged into the visibility buffer.
-// Provides: COUNTING, merge_hits
-// Needs: Bundle, COUNT_FRAGMENTS_KEPT, Cell, ONE_SIDED, TILE, cell_depth, first_bit, merge, pixel_depth, real, real3, start_of,
-//   take_place, tile_corner, tile_layer, triangle_id, triangle_reversed, visibility_key, without_bit
-// Binds: counters, params, step
+
+#import arithmetic
+#import keys/key.wgsl
+#import keys/merge
+#import masks/opacity
+#import nodes/slabs.wgsl
+#import optics/start
+#import rays/affine_bundle.wgsl
+#import rays/coverage
+#import shared/bits.wgsl
+#import shared/params.wgsl
+#import vertices/triangle.wgsl
 
 override COUNTING: bool = false;
 

@@ -1,6 +1,6 @@
 // Work items from workgroups that the host or `args` laid out in two dimensions.
-// Provides: group_index, item_index
-// Needs: GROUP
+
+#import shared/params.wgsl
 
 fn item_index(group: vec3<u32>, groups: vec3<u32>, lane: u32) -> u32 {
     return (group.y * groups.x + group.x) * GROUP + lane;

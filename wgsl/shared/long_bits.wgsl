@@ -1,5 +1,4 @@
 // Sets of 64 items, low word first.
-// Provides: first_of, long_bit, without_first
 
 // The set of the n-th item.
 fn long_bit(n: u32) -> vec2<u32> {

@@ -1,9 +1,9 @@
 // Structs that the host writes and kernels read, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
-// Provides: BRANCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_FRAGMENTS_KEPT,
-//   COUNT_FRAGMENTS_TESTED, COUNT_LARGE, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_PROVEN, COUNT_RECHECK_ITEMS,
-//   COUNT_RECHECK_SAMPLES, COUNT_SORTED, COUNT_TASKS, COUNT_TRACED, COUNT_UNFINISHED, COUNT_WORK, CULL_COST, Cell, Cluster, END_BOUND, GROUP,
-//   LANES, LARGE_COST, LEVEL_CELL, NONE, Node, PAIR_COST, PERTURB_BOUND, PROVEN, Params, Piece, RAYS_AFFINE, RAYS_DISCONTINUOUS, RAYS_LOOSE,
-//   RAYS_NONE, SampleOffsets, Step, TASK_COST, TEXELS_A_ROW, TILE, TRIANGLE_GROUP, ViewerPose
+
+var<uniform> params: Params;
+var<uniform> step: Step;
+var<uniform> viewer: ViewerPose;
+var<storage, read_write> counters: array<atomic<u32>>;
 
 const GROUP: u32 = 64u;        // threads a workgroup, everywhere
 const TILE: u32 = 8u;          // px a side of a tile

@@ -1,6 +1,6 @@
 // Places in lists that may overflow: the counter keeps counting.
-// Provides: take_places
-// Binds: counters
+
+#import shared/params.wgsl
 
 // More items than any list holds, and half of what a counter holds: invocations may still add before one of them has put it back.
 const BEYOND: u32 = 0x80000000u;

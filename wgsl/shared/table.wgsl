@@ -1,6 +1,6 @@
 // Tables in textures.
-// Provides: table_texel
-// Needs: TEXELS_A_ROW
+
+#import shared/params.wgsl
 
 // The place of a texel of a table.
 fn table_texel(index: u32) -> vec2<u32> {

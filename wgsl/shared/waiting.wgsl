@@ -1,6 +1,7 @@
 // Pairs that wait until every lane of a subgroup has one.
-// Provides: LOWER, UPPER, Waiting, in_line
-// Needs: LANES, subgroup_lane
+
+#import lanes
+#import shared/params.wgsl
 
 const UPPER: u32 = 1u;
 const LOWER: u32 = 2u;

@@ -1,5 +1,4 @@
 // Cubic polynomials over [0, 1] by their Bernstein coefficients. What is interpolated trilinearly is one of them along a line.
-// Provides: along, inner, least, mean, most, part_of
 
 // What is interpolated trilinearly of a cell's eight corners, from one place of the cell to another. `lo` are the corners with x = 0 and
 // `hi` those with x = 1, in the order (y, z) = 00, 10, 01, 11. Coefficient k is the mean of values with k of the three coordinates from the

@@ -1,5 +1,6 @@
 // What kernels know of a volume, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
-// Provides: Medium
+
+var<uniform> medium: Medium;
 
 // How the grid lies and what its values look like. Grid coordinates are whole numbers from 0 on at the nodes.
 struct Medium {

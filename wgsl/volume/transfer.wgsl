@@ -1,6 +1,6 @@
 // The transfer function: what values look like.
-// Provides: look, piece_of
-// Binds: medium
+
+#import volume/layout.wgsl
 
 // The piece of the transfer function that begins at a value or holds it: the first one that ends behind it. Without a loop: software
 // drivers count the rounds of all loops of a thread.

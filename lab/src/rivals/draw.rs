@@ -5,6 +5,7 @@ use anamorph::internals::engine::rival::{Setup, Target};
 use anamorph::internals::engine::stage::{Scopes, dispatch_items};
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Binder, Pipeline};
+use anamorph::internals::gpu::compile::Module;
 use anamorph::internals::gpu::kernels::Kernel;
 use anamorph::internals::gpu::recorder::Recorder;
 use anamorph::internals::gpu::recorder::drawing::DrawPass;
@@ -57,9 +58,9 @@ impl Draw {
     ) -> Draw {
         let device = &gpu.device;
         let name = kernel.name;
-        let module = gpu.compile(&kernel);
-        let constants = kernel.constants.clone();
-        let binder = Binder::new(device, kernel, wgpu::ShaderStages::VERTEX_FRAGMENT);
+        let Module { module, bindings } = gpu.compile(&kernel);
+        let constants = kernel.constants;
+        let binder = Binder::new(device, name, bindings, wgpu::ShaderStages::VERTEX_FRAGMENT);
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(name),
             bind_group_layouts: &[Some(&binder.layout)],

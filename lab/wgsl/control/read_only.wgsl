@@ -1,7 +1,11 @@
 // read_only: one thread per stride of a list. Reads every item of the list once; writes a word only where an item has all bits, which
 // none has: so no read can be left out.
-// Needs: GROUP, NONE, item_index
-// Binds: list, found
+
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read> list: array<vec4<u32>>;
+var<storage, read_write> found: array<u32>;
 
 @compute @workgroup_size(64)
 fn read_only(

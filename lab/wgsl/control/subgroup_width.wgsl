@@ -1,5 +1,6 @@
 // subgroup_width: one thread per place of a workgroup. Reads how many threads its subgroup has; writes that.
-// Binds: found
+
+var<storage, read_write> found: array<u32>;
 
 @compute @workgroup_size(64)
 fn subgroup_width(

@@ -1,6 +1,9 @@
 // write_only: one thread per stride of a list. Reads nothing; writes its own index to every item of the list.
-// Needs: GROUP, item_index
-// Binds: list
+
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read_write> list: array<vec4<u32>>;
 
 @compute @workgroup_size(64)
 fn write_only(

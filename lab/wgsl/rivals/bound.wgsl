@@ -1,8 +1,17 @@
 // bound: a triangle around the image of each, and the ray of each pixel of it against the triangle's plane (Hou et al. 2006,
 // sections 2.1 and 2.2). An instance is a piece, the camera triangle.
-// Needs: Drawn, ID_MASK, Piece, clip_place, drawn, file_normal, in_range, is_back_face, outline_contains, outline_corners,
-//   outline_distances, outline_ray, piece_at, piece_origin, triangle_at, vertex, winding
-// Binds: outlines
+
+enable clip_distances;
+
+#import rays/pieces/table.wgsl
+#import rivals/drawing.wgsl
+#import rivals/drawn
+#import rivals/layout.wgsl
+#import rivals/outline.wgsl
+#import rivals/range.wgsl
+#import shared/params.wgsl
+#import vertices/triangle.wgsl
+#import vertices/vertex
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

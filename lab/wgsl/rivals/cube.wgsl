@@ -1,6 +1,12 @@
 // cube: triangles onto the six faces of a cube around the eye, three beside each other in two rows.
-// Needs: Drawn, ID_MASK, drawn, file_normal, is_back_face, on_face, triangle_at, vertex
-// Binds: cube, params
+
+#import rivals/drawing.wgsl
+#import rivals/drawn
+#import rivals/face
+#import rivals/layout.wgsl
+#import shared/params.wgsl
+#import vertices/triangle.wgsl
+#import vertices/vertex
 
 // Of the scene's size: what is nearer to the plane through the eye that is parallel to a face is not drawn there. Clipped at that plane
 // itself, triangles would have corners infinitely far away, and some adapters do not draw these.

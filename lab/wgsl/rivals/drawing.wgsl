@@ -1,7 +1,7 @@
 // What draws of triangles share.
-// Provides: LAYERS, clip_place, file_normal, is_back_face
-// Needs: ONE_SIDED, triangle_reversed
-// Binds: params
+
+#import shared/params.wgsl
+#import vertices/triangle.wgsl
 
 override LAYERS: u32 = 1u;
 

@@ -1,5 +1,7 @@
 // Structs of the rivals. src/rivals/layout.rs has the same ones; tests/wgsl_layout.rs compares them.
-// Provides: Cone, Cube, Outline, Splat
+
+var<uniform> cube: Cube;
+var<storage, read> outlines: array<Outline>;
 
 // Corners of a piece in pixels of the image. A piece of the whole image has a triangle that holds all of it.
 struct Outline {

@@ -1,7 +1,8 @@
 // Pieces, and their outlines in the image.
-// Provides: CULLING, outline_contains, outline_corners, outline_distances, outline_ray, piece_origin, winding
-// Needs: Outline, Piece, Ray
-// Binds: params
+
+#import rays/ray.wgsl
+#import rivals/layout.wgsl
+#import shared/params.wgsl
 
 // An outline in band pixels, centres at whole numbers.
 fn outline_corners(o: Outline) -> array<vec2<f32>, 3> {

@@ -1,9 +1,18 @@
 // perspective: pieces whose rays start in one point, each by its own perspective matrix; the rasterizer is exact then (Lorenz
 // and Doellner 2009, section 2). A triangle is drawn once for each piece that it may be seen in, as `replicate` lists them, and what
 // lies outside the piece is clipped off.
-// Needs: Clipped, Corner, Drawn, clip_depth, file_normal, outline_distances, perspective_image, piece_at, piece_origin, seen_through, triangle_at,
-//   vertex
-// Binds: outlines, params, replicas
+
+#import rays/pieces/table.wgsl
+#import rivals/drawing.wgsl
+#import rivals/drawn
+#import rivals/layout.wgsl
+#import rivals/outline.wgsl
+#import rivals/perspective_image.wgsl
+#import rivals/seen_through.wgsl
+#import shared/params.wgsl
+#import vertices/vertex
+
+var<storage, read> replicas: array<vec2<u32>>;
 
 @vertex
 fn perspective_corner(@builtin(vertex_index) index: u32) -> Clipped {

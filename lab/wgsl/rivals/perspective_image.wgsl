@@ -1,7 +1,7 @@
 // Where a piece whose rays start in one point shows a point: (s x, s y, s), (x, y) in pixels from the piece's origin, with
 // X = eye + s (d + x dx + y dy); linear in X, and s above 0 before the eye.
-// Provides: perspective_image
-// Needs: Piece
+
+#import shared/params.wgsl
 
 fn perspective_image(q: Piece, point: vec3<f32>) -> vec3<f32> {
     let m = point - q.p_hi / q.h_hi;

@@ -1,7 +1,7 @@
 // Where a piece shows a point, by Newton's method: p(x, y) + t d(x, y) = h(x, y) X for x, y and t. One image: where a piece
 // shows a point more than once, the one that the central ray leads to (as Popescu et al., section 4.2).
-// Provides: image_of
-// Needs: Piece
+
+#import shared/params.wgsl
 
 const NEWTON_STEPS: u32 = 8u;
 

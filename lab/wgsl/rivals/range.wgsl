@@ -1,6 +1,6 @@
 // The camera's range of t.
-// Provides: in_range, range_end, range_start
-// Binds: params
+
+#import shared/params.wgsl
 
 fn range_start() -> f32 {
     return params.t_min.x + params.t_min.y + params.t_min.z;

@@ -1,9 +1,16 @@
 // raytrace: one thread per pixel of the band.
 // Reads the pixel's rays, segment by segment, and triangles in a bounding volume hierarchy, or one after the other; writes the
 // visibility key of the nearest triangle of the first segment that meets one.
-// Provides: SEGMENTS
-// Needs: NONE, TILE, has_ray, item_index, path_segment, path_t, real, traced, visibility_key
-// Binds: params, visibility
+
+#import arithmetic
+#import keys/key.wgsl
+#import rays/pixel
+#import rivals/path
+#import rivals/search
+#import shared/items.wgsl
+#import shared/params.wgsl
+
+var<storage, read_write> visibility: array<vec2<u32>>;
 
 override LAYERS: u32 = 1u;
 override SEGMENTS: u32 = 1u;      // of a layer

@@ -1,8 +1,17 @@
 // replicate: one thread per triangle of the chunk.
 // Reads triangles and pieces; writes a (slot, piece) item for each piece that the triangle may be seen in, and the arguments
 // of the draw of all. The list may overflow: the counter keeps counting.
-// Needs: CULLING, Cone, item_index, outline_corners, perspective_image, piece_at, piece_origin, triangle_at, vertex, winding
-// Binds: cones, draw_args, outlines, replicas
+
+#import rays/pieces/table.wgsl
+#import rivals/layout.wgsl
+#import rivals/outline.wgsl
+#import rivals/perspective_image.wgsl
+#import shared/items.wgsl
+#import vertices/vertex
+
+var<storage, read> cones: array<Cone>;
+var<storage, read_write> draw_args: array<atomic<u32>>;
+var<storage, read_write> replicas: array<vec2<u32>>;
 
 // Arguments of an indirect draw: vertices, instances, first vertex, first instance.
 const VERTICES: u32 = 0u;

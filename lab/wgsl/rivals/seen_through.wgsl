@@ -1,7 +1,14 @@
 // A triangle that was projected by its corners, seen through a piece.
-// Provides: Clipped, Corner, seen_through
-// Needs: Drawn, ID_MASK, drawn, in_range, is_back_face, outline_contains, outline_ray, piece_at, piece_origin
-// Binds: outlines
+
+enable clip_distances;
+
+#import rays/pieces/table.wgsl
+#import rivals/drawing.wgsl
+#import rivals/drawn
+#import rivals/layout.wgsl
+#import rivals/outline.wgsl
+#import rivals/range.wgsl
+#import vertices/triangle.wgsl
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

@@ -1,6 +1,8 @@
 // Cells of the texture S: squares of SAMPLES texels a side, row by row, of which the half above the diagonal is used.
-// Provides: SAMPLES, cell_piece, cell_slot, cell_texel
-// Binds: splat
+
+#import rivals/layout.wgsl
+
+var<uniform> splat: Splat;
 
 override SAMPLES: u32 = 10u;
 

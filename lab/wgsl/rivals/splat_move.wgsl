@@ -1,8 +1,19 @@
 // splat_move: the second pass of Yu et al. 2009, section 3.3: every three neighbours of S are rendered as a triangle where the
 // camera shows them, so that no holes are left. What lies behind an eye is clipped off.
-// Needs: Drawn, ID_MASK, SAMPLES, cell_piece, cell_slot, cell_texel, clip_place, drawn, file_normal, in_range, is_back_face,
-//   outline_contains, outline_distances, outline_ray, piece_at, piece_origin, triangle_at, vertex
-// Binds: outlines, s
+
+enable clip_distances;
+
+#import rays/pieces/table.wgsl
+#import rivals/drawing.wgsl
+#import rivals/drawn
+#import rivals/layout.wgsl
+#import rivals/outline.wgsl
+#import rivals/range.wgsl
+#import rivals/splat_cells.wgsl
+#import vertices/triangle.wgsl
+#import vertices/vertex
+
+var s: texture_2d<f32>;
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

@@ -1,7 +1,11 @@
 // splat_project: the first pass of Yu et al. 2009, section 3.3: every triangle fills a cell of the texture S, each texel with where
 // the camera shows it, its t, and the width of a pixel's beam there, below 0 behind an eye. A cell is for a triangle and a piece.
-// Needs: SAMPLES, cell_piece, cell_slot, cell_texel, image_of, piece_at, piece_origin, triangle_at, vertex
-// Binds: splat
+
+#import rays/pieces/table.wgsl
+#import rivals/outline.wgsl
+#import rivals/project.wgsl
+#import rivals/splat_cells.wgsl
+#import vertices/vertex
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

@@ -1,7 +1,14 @@
 // take: one thread per pixel of the band.
 // Reads a picture of ids and depths that the rasterizer made; writes visibility keys.
-// Needs: ID_MASK, NONE, item_index, real, visibility_key
-// Binds: params, picture, visibility
+
+#import arithmetic
+#import keys/key.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import vertices/triangle.wgsl
+
+var<storage, read_write> visibility: array<vec2<u32>>;
+var picture: texture_2d<u32>;
 
 @compute @workgroup_size(64)
 fn take(

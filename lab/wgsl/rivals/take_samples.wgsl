@@ -1,8 +1,17 @@
 // take_samples: one thread per pixel of the band.
 // Reads a picture of ids and depths that the rasterizer made, four samples a pixel; writes visibility keys, of the first sample, and a record
 // in `samples` for each pixel whose samples do not all see one triangle, with its number into `edge_of`.
-// Needs: COUNT_EDGES, ID_MASK, NONE, item_index, real, visibility_key
-// Binds: counters, edge_of, params, picture, samples, visibility
+
+#import arithmetic
+#import keys/key.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import vertices/triangle.wgsl
+
+var<storage, read_write> edge_of: array<u32>;
+var<storage, read_write> samples: array<vec2<u32>>;
+var<storage, read_write> visibility: array<vec2<u32>>;
+var picture: texture_multisampled_2d<u32>;
 
 @compute @workgroup_size(64)
 fn take_samples(

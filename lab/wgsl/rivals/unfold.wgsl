@@ -1,7 +1,18 @@
 // unfold: one thread per pixel of the band.
 // Reads the pixel's ray and the nearest texel of the cube map that it goes through; writes the visibility key of what is there.
-// Needs: ID_MASK, NONE, face_of, has_ray, in_range, item_index, on_face, pixel_ray, real, visibility_key
-// Binds: cube, params, picture, visibility
+
+#import arithmetic
+#import keys/key.wgsl
+#import rays/pixel
+#import rivals/face
+#import rivals/layout.wgsl
+#import rivals/range.wgsl
+#import shared/items.wgsl
+#import shared/params.wgsl
+#import vertices/triangle.wgsl
+
+var<storage, read_write> visibility: array<vec2<u32>>;
+var picture: texture_2d<u32>;
 
 @compute @workgroup_size(64)
 fn unfold(

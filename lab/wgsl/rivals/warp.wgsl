@@ -1,8 +1,16 @@
 // warp: vertices where the camera shows them, edges straight between them (Brosz et al. 2007; Popescu et al., section 4.2).
 // Every triangle is first split into 4^LEVELS, and with several layers each part is cut off where t begins and ends. An instance is a piece.
-// Needs: Clipped, Corner, Drawn, Piece, clip_place, file_normal, image_of, outline_distances, piece_at, piece_origin, range_end,
-//   range_start, seen_through, triangle_at, vertex
-// Binds: outlines
+
+#import rays/pieces/table.wgsl
+#import rivals/drawing.wgsl
+#import rivals/drawn
+#import rivals/layout.wgsl
+#import rivals/outline.wgsl
+#import rivals/project.wgsl
+#import rivals/range.wgsl
+#import rivals/seen_through.wgsl
+#import shared/params.wgsl
+#import vertices/vertex
 
 override LEVELS: u32 = 0u;
 

@@ -89,7 +89,7 @@ impl Hierarchy {
 
 impl PackedBvh {
     /// Hierarchies over the first `count` triangles of a scene that moves, one for the time from each time step to the next:
-    /// `wgsl/lights/casters_timed.wgsl`.
+    /// `wgsl/shading/casters/timed.wgsl`.
     ///
     /// # Errors
     /// As [`Hierarchy::build`].
@@ -133,7 +133,7 @@ impl PackedBvh {
         Ok(PackedBvh { nodes: [roots, nodes].concat(), leaves, masks: Vec::new(), scale })
     }
 
-    /// Adds the alpha masks of the first `count` triangles of a mesh: `wgsl/lights/masked_casters.wgsl`.
+    /// Adds the alpha masks of the first `count` triangles of a mesh: `wgsl/masks/masked/leaf.wgsl`.
     pub fn with_masks(mut self, mesh: &Mesh, count: usize) -> PackedBvh {
         self.masks = parallel::flat_map(0..count as u32, |id| {
             let is_solid = mesh.radius(id).is_some() || !mesh.has_alpha(id);
@@ -156,7 +156,7 @@ fn check_depth(tree: &Bvh2, count: usize) -> Result<()> {
     Err(Error::work(format!("the hierarchy is {depth} boxes deep; the kernel follows {DEPTH_MAX}")))
 }
 
-/// A hierarchy over the triangles of a chunk, as trace follows it: `wgsl/shared/bvh8.wgsl`.
+/// A hierarchy over the triangles of a chunk, as trace follows it: `wgsl/hierarchy/nodes.wgsl`.
 #[derive(Debug, Clone)]
 pub struct TracedBvh {
     pub nodes: Vec<[u32; 4]>,
@@ -206,7 +206,7 @@ impl TracedBvh {
         Some(TracedBvh { nodes, triangles })
     }
 
-    /// One hierarchy for the way from each time step to the next, in boxes that hold both ends of it: `wgsl/shared/bvh_triangle_timed.wgsl`.
+    /// One hierarchy for the way from each time step to the next, in boxes that hold both ends of it: `wgsl/vertices/timed/traced.wgsl`.
     fn of_moving(chunk: &Chunk, offset: DVec3) -> Option<TracedBvh> {
         let place = Place { offset, scale: scale_of(chunk, offset) };
         let ways = chunk.steps - 1;

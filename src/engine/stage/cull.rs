@@ -2,29 +2,6 @@
 
 use super::{Dispatch, KernelId, Number, Threads};
 use crate::arrays::MapEach;
-use crate::gpu::kernels::Variant;
-use crate::gpu::kernels::parts::*;
-
-pub fn kernel(variant: Variant) -> Kernel {
-    let mut bindings = vec![
-        params(),
-        step(),
-        table("clusters"),
-        reads("nodes", "array<Node>"),
-        reads("tile_start", "array<u32>"),
-        reads("cells", "array<Cell>"),
-        reads("queue_in", "array<vec2<u32>>"),
-        writes("queue_out", "array<vec2<u32>>"),
-        writes("work", "array<vec2<u32>>"),
-        counters(),
-    ];
-    bindings.extend(variant.incoherent_rays(true));
-    let own = snippets!("shared/table.wgsl", "cull.wgsl");
-    let snippets = [PARAMS, ITEMS, INDEX, WITHIN, MEETS, PLACES, variant.tile_rays(), own];
-    let mut kernel = Kernel::new("cull", bindings, &snippets);
-    kernel.constants.push(("CULLING", variant.culling as u32 as f64));
-    kernel
-}
 
 /// The two queues between the steps; step k reads the first when k is even.
 const QUEUES: [&str; 2] = ["queue_even", "queue_odd"];

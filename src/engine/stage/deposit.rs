@@ -4,7 +4,7 @@ use super::dispatch_items;
 use crate::arrays::MapEach;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
-use crate::gpu::kernels::parts::*;
+use crate::gpu::kernels::Kernel;
 use crate::gpu::layout;
 use crate::gpu::readback::{read_words, readback};
 use crate::input::{Error, Result};
@@ -12,17 +12,6 @@ use crate::parallel;
 use crate::scene::caustics::beams::CausticTriangle;
 use crate::scene::caustics::{CausticMaps, Caustics, Map, mean};
 use wgpu::BufferUsages;
-
-/// Caustic triangles onto the maps of receivers; no part of a frame.
-pub fn kernel() -> Kernel {
-    let bindings = vec![
-        uniform("deposit_params", "DepositParams"),
-        reads("caustic_triangles", "array<CausticTriangle>"),
-        reads("receivers", "array<Receiver>"),
-        writes("sums", "array<atomic<u32>>"),
-    ];
-    Kernel::new("deposit", bindings, &[PARAMS, ITEMS, CAUSTICS, snippets!("deposit.wgsl")])
-}
 
 /// The kernel, compiled.
 pub struct Deposit<'g> {
@@ -80,7 +69,7 @@ impl CausticTriangles {
 
 impl<'g> Deposit<'g> {
     pub fn new(gpu: &'g Gpu) -> Result<Deposit<'g>> {
-        Ok(Deposit { gpu, pipeline: Pipeline::new(gpu, kernel())? })
+        Ok(Deposit { gpu, pipeline: Pipeline::new(gpu, Kernel::alone("deposit.wgsl"))? })
     }
 
     /// Adds up the flux of all triangles in `sums`, which `buffers` gets together with `receivers`; returns the sums: 6

@@ -7,7 +7,7 @@ use super::dispatch_items;
 use crate::camera::change::{NUMBERS, PixelRay};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
-use crate::gpu::kernels::parts::*;
+use crate::gpu::kernels::Kernel;
 use crate::gpu::layout::{GradientParams, NONE};
 use crate::gpu::readback::{read_words, readback};
 use crate::input::{Error, Result};
@@ -15,32 +15,6 @@ use crate::parallel;
 use crate::scene::gradients::{Changes, HIT_NUMBERS, Seen, VERTEX_DIRECTIONS};
 use glam::DVec3;
 use wgpu::BufferUsages;
-
-/// Of hits.
-pub fn kernel() -> Kernel {
-    of("gradient", &[], snippets!("gradient.wgsl"))
-}
-
-/// Of edges.
-pub fn edge_kernel() -> Kernel {
-    of("gradient_edge", &[writes("edges", "array<vec4<u32>>")], snippets!("gradient_edge.wgsl"))
-}
-
-fn of(name: &'static str, more: &[Binding], own: Parts) -> Kernel {
-    let bindings = [
-        &[
-            uniform("gradient_params", "GradientParams"),
-            reads("rays", "array<vec2<u32>>"),
-            reads("ray_rates", "array<vec2<u32>>"),
-            reads("slots", "array<vec2<u32>>"),
-            reads("corners", "array<vec2<u32>>"),
-            writes("changes", "array<f32>"),
-        ],
-        more,
-    ];
-    let shared = snippets!("gradients/layout.wgsl");
-    Kernel::new(name, bindings.concat(), &[PARAMS, ITEMS, REAL_F64, shared, snippets!("gradients/rays.wgsl"), own])
-}
 
 /// The kernels, compiled.
 pub struct Gradient<'g> {
@@ -59,8 +33,8 @@ const PIXEL_BYTES: u64 = 4 * (HIT_NUMBERS * VERTEX_DIRECTIONS) as u64;
 impl<'g> Gradient<'g> {
     /// With the kernel of edges if they are looked for.
     pub fn new(gpu: &'g Gpu, has_edges: bool) -> Result<Gradient<'g>> {
-        let edges = if has_edges { Some(Pipeline::new(gpu, edge_kernel())?) } else { None };
-        Ok(Gradient { gpu, hits: Pipeline::new(gpu, kernel())?, edges })
+        let edges = if has_edges { Some(Pipeline::new(gpu, Kernel::alone("gradient_edge.wgsl"))?) } else { None };
+        Ok(Gradient { gpu, hits: Pipeline::new(gpu, Kernel::alone("gradient.wgsl"))?, edges })
     }
 
     /// The changes of all pixels along the coordinates of their triangles' corners; or along a direction of the rays.

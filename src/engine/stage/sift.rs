@@ -9,28 +9,13 @@ use crate::camera::project::tree::WHOLE;
 use crate::engine::plan::beams::{BEAM_BYTES, Beams};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
-use crate::gpu::kernels::parts::*;
+use crate::gpu::kernels::Kernel;
 use crate::gpu::layout::Chunk;
 use crate::gpu::readback::{read_words, readback};
 use crate::input::Result;
 use crate::parallel;
 use glam::DVec3;
 use wgpu::BufferUsages;
-
-/// Points against the beams of a camera; no part of a frame.
-pub fn kernel() -> Kernel {
-    let bindings = vec![
-        uniform("chunk", "Chunk"),
-        reads("beams", "array<Beam>"),
-        reads("points", "array<vec4<f32>>"),
-        writes("found", "array<u32>"),
-    ];
-    Kernel::new(
-        "sift",
-        bindings,
-        &[PARAMS, ITEMS, snippets!("shared/beams.wgsl", "shared/half_meets.wgsl", "sift.wgsl")],
-    )
-}
 
 /// The kernel, compiled, and the beams of each layer on the device.
 pub struct Sift<'g> {
@@ -70,7 +55,7 @@ const OVER: usize = 16;
 impl<'g> Sift<'g> {
     /// For the points of one camera; the device holds 64 bytes a node of its trees.
     pub fn new(gpu: &'g Gpu, projector: &Projector) -> Result<Sift<'g>> {
-        let pipeline = Pipeline::new(gpu, kernel())?;
+        let pipeline = Pipeline::new(gpu, Kernel::alone("sift.wgsl"))?;
         let most = (gpu.binding_limit() / BEAM_BYTES) as usize;
         let layer = |tree| {
             let beams = Beams::new(tree, most);

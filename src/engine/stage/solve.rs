@@ -12,7 +12,7 @@ use crate::engine::plan::solve::SolveTable;
 use crate::engine::plan::solve::cells::CellTable;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
-use crate::gpu::kernels::parts::*;
+use crate::gpu::kernels::{Files, Kernel};
 use crate::gpu::layout::{NONE, SolveImage, SolveParams, SolvePoint};
 use crate::gpu::readback::{read_words, readback};
 use crate::input::Result;
@@ -20,33 +20,14 @@ use crate::parallel;
 use glam::{DVec2, DVec3};
 use wgpu::BufferUsages;
 
-pub(super) const LAYOUT: Parts = snippets!("project/layout.wgsl");
+/// What images of points are found in: the implementations of `project/solved`.
+pub const PIECES: &[&str] = &["pieces"];
+pub const CURVES: &[&str] = &["curves"];
 
-/// Candidates of points in a layer of pieces; no part of a frame.
-pub fn kernel() -> Kernel {
-    let own = snippets!("project/chart.wgsl", "project/prove.wgsl", "project/in_piece.wgsl");
-    kernel_of(reads("pieces", "array<SolvePiece>"), own)
-}
-
-/// The same in a layer of curves.
-pub fn kernel_of_curves() -> Kernel {
-    kernel_of(reads("cells", "array<SolveCell>"), snippets!("project/in_cell.wgsl"))
-}
-
-fn kernel_of(table: Binding, own: Parts) -> Kernel {
-    let bindings = vec![
-        uniform("solving", "SolveParams"),
-        table,
-        reads("leaves", "array<u32>"),
-        reads("points", "array<SolvePoint>"),
-        reads("found", "array<u32>"),
-        writes("solved", "array<u32>"),
-        writes("images", "array<SolveImage>"),
-        writes("counts", "array<atomic<u32>>"),
-        writes("wanted", "array<atomic<u32>>"),
-    ];
-    let ends = [snippets!("project/answer.wgsl"), own, snippets!("solve.wgsl")];
-    Kernel::new("solve", bindings, &[&[PARAMS, ITEMS, LAYOUT][..], &ends].concat())
+/// Candidates of points in a layer of pieces or curves; no part of a frame.
+pub fn kernel(solved: &'static [&'static str]) -> Kernel {
+    let implementations = |interface: &str| if interface == "project/solved" { solved } else { &[] };
+    Kernel::of(Files::own(), "solve.wgsl", &implementations, &|_| None)
 }
 
 /// The kernels, compiled, and a camera's trees and pieces or cells on the device.
@@ -120,11 +101,11 @@ impl<'g> Solve<'g> {
             let (kernel, leaves) = match &table {
                 Table::Pieces(table) => {
                     tables.upload(gpu, "pieces", &table.pieces)?;
-                    (kernel(), &table.leaves)
+                    (kernel(PIECES), &table.leaves)
                 }
                 Table::Cells(table) => {
                     tables.upload(gpu, "cells", &table.cells)?;
-                    (kernel_of_curves(), &table.leaves)
+                    (kernel(CURVES), &table.leaves)
                 }
             };
             tables.upload(gpu, "leaves", leaves)?;

@@ -4,39 +4,14 @@
 //! an image that may be nearer, or of which solve has not proven everything. The host projects only these, in f64: all others are hidden.
 
 use super::dispatch_items;
-use super::solve::{LAYOUT, Solve};
+use super::solve::Solve;
 use crate::camera::project::Projector;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
-use crate::gpu::kernels::parts::*;
+use crate::gpu::kernels::Kernel;
 use crate::gpu::readback::{read_words, readback};
 use crate::input::Result;
 use glam::DVec3;
-
-const RISING: Parts = snippets!("project/rising.wgsl");
-
-/// Proven images, to each pixel's bound.
-pub fn claim() -> Kernel {
-    let bindings = vec![
-        uniform("solving", "SolveParams"),
-        reads("images", "array<SolveImage>"),
-        reads("counts", "array<u32>"),
-        writes("nearest", "array<atomic<u32>>"),
-    ];
-    Kernel::new("claim", bindings, &[PARAMS, ITEMS, LAYOUT, RISING, snippets!("claim.wgsl")])
-}
-
-/// Proven images, to the list of points that the host projects.
-pub fn contend() -> Kernel {
-    let bindings = vec![
-        uniform("solving", "SolveParams"),
-        reads("images", "array<SolveImage>"),
-        reads("counts", "array<u32>"),
-        reads("nearest", "array<u32>"),
-        writes("wanted", "array<atomic<u32>>"),
-    ];
-    Kernel::new("contend", bindings, &[PARAMS, ITEMS, LAYOUT, RISING, snippets!("contend.wgsl")])
-}
 
 /// The kernels, compiled, and the pixels of one image.
 pub struct Splat<'g> {
@@ -70,7 +45,10 @@ impl<'g> Splat<'g> {
         nearest.upload(gpu, "nearest", &pixels)?;
         Ok(Some(Splat {
             solve,
-            pipelines: [Pipeline::new(gpu, claim())?, Pipeline::new(gpu, contend())?],
+            pipelines: [
+                Pipeline::new(gpu, Kernel::alone("claim.wgsl"))?,
+                Pipeline::new(gpu, Kernel::alone("contend.wgsl"))?,
+            ],
             pixels: nearest,
         }))
     }

@@ -1,169 +1,169 @@
-//! A kernel: its bindings and the snippets that its source is joined from.
+//! A kernel, joined from its entry file and all that it imports.
 
-use super::parts::REAL_F64;
-use crate::gpu::layout::NONE;
+use super::files::{Access, Binding, File, Files, Line};
+use super::variant::Variant;
 use crate::image::frame::Channel;
-use std::collections::HashSet;
-use std::fmt::Write;
-use std::sync::LazyLock;
-
-/// How a kernel binds a buffer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Access {
-    Uniform,
-    Read,
-    Write,
-    /// A texture, whose texels are read one by one.
-    Texels,
-    /// A texture, whose texels are written one by one.
-    WriteTexels,
-}
-
-/// One buffer of a kernel: its name is the buffer's name everywhere.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Binding {
-    pub name: &'static str,
-    pub access: Access,
-    pub wgsl_type: &'static str,
-}
+use std::collections::BTreeSet;
+use std::path::Path;
 
 /// One compute kernel, ready to compile.
 #[derive(Debug, Clone)]
 pub struct Kernel {
-    /// The stage's name, the entry point's and the file's.
+    /// The entry point's name, or the entry file's where it has several.
     pub name: &'static str,
-    pub bindings: Vec<Binding>,
-    pub parts: Vec<&'static Snippet>,
-    /// A line before all others.
-    pub enables: &'static str,
+    /// Each file after those that it imports, the entry file last.
+    pub files: Vec<&'static File>,
     pub constants: Vec<(&'static str, f64)>,
-    /// It uses f64, and is lowered to 32-bit words where an adapter has none.
-    pub f64: bool,
+    pub imports: Vec<Import>,
 }
 
-/// A part of kernels: a file under `wgsl/`.
-#[derive(Debug, PartialEq, Eq)]
-pub struct Snippet {
-    /// The file's path under `wgsl/`.
+/// An import of a kernel's file.
+#[derive(Debug, Clone, Copy)]
+pub struct Import {
+    /// The path of the file that names it.
+    pub by: &'static str,
+    /// As it is written there.
     pub name: &'static str,
-    pub text: &'static str,
+    /// `None`: there is no such file.
+    pub file: Option<&'static File>,
 }
 
-/// Snippets in the order in which they are joined.
-pub type Parts = &'static [&'static Snippet];
+/// The implementations of an interface, the preferred one first; none if it is no interface.
+pub type Choose<'a> = &'a dyn Fn(&str) -> &'static [&'static str];
 
-/// [`Parts`] by their names.
-macro_rules! snippets {
-    ($($name:literal),+) => {{
-        use $crate::gpu::kernels::{Parts, Snippet};
-        const PARTS: Parts = &[
-            $(&Snippet { name: $name, text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/wgsl/", $name)) }),+
-        ];
-        PARTS
-    }};
-}
-pub(crate) use snippets;
-
-pub fn uniform(name: &'static str, wgsl_type: &'static str) -> Binding {
-    Binding { name, access: Access::Uniform, wgsl_type }
+/// What follows an import while files are joined.
+struct Joiner<'a> {
+    library: &'a Files,
+    choose: Choose<'a>,
+    seen: BTreeSet<&'static str>,
+    files: Vec<&'static File>,
+    imports: Vec<Import>,
 }
 
-pub fn reads(name: &'static str, wgsl_type: &'static str) -> Binding {
-    Binding { name, access: Access::Read, wgsl_type }
-}
-
-pub fn writes(name: &'static str, wgsl_type: &'static str) -> Binding {
-    Binding { name, access: Access::Write, wgsl_type }
-}
-
-/// Named and bound like buffers.
-pub fn texture(name: &'static str, wgsl_type: &'static str) -> Binding {
-    Binding { name, access: Access::Texels, wgsl_type }
-}
-
-pub fn writes_texture(name: &'static str, wgsl_type: &'static str) -> Binding {
-    Binding { name, access: Access::WriteTexels, wgsl_type }
+impl Joiner<'_> {
+    fn add(&mut self, file: &'static File) {
+        if !self.seen.insert(file.path) {
+            return;
+        }
+        for import in &file.imports {
+            let imported = self.library.imported(import, self.choose);
+            self.imports.push(Import { by: file.path, name: import, file: imported });
+            if let Some(imported) = imported {
+                self.add(imported);
+            }
+        }
+        self.files.push(file);
+    }
 }
 
 impl Kernel {
-    /// Joined from `parts`, in their order; a snippet that several of them have stands where the first has it.
-    pub fn new(name: &'static str, bindings: Vec<Binding>, parts: &[Parts]) -> Kernel {
-        let mut seen = HashSet::new();
-        let mut parts = parts.concat();
-        parts.retain(|p| seen.insert(p.name));
-        let f64 = parts.iter().any(|p| p.name == REAL_F64[0].name);
-        Kernel { name, bindings, parts, enables: "", constants: Vec::new(), f64 }
+    /// The kernel of an entry file for a variant whose frames have these planes.
+    pub fn new(entry: &'static str, variant: Variant, planes: &[Channel]) -> Kernel {
+        let constant = |name: &str| variant.constant(name, planes);
+        Kernel::of(Files::own(), entry, &|interface| variant.implementations(interface), &constant)
     }
 
-    /// What precedes the snippets: the bindings, and of a kernel with `planes` the number of each channel's, [`NONE`] if it is not
-    /// rendered.
-    fn head(&self) -> String {
-        let mut head = self.enables.to_string();
-        for (k, b) in self.bindings.iter().enumerate() {
-            let space = match b.access {
-                Access::Uniform => "<uniform>",
-                Access::Read => "<storage, read>",
-                Access::Write => "<storage, read_write>",
-                Access::Texels | Access::WriteTexels => "",
-            };
-            // writing to a String cannot fail
-            let _ = writeln!(head, "@group(0) @binding({k}) var{space} {}: {};", b.name, b.wgsl_type);
+    /// A kernel that is the same for all variants.
+    pub fn alone(entry: &'static str) -> Kernel {
+        Kernel::of(Files::own(), entry, &|_| &[], &|_| None)
+    }
+
+    /// From these files; `constant` has the values of `override` constants that are not the default ones.
+    pub fn of(library: &Files, entry: &'static str, choose: Choose, constant: &dyn Fn(&str) -> Option<f64>) -> Kernel {
+        let file = library.get(entry);
+        let chosen = file.map_or(&[][..], |file| &file.chosen);
+        let choose = |interface: &str| {
+            let own = chosen.iter().find(|(name, _)| *name == interface);
+            own.map_or_else(|| choose(interface), |(_, implementation)| std::slice::from_ref(implementation))
+        };
+        let (seen, files, imports) = (BTreeSet::new(), Vec::new(), Vec::new());
+        let mut joiner = Joiner { library, choose: &choose, seen, files, imports };
+        match file {
+            Some(file) => joiner.add(file),
+            None => joiner.imports.push(Import { by: entry, name: entry, file: None }),
         }
-        if self.bindings.iter().any(|b| b.name == "planes") {
-            for (_, name) in PLANES.iter() {
-                let _ = writeln!(head, "override {name}: u32 = {NONE:#x}u;");
+        let constants = joiner.files.iter().flat_map(|file| &file.constants);
+        let constants = constants.filter_map(|name| Some((*name, constant(name)?))).collect();
+        let stem = Path::new(entry).file_stem().and_then(|stem| stem.to_str()).unwrap_or(entry);
+        let name = file.and_then(File::entry_point).unwrap_or(stem);
+        Kernel { name, files: joiner.files, constants, imports: joiner.imports }
+    }
+
+    /// It computes with f64, in 32-bit words where an adapter has none.
+    pub fn has_f64(&self) -> bool {
+        self.files.iter().any(|file| file.path == "arithmetic/f64.wgsl")
+    }
+
+    /// What its files declare: the number of each is its place. Two files may declare the same.
+    pub fn bindings(&self) -> Vec<Binding> {
+        let mut bindings: Vec<Binding> = Vec::new();
+        for binding in self.files.iter().flat_map(|file| file.bindings()) {
+            if !bindings.contains(&binding) {
+                bindings.push(binding);
             }
         }
-        head
+        bindings
     }
 
-    /// Says which planes there are, in their order.
-    pub fn with_planes(mut self, planes: &[Channel]) -> Kernel {
-        let name = |channel: &Channel| PLANES.iter().find(|(own, _)| own == channel).map(|(_, name)| name.as_str());
-        let constant = |(k, channel): (usize, &Channel)| name(channel).map(|name| (name, k as f64));
-        self.constants.extend(planes.iter().enumerate().filter_map(constant));
-        self
+    /// The lines that precede all files.
+    fn head(&self) -> String {
+        let lines = self.files.iter().flat_map(|file| &file.lines);
+        let enables =
+            lines.filter_map(|line| if let Line::Enable(text) = line { Some(format!("{text}\n")) } else { None });
+        // the compiler refuses these, and shows them
+        let missing = self.imports.iter().filter(|import| import.file.is_none());
+        let missing = missing.map(|Import { by, name, .. }| format!("#import {name} in {by}: there is no such file\n"));
+        enables.chain(missing).collect()
     }
 
-    /// How many storage buffers it binds.
-    pub fn storage_buffers(&self) -> u32 {
-        self.bindings.iter().filter(|b| matches!(b.access, Access::Read | Access::Write)).count() as u32
-    }
-
-    /// What is compiled: the bindings, then the snippets.
+    /// What is compiled. Every file has as many lines as it has by itself.
     pub fn source(&self) -> String {
-        self.head() + &self.parts.iter().map(|p| p.text).collect::<String>()
+        self.joined(|_| String::new())
     }
 
-    /// The same, each snippet below a line that names it.
+    /// The same, each file below a line that names it.
     pub fn labelled_source(&self) -> String {
-        let part = |p: &&Snippet| format!("// {}:1\n{}", p.name, p.text);
-        self.head() + &self.parts.iter().map(part).collect::<String>()
+        self.joined(|file| format!("// {}:1\n", file.path))
     }
 
-    /// The snippet that holds a line of [`Kernel::source`], and the line's number there, both from 1. The bindings come before all
-    /// snippets.
+    fn joined(&self, label: impl Fn(&File) -> String) -> String {
+        let bindings = self.bindings();
+        let mut declared = BTreeSet::new();
+        let mut text = self.head();
+        for file in &self.files {
+            text += &label(file);
+            for line in &file.lines {
+                match line {
+                    Line::Code(code) => text += code,
+                    Line::Directive(line) | Line::Enable(line) => text.extend(["// ", line]),
+                    Line::Binding(binding) => match bindings.iter().position(|other| other == binding) {
+                        Some(number) if declared.insert(number) => text += &binding.numbered(number),
+                        _ => text.extend(["// ", binding.name]),
+                    },
+                }
+                text.push('\n');
+            }
+        }
+        text
+    }
+
+    /// The file that has a line of [`Kernel::source`], and the line's number there, both from 1.
     pub fn place(&self, line: usize) -> (&'static str, usize) {
         let mut before = self.head().lines().count();
         if line <= before {
-            return (BINDINGS, line);
+            return (self.name, line);
         }
-        for part in &self.parts {
-            let lines = part.text.lines().count();
-            if line <= before + lines {
-                return (part.name, line - before);
+        for file in &self.files {
+            if line <= before + file.lines.len() {
+                return (file.path, line - before);
             }
-            before += lines;
+            before += file.lines.len();
         }
         (self.name, line)
     }
 }
 
-/// The constants with the number of a channel's plane: `PLANE_BARY_U` for `bary.u`. Those that the host computes have none.
-static PLANES: LazyLock<Vec<(Channel, String)>> = LazyLock::new(|| {
-    let name = |channel: Channel| format!("PLANE_{}", channel.name().to_uppercase().replace('.', "_"));
-    Channel::every().filter(|channel| channel.is_rendered()).map(|channel| (channel, name(channel))).collect()
-});
-
-/// Stands for a snippet's name in front of the first one.
-const BINDINGS: &str = "bindings";
+/// How many storage buffers are among these.
+pub fn storage_buffers(bindings: &[(u32, Binding)]) -> u32 {
+    bindings.iter().filter(|(_, b)| matches!(b.access, Access::Read | Access::Write)).count() as u32
+}

@@ -1,7 +1,7 @@
 //! What kernels are compiled for: the set of kernels that a scene, a camera and an adapter need.
 
 use super::optics::OpticsKind;
-use super::parts::*;
+use crate::image::frame::Channel;
 
 /// How the kernels hold a camera's rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,26 +178,14 @@ impl Variant {
     /// Every variant that some camera needs on an adapter with these abilities.
     #[cfg(feature = "internals")]
     pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
+        let plain = Variant { f64, atomics64, f64_depths: f64 && atomics64, ..Variant::PLAIN };
         let mut list = Vec::new();
         for more in [false, true] {
             let [counting, normals, textured, colored, glossy, sky] = [more; 6];
             let [styled, outlined] = [more; 2];
             let lights = if more { LightsKind::Shadowed } else { LightsKind::Plain };
-            let of_camera = Variant {
-                f64,
-                atomics64,
-                f64_depths: f64 && atomics64,
-                counting,
-                normals,
-                textured,
-                colored,
-                glossy,
-                sky,
-                lights,
-                styled,
-                outlined,
-                ..Variant::PLAIN
-            };
+            let of_camera =
+                Variant { counting, normals, textured, colored, glossy, sky, lights, styled, outlined, ..plain };
             let variant = |rays, slabbed, optics| {
                 let incoherent = more && rays == RaysKind::Field;
                 Variant { rays, incoherent, slabbed, optics, ..of_camera }
@@ -269,6 +257,20 @@ impl Variant {
             let curved = |rays| Variant { method: Method::Trace, ..variant(rays, true, Some(OpticsKind::Facets)) };
             list.extend(curves[1..].iter().map(|rays| curved(*rays)));
         }
+        // each part of the appearance by itself
+        list.extend([
+            Variant { normals: true, ..plain },
+            Variant { textured: true, ..plain },
+            Variant { textured: true, colored: true, ..plain },
+            Variant { textured: true, masked: true, ..plain },
+            Variant { glossy: true, ..plain },
+            Variant { glossy: true, sky: true, textured: true, ..plain },
+            Variant { lights: LightsKind::Positional, ..plain },
+            Variant { lights: LightsKind::Shadowed, ..plain },
+            Variant { pictures: true, textured: true, lights: LightsKind::Positional, ..plain },
+            Variant { styled: true, ..plain },
+            Variant { outlined: true, ..plain },
+        ]);
         list
     }
 
@@ -323,202 +325,159 @@ impl Variant {
         self.method != Method::Raster
     }
 
-    pub fn real(self) -> Parts {
-        if self.f64 { REAL_F64 } else { REAL_F32 }
-    }
-
-    /// Triangles and vertices, from their textures.
-    pub fn vertex(self) -> Parts {
-        match (self.timed, self.instanced) {
-            (true, _) => snippets!("shared/table.wgsl", "shared/vertex_timed.wgsl"),
-            (false, true) => snippets!("shared/table.wgsl", "shared/vertex_placed.wgsl"),
-            (false, false) => VERTEX,
-        }
-    }
-
-    /// Packed triangles, and vertices in recheck arithmetic.
-    pub fn triangle(self) -> Parts {
-        match (self.timed, self.instanced) {
-            (true, _) => snippets!("shared/triangle.wgsl", "shared/vertex_real_timed.wgsl"),
-            (false, true) => snippets!("shared/triangle.wgsl", "shared/vertex_real_placed.wgsl"),
-            (false, false) => TRIANGLE,
-        }
-    }
-
-    /// The slot of a triangle by its id.
-    pub fn slot(self) -> Parts {
-        if self.instanced { snippets!("shared/slot_placed.wgsl") } else { snippets!("shared/slot.wgsl") }
-    }
-
-    /// Whether shade writes 8-bit sRGB.
-    pub fn written(self) -> Parts {
-        match self.writes {
-            true => snippets!("shared/tone.wgsl", "shared/written_now.wgsl"),
-            false => snippets!("shared/written_later.wgsl"),
-        }
-    }
-
-    /// Where meshes stand that have several places.
-    pub fn instances(self) -> Option<Binding> {
-        self.instanced.then(|| table("instances"))
-    }
-
-    /// When each pixel sees the scene.
-    pub fn moments(self) -> Option<Binding> {
-        self.timed.then(|| reads("moments", "array<u32>"))
-    }
-
-    pub fn merge(self) -> Parts {
-        if self.atomics64 { snippets!("shared/merge_u64.wgsl") } else { snippets!("shared/merge_u32.wgsl") }
-    }
-
-    /// The type of a buffer of visibility keys that are merged.
-    pub fn keys(self) -> &'static str {
-        if self.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" }
-    }
-
-    /// The type of the visibility buffer where each pixel's key is read once.
-    pub fn keys_read(self) -> &'static str {
-        if self.atomics64 { "array<u64>" } else { "array<vec2<u32>>" }
-    }
-
-    /// How such a key is read.
-    pub fn pixel_key(self) -> Parts {
-        if self.atomics64 { snippets!("shared/pixel_key_u64.wgsl") } else { snippets!("shared/pixel_key_u32.wgsl") }
-    }
-
-    pub fn camera(self) -> Parts {
-        match self.rays {
-            RaysKind::Pieces => {
-                snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece.wgsl", "camera/pieces.wgsl")
-            }
-            RaysKind::Field => snippets!("camera/field_rays.wgsl", "camera/field.wgsl"),
-            RaysKind::Curves { .. } => snippets!("camera/curves.wgsl"),
-        }
-    }
-
-    /// The camera's rays pixel by pixel, after they were found by tiles and cells.
-    pub fn pixel(self) -> &'static [Parts] {
-        match self.rays {
-            RaysKind::Pieces => &[CELLS, snippets!("camera/pieces_pixel.wgsl")],
-            RaysKind::Field => &[snippets!("camera/field_pixel.wgsl")],
-            RaysKind::Curves { .. } => &[CELLS, snippets!("camera/curves_pixel.wgsl")],
-        }
-    }
-
-    pub fn coverage(self) -> &'static [Parts] {
-        match self.rays {
-            RaysKind::Pieces => &[MEETING_OF_RAYS, snippets!("camera/pieces_coverage.wgsl")],
-            RaysKind::Field => &[MEETING_OF_RAYS, snippets!("camera/field_coverage.wgsl")],
-            RaysKind::Curves { .. } => {
-                &[snippets!("camera/curves_coverage.wgsl"), snippets!("camera/curves_meeting.wgsl")]
-            }
-        }
-    }
-
-    pub fn proof(self) -> Vec<Parts> {
-        const STRAIGHT: Parts = snippets!("shared/perturb.wgsl", "camera/straight_proof.wgsl");
-        let mask = match self.masked {
-            true => snippets!("textures/masked_proof.wgsl"),
-            false => snippets!("textures/solid_proof.wgsl"),
-        };
-        match self.rays {
-            RaysKind::Pieces => vec![STRAIGHT, snippets!("camera/pieces_proof.wgsl"), mask],
-            RaysKind::Field => vec![STRAIGHT, snippets!("camera/field_proof.wgsl"), mask],
-            RaysKind::Curves { .. } => vec![snippets!("camera/curves_proof.wgsl")],
-        }
-    }
-
-    /// The buffers with which rays are found pixel by pixel.
-    pub fn pixel_rays(self) -> Vec<Binding> {
-        let mut list = self.rays();
-        if self.rays != RaysKind::Field {
-            list.extend([reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
-        }
-        list
-    }
-
-    /// The snippets with which rays are found pixel by pixel.
-    #[cfg(feature = "internals")]
-    pub fn pixel_snippets(self) -> Vec<Parts> {
-        [&[self.real(), BUNDLE, self.camera()][..], self.pixel()].concat()
-    }
-
-    /// Tests of a tile's rays against a box.
-    pub fn tile_rays(self) -> Parts {
-        match self.incoherent {
-            true => snippets!("camera/field_rays.wgsl", "shared/rays_incoherent.wgsl"),
-            false => snippets!("shared/rays_coherent.wgsl"),
-        }
-    }
-
-    /// Tests of an item's rays against a box.
-    pub fn item_rays(self) -> Parts {
-        match (self.incoherent && self.culling, self.loads_by_lanes()) {
-            (true, true) => snippets!(
-                "camera/field_rays.wgsl",
-                "shared/rays_incoherent.wgsl",
-                "shared/lanes_of_whole.wgsl",
-                "shared/lanes.wgsl",
-                "shared/items_incoherent_by_lanes.wgsl"
-            ),
-            (true, false) => {
-                snippets!("camera/field_rays.wgsl", "shared/rays_incoherent.wgsl", "shared/items_incoherent.wgsl")
-            }
-            (false, _) => snippets!("shared/items_coherent.wgsl"),
-        }
-    }
-
-    /// The binding of those tests.
-    pub fn incoherent_rays(self, asks: bool) -> Option<Binding> {
-        (self.incoherent && asks).then(|| reads("rays_hi", "array<f32>"))
-    }
-
-    /// Where the lanes of a tile are in their subgroup.
-    pub fn lane_places(self) -> Parts {
-        if self.wide { snippets!("shared/lanes_of_part.wgsl") } else { snippets!("shared/lanes_of_whole.wgsl") }
-    }
-
     /// Whether the lanes of a tile load together what all of them need. So on software adapters, whose subgroups have no more threads
     /// than these: each thread that loads a number takes time of its own there.
     pub fn loads_by_lanes(self) -> bool {
         self.by_tile && !self.wide
     }
 
-    /// How a kernel sees a list of structs: as it is, or as vec4s that the lanes of a subgroup load together.
-    pub fn list_type(self, list: &'static str) -> &'static str {
-        if self.loads_by_lanes() { "array<vec4<f32>>" } else { list }
+    /// Edge pixels have several samples.
+    pub fn samples_edges(self) -> bool {
+        self.samples > 1
     }
 
-    /// How a kernel loads the node of its item.
-    pub fn item_node(self) -> Parts {
-        if self.loads_by_lanes() { snippets!("shared/node_by_lanes.wgsl") } else { snippets!("shared/node_load.wgsl") }
+    /// The edges of pixels are found tile by tile where there is one tile to each.
+    pub fn samples_by_tile(self) -> bool {
+        self.by_tile && self.f64_depths && self.samples_edges() && !self.slabbed
     }
 
-    /// How a kernel loads the piece that all lanes need.
-    pub fn lanes_piece(self) -> Parts {
-        match self.loads_by_lanes() {
-            true => snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece_by_lanes.wgsl"),
-            false => snippets!("shared/table.wgsl", "camera/piece_at.wgsl", "camera/piece_load.wgsl"),
+    /// Largest distance of a sample from its pixel's centre, px.
+    pub fn sample_reach(self) -> f64 {
+        // rounded up
+        f64::from(self.samples - 1) / f64::from(2 * self.samples) * (1.0 + f64::from(f32::EPSILON))
+    }
+
+    /// The implementations of an interface, the preferred one first: folders or files of `wgsl/INTERFACE`, or paths of files.
+    pub fn implementations(self, interface: &str) -> &'static [&'static str] {
+        let is_curved = matches!(self.rays, RaysKind::Curves { .. });
+        match interface {
+            "arithmetic" if self.f64 => &["f64"],
+            "arithmetic" => &["f32"],
+            "bin/items" if self.small => &["large"],
+            "bin/items" => &["groups"],
+            "caustics" if self.optics.is_some() => &["bounced"],
+            "caustics" => &["plain"],
+            "depth" if self.f64_depths => &["exact"],
+            "depth" => &["bounded"],
+            "depth/columns" => match (self.rays == RaysKind::Field, self.f64_depths) {
+                (true, true) => &["field_exact"],
+                (true, false) => &["field_bounded"],
+                (false, true) => &["pieces_exact"],
+                (false, false) => &["pieces_bounded"],
+            },
+            "keys" if self.atomics64 => &["u64"],
+            "keys" => &["u32"],
+            "lanes" if self.wide => &["part"],
+            "lanes" => &["whole"],
+            "lanes/loads" if self.loads_by_lanes() => &["lanes"],
+            "lanes/loads" => &["threads"],
+            "masks" if self.masked => &["masked"],
+            "masks" => &["opaque"],
+            "nodes/item_rays" => match (self.incoherent && self.culling, self.loads_by_lanes()) {
+                (true, true) => &["incoherent_by_lanes"],
+                (true, false) => &["incoherent"],
+                (false, _) => &["coherent"],
+            },
+            "nodes/tile_rays" if self.incoherent => &["incoherent"],
+            "nodes/tile_rays" => &["coherent"],
+            "optics" => match self.optics {
+                Some(OpticsKind::Quadrics) => &["quadrics", "smooth"],
+                Some(OpticsKind::Torus) => &["torus", "smooth"],
+                Some(OpticsKind::Wave) => &["wave", "smooth"],
+                Some(OpticsKind::Facets | OpticsKind::Atlas) | None => &["facets"],
+            },
+            // only straight rays meet a smooth surface
+            "optics/arrival" if is_curved && !self.meets() => &["curved"],
+            "optics/arrival" => &["straight"],
+            "optics/seen" if self.optics.is_some() => &["bounced"],
+            "optics/seen" => &["own"],
+            "optics/start" if self.bounced => &["bounced"],
+            "optics/start" => &["anywhere"],
+            "pairs" if self.by_tile => &["by_tile"],
+            "pairs" => &["by_pair"],
+            "pixels" if self.bounced => &["live"],
+            "pixels" => &["every"],
+            "pixels/tiles" if self.bounced => &["pixels/live.wgsl"],
+            "pixels/tiles" => &["every"],
+            "primitives" if self.spheres => &["spheres"],
+            "primitives" => &["triangles"],
+            "rays" => match self.rays {
+                RaysKind::Pieces => &["pieces", "straight"],
+                RaysKind::Field => &["field", "straight"],
+                RaysKind::Curves { .. } => &["curves"],
+            },
+            "samples/measure" if self.analytic => &["areas"],
+            "samples/measure" => &["counted"],
+            "samples/shaded_part" if self.centred => &["centre"],
+            "samples/shaded_part" => &["seen"],
+            "shading/casters" if self.timed => &["timed"],
+            "shading/casters" => &["still"],
+            "shading/colors" if self.colored => &["colored"],
+            "shading/colors" => &["uncolored"],
+            "shading/lights" => match self.lights {
+                LightsKind::Plain => &["plain"],
+                LightsKind::Positional => &["positional"],
+                LightsKind::Shadowed => &["shadowed", "positional"],
+            },
+            "shading/materials" if self.glossy || self.sky => &["glossy"],
+            "shading/materials" => &["matte"],
+            "shading/pictures" if self.pictures => &["thrown"],
+            "shading/pictures" => &["none"],
+            "shading/sky" if self.sky => &["image"],
+            "shading/sky" => &["constant"],
+            "shading/styles" if self.styled => &["drawn"],
+            "shading/styles" => &["plain"],
+            "shading/textures" if self.textured => &["mapped"],
+            "shading/textures" => &["plain"],
+            "shading/written" if self.writes => &["now"],
+            "shading/written" => &["later"],
+            "vertices" => match (self.timed, self.instanced) {
+                (true, _) => &["timed", "still"],
+                (false, true) => &["placed", "still"],
+                (false, false) => &["still"],
+            },
+            "volume/light" if self.volume == Some(VolumeKind::Lit) => &["lit"],
+            "volume/light" => &["unlit"],
+            "volume/passed" if self.volume == Some(VolumeKind::Maximum) => &["maximum"],
+            "volume/passed" => &["composite"],
+            _ => &[],
         }
     }
 
-    /// The buffers that hold the camera's rays.
-    pub fn rays(self) -> Vec<Binding> {
-        match self.rays {
-            RaysKind::Pieces => vec![pieces()],
-            RaysKind::Field | RaysKind::Curves { .. } => {
-                vec![reads("rays_hi", "array<f32>"), reads("rays_lo", "array<f32>")]
+    /// The value of an `override` constant of kernels whose frames have these planes, unless it is the default one.
+    pub fn constant(self, name: &str, planes: &[Channel]) -> Option<f64> {
+        let flag = |value: bool| Some(f64::from(u8::from(value)));
+        match name {
+            "ALL_UNCERTAIN" => flag(self.all_uncertain && self.rechecks()),
+            "COUNTING" => flag(self.counting),
+            "CULLING" => flag(self.culling),
+            "DEGREE" => {
+                if let RaysKind::Curves { degree } = self.rays {
+                    Some(f64::from(degree))
+                } else {
+                    None
+                }
+            }
+            "FOLLOWS_RAYS" => {
+                let is_of_keys = |channel: &Channel| matches!(channel, Channel::T | Channel::A | Channel::TriangleId);
+                flag(self.writes || !planes.iter().all(is_of_keys))
+            }
+            "NORMALS" => flag(self.normals),
+            "SAMPLES" => Some(f64::from(self.samples)),
+            "SAMPLE_REACH" => Some(self.sample_reach()),
+            "SLABBED" => flag(self.slabbed),
+            "SMOOTH" => flag(self.meets()),
+            // of four samples of a pixel
+            "STRIPS" => Some(f64::from(self.samples.div_ceil(4))),
+            _ => {
+                let channel = name.strip_prefix("PLANE_")?;
+                planes.iter().position(|plane| plane_name(*plane) == channel).map(|plane| plane as f64)
             }
         }
     }
+}
 
-    /// The constants of kernels that follow the camera's rays.
-    pub fn constants(self) -> Vec<(&'static str, f64)> {
-        let mut constants = vec![("SLABBED", self.slabbed as u32 as f64)];
-        if let RaysKind::Curves { degree } = self.rays {
-            constants.push(("DEGREE", degree as f64));
-        }
-        constants
-    }
+/// A channel in the names of constants: `BARY_U` for `bary.u`.
+fn plane_name(channel: Channel) -> String {
+    channel.name().to_uppercase().replace('.', "_")
 }

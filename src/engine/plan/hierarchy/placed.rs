@@ -1,4 +1,4 @@
-//! Hierarchies of meshes that stand in several places: one of each mesh, and one of the places. `wgsl/shared/vertex_placed.wgsl` has the rows
+//! Hierarchies of meshes that stand in several places: one of each mesh, and one of the places. `wgsl/vertices/placed/vertex.wgsl` has the rows
 //! of a place.
 
 use super::wide::Wide;

@@ -1,0 +1,5 @@
+// No triangle has holes.
+
+fn is_solid(slot: u32) -> bool {
+    return true;
+}

@@ -1,0 +1,3 @@
+// Triangles and spheres are met, in a way that depends on the rays.
+
+#import rays/sphere

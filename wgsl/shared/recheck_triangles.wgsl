@@ -1,7 +1,0 @@
-// Items of triangles alone.
-// Provides: recheck_primitive
-// Needs: Cell, recheck_triangle
-
-fn recheck_primitive(slot: u32, triangle: vec4<u32>, is_proven: bool, cell: Cell, bit: u32) {
-    recheck_triangle(slot, triangle, is_proven, cell, bit);
-}

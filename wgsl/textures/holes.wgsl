@@ -1,9 +1,0 @@
-// Which triangles may have holes, in scenes with alpha masks or blended surfaces.
-// Provides: is_solid
-// Needs: material_at, triangle_surface
-
-// Whether a triangle is there everywhere.
-fn is_solid(slot: u32) -> bool {
-    let material = material_at(triangle_surface(slot).w);
-    return material.is_blended == 0u && material.cutoff <= 0.0;
-}
