@@ -2,7 +2,8 @@
 
 var<uniform> params: Params;
 var<uniform> step: Step;
-var<uniform> viewer: ViewerPose;
+// In a storage buffer, since it changes with every pose: lavapipe compiles a kernel anew whenever the uniforms of its conditions change.
+var<storage, read> viewer: ViewerPose;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 const GROUP: u32 = 64u;        // threads a workgroup, everywhere
