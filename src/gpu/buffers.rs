@@ -239,7 +239,7 @@ pub struct Binder {
 }
 
 impl Binder {
-    /// Of the bindings that a kernel of this name reaches.
+    /// Makes the binder of a kernel of this name, from the bindings that it reaches.
     pub fn new(
         device: &wgpu::Device,
         kernel: &'static str,

@@ -20,7 +20,7 @@ use crate::parallel;
 use glam::{DVec2, DVec3};
 use wgpu::BufferUsages;
 
-/// What images of points are found in: the implementations of `project/solved`.
+/// Implementations of `project/solved`: the images of points are found in pieces or in curves.
 pub const PIECES: &[&str] = &["pieces"];
 pub const CURVES: &[&str] = &["curves"];
 

@@ -69,7 +69,7 @@ impl File {
         }
     }
 
-    /// What it binds.
+    /// Returns the buffers and textures that the file declares.
     pub fn bindings(&self) -> impl Iterator<Item = Binding> {
         self.lines.iter().filter_map(|line| if let Line::Binding(binding) = line { Some(*binding) } else { None })
     }
@@ -94,7 +94,7 @@ impl Line {
 }
 
 impl Binding {
-    /// Of a line such as `var<storage, read> pairs: array<vec2<u32>>;`, unless it declares a variable of each thread.
+    /// Reads a line such as `var<storage, read> pairs: array<vec2<u32>>;`. `None`: it declares no binding.
     fn of(line: &'static str) -> Option<Binding> {
         const SPACES: [(&str, Access); 4] = [
             ("var<uniform> ", Access::Uniform),
@@ -125,17 +125,17 @@ impl Binding {
 #[derive(Debug, Default)]
 pub struct Files(BTreeMap<&'static str, &'static File>);
 
-/// The product's own.
+/// The folder of the product's files.
 static WGSL: Dir = include_dir!("$CARGO_MANIFEST_DIR/wgsl");
 
 impl Files {
-    /// The product's.
+    /// Returns the product's files.
     pub fn own() -> &'static Files {
         static OWN: LazyLock<Files> = LazyLock::new(|| Files::default().with(&WGSL));
         &OWN
     }
 
-    /// And those of a folder. They are kept as long as the program runs.
+    /// Returns these files and those of a folder, which are kept as long as the program runs.
     pub fn with(&self, folder: &'static Dir) -> Files {
         let mut files = Files(self.0.clone());
         let mut folders = vec![folder];
@@ -149,7 +149,7 @@ impl Files {
         files
     }
 
-    /// Only these.
+    /// Returns a library of these files alone.
     #[cfg(feature = "internals")]
     pub fn of(files: &[&'static File]) -> Files {
         Files(files.iter().map(|file| (file.path, *file)).collect())

@@ -31,7 +31,7 @@ pub struct Import {
 /// The implementations of an interface, the preferred one first; none if it is no interface.
 pub type Choose<'a> = &'a dyn Fn(&str) -> &'static [&'static str];
 
-/// What follows an import while files are joined.
+/// The files and imports found so far while a kernel is joined.
 struct Joiner<'a> {
     library: &'a Files,
     choose: Choose<'a>,
@@ -68,7 +68,7 @@ impl Kernel {
         Kernel::of(Files::own(), entry, &|_| &[], &|_| None)
     }
 
-    /// From these files; `constant` has the values of `override` constants that are not the default ones.
+    /// Joins a kernel from the files of a library; `constant` has the values of `override` constants that are not the default ones.
     pub fn of(library: &Files, entry: &'static str, choose: Choose, constant: &dyn Fn(&str) -> Option<f64>) -> Kernel {
         let file = library.get(entry);
         let chosen = file.map_or(&[][..], |file| &file.chosen);
