@@ -42,8 +42,8 @@ use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
 use crate::gpu::device::GpuOptions;
 use crate::gpu::draw_counts::DrawCounts;
-pub use crate::gpu::kernels::Method;
 use crate::gpu::kernels::Variant;
+pub use crate::gpu::kernels::{Arithmetic, Method};
 use crate::gpu::recorder::Passes;
 use crate::image::frame::{Channel, Frame};
 use crate::input::{Error, Result};
@@ -77,18 +77,6 @@ pub struct Capacities {
     pub recheck_items: u64,
     /// Edge pixels, whose samples `sample` computes.
     pub edges: u64,
-}
-
-/// Arithmetic used for coverage tests.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Arithmetic {
-    /// f32 where its bounds prove them, and recheck arithmetic elsewhere.
-    #[default]
-    Rechecked,
-    /// f32 alone, depths and shading too.
-    Single,
-    /// Recheck arithmetic everywhere.
-    Double,
 }
 
 /// How to run frames.

@@ -181,8 +181,9 @@ pub mod gpu {
     }
     pub mod kernels {
         pub use crate::gpu::kernels::{
-            Access, Binding, File, Files, Kernel, LightsKind, Method, OpticsKind, RaysKind, SurfaceKind, Variant,
-            VolumeKind, reached, storage_buffers,
+            Access, AdapterPath, Appearance, Binding, EdgeSamples, Extras, File, Files, Kernel, LightsKind,
+            MaterialsKind, Method, OpticsKind, OpticsModel, RasterPath, RayModel, RaysKind, SampleMeasure, SurfaceKind,
+            Textures, TileDepths, TilePath, Variant, VerticesKind, Visibility, VolumeKind, reached, storage_buffers,
         };
     }
     pub mod needs {

@@ -231,7 +231,7 @@ fn a_kernel_with_more_storage_buffers_than_there_are_is_an_error_that_names_it()
 /// Kernels of scenes without optics, samples, caustics and the channel `certified`, pair by pair.
 fn plain_kernels(f64: bool, atomics64: bool) -> Vec<Kernel> {
     let channels: Vec<Channel> = Channel::every().filter(|c| *c != Channel::Certified).collect();
-    let plain = Variant::every(f64, atomics64).into_iter().filter(|v| v.optics.is_none() && v.samples <= 1);
+    let plain = Variant::every(f64, atomics64).into_iter().filter(|v| v.rays.optics.is_none() && !v.samples_edges());
     plain.flat_map(|v| all_kernels(v, &channels)).filter(|k| k.name != "gather").collect()
 }
 
@@ -308,7 +308,7 @@ fn an_adapter_with_less_is_an_error_that_names_it() {
 
 #[test]
 fn raster_by_tile_binds_as_many_storage_buffers_as_is_said() {
-    let by_tile = Variant::every(true, true).into_iter().flat_map(|v| [v, v.with_tiles(), v.with_tiles().with_small()]);
+    let by_tile = Variant::every(true, true).into_iter().flat_map(|v| [vec![v], v.by_each_tile_path()].concat());
     let kernels = by_tile.flat_map(|v| all_kernels(v, &Channel::every().collect::<Vec<_>>()));
     let most = kernels.filter(|k| k.name != "gather").map(|k| storage_buffers(&bound(&k))).max();
     assert_eq!(most, Some(STORAGE_BUFFERS_BY_TILE));

@@ -495,11 +495,11 @@ fn every_channel_has_an_override_that_defaults_to_no_plane() {
     let expected: Vec<(String, u32)> = all.iter().map(|channel| (name(channel), layout::NONE)).collect();
     let of = |planes: &[Channel]| {
         [
-            Kernel::new("shade.wgsl", Variant::PLAIN, planes),
-            Kernel::new("certify.wgsl", Variant::PLAIN, planes),
-            Kernel::new("gather.wgsl", Variant::PLAIN, planes),
-            Kernel::new("outline.wgsl", Variant::PLAIN, planes),
-            Kernel::new("write.wgsl", Variant::PLAIN, planes),
+            Kernel::new("shade.wgsl", Variant::plain(false, false), planes),
+            Kernel::new("certify.wgsl", Variant::plain(false, false), planes),
+            Kernel::new("gather.wgsl", Variant::plain(false, false), planes),
+            Kernel::new("outline.wgsl", Variant::plain(false, false), planes),
+            Kernel::new("write.wgsl", Variant::plain(false, false), planes),
         ]
     };
     for kernel in of(&all) {
@@ -516,7 +516,7 @@ fn every_channel_has_an_override_that_defaults_to_no_plane() {
 
 #[test]
 fn the_last_word_of_a_triangle_has_equal_fields() {
-    let raster = Kernel::new("raster.wgsl", Variant::PLAIN, &[]).source();
+    let raster = Kernel::new("raster.wgsl", Variant::plain(false, false), &[]).source();
     let module = parse(&raster);
     let constant = |name: &str| {
         let (_, c) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
@@ -559,8 +559,8 @@ fn corner_orders(source: &str) -> Vec<[usize; 3]> {
 
 #[test]
 fn the_six_corner_orders_are_the_same_table() {
-    let source = Kernel::new("raster.wgsl", Variant::PLAIN, &[]).source();
-    let shade = Kernel::new("shade.wgsl", Variant::PLAIN, &Channel::ALL).source();
+    let source = Kernel::new("raster.wgsl", Variant::plain(false, false), &[]).source();
+    let shade = Kernel::new("shade.wgsl", Variant::plain(false, false), &Channel::ALL).source();
     assert_eq!((corner_orders(&source), corner_orders(&shade)), (CORNER_ORDERS.to_vec(), CORNER_ORDERS.to_vec()));
     let planted = source.replace("vec3<u32>(2u, 0u, 1u)", "vec3<u32>(0u, 2u, 1u)");
     assert_ne!(corner_orders(&planted), CORNER_ORDERS);

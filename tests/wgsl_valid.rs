@@ -80,18 +80,13 @@ fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
 
 fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
     let controls = [control::read_only(), control::write_only(), control::subgroup_width()];
-    controls.iter().for_each(|k| check(k, Variant::PLAIN));
+    controls.iter().for_each(|k| check(k, Variant::plain(false, false)));
     let alone = ["control/exact.wgsl", "gradient.wgsl", "gradient_edge.wgsl"].map(Kernel::alone);
-    alone.iter().for_each(|k| check(k, Variant { f64: true, ..Variant::PLAIN }));
+    alone.iter().for_each(|k| check(k, Variant::plain(true, false)));
     for variant in variants() {
         stage::all_kernels(variant, &Channel::every().collect::<Vec<_>>()).iter().for_each(|k| check(k, variant));
-        for wide in [false, true] {
-            each_by_tile(Variant { wide, ..variant.with_tiles() }, &mut check);
-            if variant.f64_depths {
-                each_by_tile(Variant { wide, f64_depths: false, ..variant.with_tiles() }, &mut check);
-            }
-        }
-        if variant.optics.is_none() {
+        variant.by_each_tile_path().into_iter().for_each(|by_tile| each_by_tile(by_tile, &mut check));
+        if variant.rays.optics.is_none() {
             rivals::kernels::all(variant).iter().for_each(|k| check(k, variant));
         }
     }
@@ -99,13 +94,10 @@ fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
 
 /// What is different where raster goes tile by tile.
 fn each_by_tile(by_tile: Variant, check: &mut impl FnMut(&Kernel, Variant)) {
-    if by_tile.by_tile {
-        let files = ["bin.wgsl", "allot.wgsl", "sort.wgsl", "raster_by_tile.wgsl"];
-        files.iter().for_each(|file| check(&Kernel::new(file, by_tile, &[]), by_tile));
-    }
-    let small = by_tile.with_small();
-    if small.small {
-        ["small.wgsl", "bin.wgsl"].iter().for_each(|file| check(&Kernel::new(file, small, &[]), small));
+    let files = ["bin.wgsl", "allot.wgsl", "sort.wgsl", "raster_by_tile.wgsl"];
+    files.iter().for_each(|file| check(&Kernel::new(file, by_tile, &[]), by_tile));
+    if by_tile.draws_small() {
+        check(&Kernel::new("small.wgsl", by_tile, &[]), by_tile);
     }
     if by_tile.samples_by_tile() {
         let files = ["edges_by_tile.wgsl", "sample_by_tile.wgsl", "recheck_samples.wgsl"];
@@ -126,8 +118,8 @@ fn every_kernel_is_valid_and_portable() {
     each_kernel(|kernel, variant| {
         let caps = allowed(kernel);
         let merges = caps.contains(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX);
-        assert!(variant.f64 || !kernel.has_f64(), "{} {variant:?}", kernel.name);
-        assert!(variant.atomics64 || !merges, "{} {variant:?}", kernel.name);
+        assert!(variant.f64() || !kernel.has_f64(), "{} {variant:?}", kernel.name);
+        assert!(variant.path.atomics64 || !merges, "{} {variant:?}", kernel.name);
         wide.extend(kernel.has_f64().then_some(kernel.name));
         merging.extend(merges.then_some(kernel.name));
         reads_keys.extend(kernel.files.iter().any(|f| f.path == "keys/u64/pixel.wgsl").then_some(kernel.name));
@@ -181,12 +173,12 @@ fn every_kernel_does_without_f64_once_it_is_lowered() {
     each_kernel(|kernel, variant| {
         assert_eq!(kernel.has_f64(), kernel.source().contains("alias real = f64"), "{}", kernel.name);
         // tile by tile only where there is f64
-        if !kernel.has_f64() || variant.by_tile || !checked.insert((variant.atomics64, kernel.source())) {
+        if !kernel.has_f64() || variant.by_tile() || !checked.insert((variant.path.atomics64, kernel.source())) {
             return;
         }
         let module = lowered(&kernel.source()).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
         let mut caps = allowed(kernel).difference(Capabilities::FLOAT64);
-        let reads_keys = variant.atomics64 && READS_KEYS.contains(&kernel.name);
+        let reads_keys = variant.path.atomics64 && READS_KEYS.contains(&kernel.name);
         caps.set(Capabilities::SHADER_INT64, caps.contains(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX) || reads_keys);
         let info = validate(&module, caps).unwrap_or_else(|e| panic!("{} {variant:?} with {caps:?}: {e}", kernel.name));
         wgsl::assert_translated(kernel, &module, &info, caps);

@@ -156,7 +156,7 @@ impl Renderer {
         if self.engine.is_none() {
             return Err("the reference renders them");
         }
-        if scene.scene.style.is_between_pixels() && wanted.has_colour() {
+        if scene.scene.style.line_reach() > 0 && wanted.has_colour() {
             return Err("lines are drawn between pixels");
         }
         if scene.scene.steps.is_some() {

@@ -42,7 +42,7 @@ impl Sizes<'_> {
     }
 
     fn by_tile(&self, bytes: u64) -> Option<u64> {
-        self.plan.variant.by_tile.then_some(bytes)
+        self.plan.variant.by_tile().then_some(bytes)
     }
 
     fn of_samples(&self, bytes: u64) -> Option<u64> {
@@ -58,7 +58,7 @@ pub const VEC4_BYTES: u64 = 16;
 
 /// Blocks of [`LANES`] strips of four samples: of each tile the last one may be partly empty.
 fn blocks(s: &Sizes) -> u64 {
-    let strips = s.capacities.edges * u64::from(s.plan.variant.samples.div_ceil(4));
+    let strips = s.capacities.edges * u64::from(s.plan.variant.samples().div_ceil(4));
     strips.div_ceil(u64::from(LANES)) + s.tiles()
 }
 
@@ -74,7 +74,7 @@ pub fn table() -> Vec<BufferSpec> {
         list("queue_odd", |s| Some(ITEM_BYTES * s.capacities.queue)),
         list("work", |s| Some(ITEM_BYTES * s.capacities.work)),
         list("tasks", |s| Some(ITEM_BYTES * s.capacities.tasks)),
-        list("large", |s| s.plan.variant.small.then_some(ITEM_BYTES * s.capacities.pairs)),
+        list("large", |s| s.plan.variant.draws_small().then_some(ITEM_BYTES * s.capacities.pairs)),
         list("unsorted", |s| s.by_tile(ITEM_BYTES * s.capacities.pairs)),
         list("ranks", |s| s.by_tile(4 * s.capacities.pairs)),
         list("starts", |s| s.by_tile(4 * s.tiles())),
@@ -83,7 +83,7 @@ pub fn table() -> Vec<BufferSpec> {
         list("pairs", |s| Some(ITEM_BYTES * s.capacities.pairs)),
         list("recheck_items", |s| Some(ITEM_BYTES * s.capacities.recheck_items)),
         // for each pixel with an edge: its position, and a key for each sample
-        list("samples", |s| s.of_samples(ITEM_BYTES * u64::from(s.plan.variant.samples + 1) * s.capacities.edges)),
+        list("samples", |s| s.of_samples(ITEM_BYTES * u64::from(s.plan.variant.samples() + 1) * s.capacities.edges)),
         list("edge_of", |s| s.of_samples(4 * s.pixels())),
         list("blocks", |s| s.samples_by_tile.then(|| VEC4_BYTES * blocks(s))),
         list("touches", |s| s.samples_by_tile.then_some(VEC4_BYTES * s.capacities.pairs)),

@@ -85,7 +85,7 @@ pub fn cluster<'a>(
 
 /// Clusters the triangles of a scene for the kernels of a variant: each mesh once if the kernels know of places, or else as [`cluster_shown`] does.
 pub fn cluster_scene(scene: &Scene, anchor: DVec3, variant: Variant, table_limit: u64) -> Clustered {
-    match scene.mesh.instances().filter(|_| variant.instanced) {
+    match scene.mesh.instances().filter(|_| variant.is_instanced()) {
         Some(instances) => PlacedMeshes::clustered(instances, anchor, variant.surfaces()),
         None => cluster_shown(scene.moving_mesh(), anchor, variant, table_limit),
     }
@@ -98,7 +98,7 @@ pub fn cluster_shown<'a>(
     variant: Variant,
     table_limit: u64,
 ) -> Clustered {
-    clustered(all.into(), anchor, (variant.surfaces(), variant.spheres), table_limit)
+    clustered(all.into(), anchor, (variant.surfaces(), variant.extras.spheres), table_limit)
 }
 
 fn clustered(

@@ -71,7 +71,7 @@ features! {
 #[derive(Debug)]
 pub struct Refusal {
     pub features: &'static [Feature],
-    /// Why, in a line; `{camera}`, `{rows}` and `{chunks}` stand for the frame's own.
+    /// Why, in a line; `{camera}` and `{chunks}` stand for the frame's own.
     pub reason: &'static str,
     /// What to do instead.
     pub remedy: &'static str,
@@ -165,16 +165,10 @@ pub const REFUSALS: &[Refusal] = {
             "outlines and borders compare neighbouring pixels, whose rays are unrelated in {camera}",
             WITHOUT_LINES,
         ),
-        refusal(&[Rows, Outlines], "strips cannot draw outlines or borders", WITHOUT_LINES),
         refusal(
             &[Rows, Incoherent],
             "{camera} cannot be rendered in strips: rays of neighbouring pixels are unrelated",
             "render the whole image",
-        ),
-        refusal(
-            &[Outlines, Bands],
-            "outlines and borders need the whole image in one band; this adapter allows {rows} rows",
-            "use a smaller --size",
         ),
         refusal(
             &[Analytic, Chunks],
@@ -200,7 +194,7 @@ impl Feature {
             Feature::Separate => asked.is_separate(),
             Feature::Analytic => wanted.analytic,
             Feature::Certified => wanted.channels.contains(&Channel::Certified),
-            Feature::Outlines => scene.style.is_between_pixels() && wanted.has_colour(),
+            Feature::Outlines => scene.style.line_reach() > 0 && wanted.has_colour(),
             Feature::Rows => wanted.rows.is_some(),
             Feature::Moving => *moving,
             Feature::Timed => scene.steps.is_some(),
@@ -213,7 +207,7 @@ impl Feature {
                 scene.has_shadows() && wanted.has_colour() || scene.hides_pictures() && wanted.needs_appearance()
             }
             Feature::Pictures => !scene.projector_lights.is_empty(),
-            Feature::Curves => matches!(kind(camera), RaysKind::Curves { .. }),
+            Feature::Curves => kind(camera).is_curved(),
             Feature::Layers => camera.layers.len() > 1 && kind(camera) == RaysKind::Pieces,
             Feature::Optics => camera.optics.is_some(),
             Feature::Atlas => camera.optics.as_ref().is_some_and(|o| o.atlas.is_some()),
@@ -231,10 +225,9 @@ impl Feature {
 impl Refusal {
     /// The error, in a line.
     pub fn text(&self, asked: &Asked) -> String {
-        let (rows, chunks) = asked.planned.map_or((0, 0), |(plan, chunks)| (plan.rows_max(), chunks));
+        let chunks = asked.planned.map_or(0, |(_, chunks)| chunks);
         format!("{}; {}", self.reason, self.remedy)
             .replace("{camera}", asked.camera.kind)
-            .replace("{rows}", &rows.to_string())
             .replace("{chunks}", &chunks.to_string())
     }
 }

@@ -55,7 +55,7 @@ impl Frames {
         };
         let rivals_passes = steps.iter().map(by_rival).sum::<u32>();
         let mut recorder = Recorder::new(gpu, passes(steps) + rivals_passes);
-        if self.plan.variant.counting {
+        if self.plan.variant.extras.counting {
             recorder = recorder.counting_draws(gpu, rivals_passes);
         }
         let mut copies = Copies::new(readback(gpu, STATUS_BYTES * self.resident.job_count().max(1) as u64));

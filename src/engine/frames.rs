@@ -21,7 +21,7 @@ use crate::engine::rival::Rival;
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{BindGroups, wait};
-use crate::gpu::kernels::{LightsKind, Method};
+use crate::gpu::kernels::Method;
 use crate::image::frame::Frame;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -158,7 +158,7 @@ impl Frames {
         let trace = self.resident.trace_cost(&self.plan);
         let saved = self.resident.raster_cost(self.timed.raster_cost).saturating_sub(trace + trace / 8);
         let is_open =
-            self.plan.variant.method == Method::Auto && matches!(self.resident.bvh, BvhState::None | BvhState::Built);
+            self.plan.variant.method() == Method::Auto && matches!(self.resident.bvh, BvhState::None | BvhState::Built);
         if !is_open || saved == 0 || saved * frames < self.resident.build_cost() {
             return Ok(false);
         }
@@ -247,7 +247,7 @@ impl Frames {
     /// Uploads the triangles of a scene that has moved, in the same clusters as long as these stay tight.
     fn upload_vertices(&mut self, moved: &Scene) -> Result<()> {
         let Some(clustered) = &mut self.moving else { return Ok(()) };
-        if self.plan.variant.lights == LightsKind::Shadowed || self.plan.variant.pictures {
+        if self.plan.variant.appearance.lights.has_shadows() || self.plan.variant.appearance.lights.has_pictures() {
             self.resident.refit_shadow_casters(moved);
             self.resident.upload_appearance(&self.gpu, &self.pages, moved, &self.plan)?;
         }
@@ -354,7 +354,9 @@ impl Frames {
         }
         if changes.needs_appearance() {
             self.resident.upload_appearance(&self.gpu, &self.pages, scene, plan)?;
-        } else if let Some(volume) = scene.volume.as_ref().filter(|_| changes.plan && plan.variant.volume.is_some()) {
+        } else if let Some(volume) =
+            scene.volume.as_ref().filter(|_| changes.plan && plan.variant.extras.volume.is_some())
+        {
             self.resident.upload_medium(&self.gpu, volume, scene, plan)?;
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
@@ -386,7 +388,7 @@ impl Frames {
         let trace = format!("tracing every pixel is rated {trace:.2} ms");
         let raster = self.resident.raster_cost(self.timed.raster_cost.max(counts.raster_cost()));
         let raster = format!("raster is rated {:.2} ms", milliseconds(raster));
-        let (name, why) = match (plan.variant.method, counts.taken_over > 0) {
+        let (name, why) = match (plan.variant.method(), counts.taken_over > 0) {
             (Method::Auto, _) if self.trial.was_in_vain() => (
                 "trace",
                 format!(

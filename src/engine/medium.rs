@@ -99,7 +99,7 @@ struct Errors {
 
 impl Errors {
     fn of(volume: &Volume, plan: &Plan) -> Errors {
-        let degree = match plan.variant.rays {
+        let degree = match plan.variant.rays.kind {
             RaysKind::Curves { degree } => degree,
             _ => 1,
         };
@@ -115,7 +115,7 @@ impl Errors {
         let pieces: Vec<Piece> = volume.transfer.windows(2).map(|p| Piece::new(p, slopes(&p[0], &p[1]))).collect();
         let steepest = pieces.iter().map(|p| p.slopes[0] + p.slopes[1]).fold(0.0, f64::max);
         let value_error = if steepest > 0.0 { SHARE / steepest } else { f64::from(f32::MAX) };
-        let place_error = match (plan.variant.rays, volume.mode) {
+        let place_error = match (plan.variant.rays.kind, volume.mode) {
             (RaysKind::Curves { .. }, Mode::Composite) => {
                 let change = largest_change(&volume.grid, &pieces, longest);
                 let ends = volume.extinction_max() / LEAST_SINE;

@@ -40,6 +40,7 @@ pub use extent::{SceneExtent, SceneShape};
 use glam::{DVec2, DVec3};
 use nodes::Nodes;
 use slabs::Slabs;
+use std::ops::Range;
 use std::sync::Arc;
 use tiles::{Tiler, Tiles};
 use turned::{LensBand, Turned};
@@ -70,8 +71,8 @@ pub struct SceneContents {
     pub has_pictures: bool,
     /// Patterns, lines or strokes are drawn on surfaces.
     pub has_style: bool,
-    /// Lines are drawn between pixels.
-    pub has_outlines: bool,
+    /// Pixels around a pixel that decide the lines in it; 0: no lines are drawn between pixels.
+    pub line_reach: u32,
     /// Time steps of each vertex; 1: nothing moves while the frame is taken.
     pub steps: u32,
     /// Rays pass through a volume.
@@ -82,6 +83,11 @@ pub struct SceneContents {
 }
 
 impl SceneContents {
+    /// Lines are drawn between pixels.
+    pub fn has_outlines(self) -> bool {
+        self.line_reach > 0
+    }
+
     pub fn of(scene: &Scene) -> SceneContents {
         let mesh = scene.mesh.base();
         SceneContents {
@@ -90,7 +96,7 @@ impl SceneContents {
             has_shadows: scene.has_shadows(),
             has_pictures: !scene.projector_lights.is_empty(),
             has_style: scene.style.is_on_surfaces() || mesh.has_patterns(),
-            has_outlines: scene.style.is_between_pixels(),
+            line_reach: scene.style.line_reach(),
             steps: scene.step_count(),
             volume: scene.volume.as_ref().map(|volume| match (volume.mode, volume.is_lit) {
                 (Mode::Maximum, _) => VolumeKind::Maximum,
@@ -214,6 +220,8 @@ pub struct Band {
     /// First image row, a multiple of the tile size.
     pub row: u32,
     pub rows: u32,
+    /// The rows that the band hands on. The others decide the lines in these.
+    pub shown: Rows,
     pub tiles: Arc<Tiles>,
     /// Bounds on the rays. If the band has `turned`, they are in the viewer's frame, and the stage `aim` turns them.
     pub nodes: Arc<Nodes>,
@@ -332,13 +340,13 @@ impl Plan {
         let pixel_bytes = pixel_bytes(variant, &planes, slabs);
         let sample_offsets = match variant.samples_edges() {
             // the rasterizer says what its samples see at the pixel's centre
-            true if variant.centred => vec![DVec2::ZERO; variant.samples as usize],
-            true => samples::sample_offsets(variant.samples),
+            true if variant.samples_at_centre() => vec![DVec2::ZERO; variant.samples() as usize],
+            true => samples::sample_offsets(variant.samples()),
             false => Vec::new(),
         };
         let view = View { camera, slabs, extent, sample_offsets: &sample_offsets, target };
         let rows = wanted.rows.unwrap_or(Rows { first: 0, count: camera.height });
-        let bands = bands(view, rows, pixel_bytes, target.binding_limit);
+        let bands = bands(view, rows, contents.line_reach, pixel_bytes);
         let smooth = camera.optics.as_ref().map_or(0, |o| o.smooth_count());
         let id_bits = usize::BITS - (contents.triangles + smooth).saturating_sub(1).leading_zeros();
         let left_out = left_out(camera, slabs, &bands, &planes, wanted, contents, target.has);
@@ -370,7 +378,7 @@ impl Plan {
 /// The channels that `shade` writes.
 fn planes(wanted: &Wanted, variant: Variant) -> Vec<Channel> {
     let mut planes: Vec<Channel> = wanted.channels.iter().copied().filter(|c| c.is_rendered()).collect();
-    if wanted.srgb8 && !variant.writes {
+    if wanted.srgb8 && !variant.extras.writes {
         planes.extend([Channel::R, Channel::G, Channel::B]);
     }
     planes.extend((wanted.sample_ids || wanted.has_labels()).then_some(Channel::TriangleId));
@@ -382,17 +390,17 @@ fn planes(wanted: &Wanted, variant: Variant) -> Vec<Channel> {
 
 /// Bytes that the widest table of a band has a pixel.
 fn pixel_bytes(variant: Variant, planes: &[Channel], slabs: Slabs) -> u64 {
-    let table_bytes = match variant.rays {
+    let table_bytes = match variant.rays.kind {
         // an item of `paths`
-        RaysKind::Pieces | RaysKind::Field if variant.optics.is_some() => 32,
+        RaysKind::Pieces | RaysKind::Field { .. } if variant.rays.optics.is_some() => 32,
         RaysKind::Pieces => 0,
-        RaysKind::Field => 24,
+        RaysKind::Field { .. } => 24,
         RaysKind::Curves { degree } => 12 * (degree as u64 + 1) * slabs.layers as u64,
     };
-    let sample_bytes = match variant.rays {
+    let sample_bytes = match variant.rays.kind {
         _ if !variant.samples_edges() => 0,
-        RaysKind::Pieces => 8 * u64::from(variant.samples + 1),
-        RaysKind::Field | RaysKind::Curves { .. } => 24 * u64::from(variant.samples),
+        RaysKind::Pieces => 8 * u64::from(variant.samples() + 1),
+        RaysKind::Field { .. } | RaysKind::Curves { .. } => 24 * u64::from(variant.samples()),
     };
     // of 8 bytes each, and a quarter more for what is uncertain
     let item_bytes = 10 * variant.proven_a_pixel(slabs.layers as usize);
@@ -413,7 +421,7 @@ impl Plan {
 
     /// The plan with the moment at which each pixel of the camera sees the scene, if things move while the frame is taken.
     pub fn at_its_moments(mut self, scene: &Scene, camera: &Camera) -> Plan {
-        let Some(moments) = scene.moments(camera).filter(|_| self.variant.timed) else { return self };
+        let Some(moments) = scene.moments(camera).filter(|_| self.variant.is_timed()) else { return self };
         let width = self.width as usize;
         for band in &mut self.bands {
             let own = band.row as usize * width..(band.row + band.rows) as usize * width;
@@ -424,7 +432,7 @@ impl Plan {
 
     /// Rows of pixels in all.
     pub fn rows(&self) -> u32 {
-        self.bands.iter().map(|b| b.rows).sum()
+        self.bands.iter().map(|b| b.shown.count).sum()
     }
 
     /// Rows of pixels of the largest band.
@@ -443,29 +451,34 @@ struct View<'a> {
     target: PlanTarget<'a>,
 }
 
-/// Splits rows of the image into bands whose every buffer fits a binding.
-fn bands(view: View, own: Rows, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
-    let View { camera, slabs, .. } = view;
-    let tile = crate::camera::TILE as u64;
+/// Splits rows of the image into bands whose every buffer fits a binding. The rows of a band that are `reach` pixels away, or fewer, decide
+/// the lines in its rows.
+fn bands(view: View, own: Rows, reach: u32, pixel_bytes: u64) -> Vec<Band> {
+    let View { camera, slabs, target, .. } = view;
+    let binding_limit = target.binding_limit;
+    let tile = crate::camera::TILE;
+    let around = reach.next_multiple_of(tile);
     let row_bytes = (camera.width as u64 + 1) * pixel_bytes;
     // one row more than the band: the ray table's
-    let fit = ((binding_limit / row_bytes).saturating_sub(1) / tile * tile).max(tile) as u32;
-    let rows = fit.min(TILE_ROWS_MAX / slabs.count() / BRANCH * BRANCH * crate::camera::TILE);
+    let fit = (binding_limit / row_bytes).saturating_sub(1).min(u64::from(u32::MAX)) as u32 / tile * tile;
+    let fit = fit.max(tile).min(TILE_ROWS_MAX / slabs.count() / BRANCH * BRANCH * tile);
+    let is_one = own.around(around, camera.height).count <= fit;
+    let rows = if is_one { own.count } else { fit.saturating_sub(2 * around).max(tile) };
     let mut todo: Vec<(u32, u32)> =
         (0..own.count).step_by(rows as usize).map(|r| (own.first + r, rows.min(own.count - r))).rev().collect();
     let mut bands = Vec::new();
     while let Some((row, rows)) = todo.pop() {
-        let band = Band::new(view, row, rows);
+        let band = Band::new(view, Rows { first: row, count: rows }, around);
         let fits = band.tiles.start.len() <= TILES_MAX
             && band.tiles.cells.len() * size_of::<layout::Cell>() <= binding_limit as usize
             && size_of_val(band.tiles.cell_samples.as_slice()) <= binding_limit as usize
             && band.nodes.nodes.len() * size_of::<layout::Node>() <= binding_limit as usize
             && band.tiles.pieces.len() * size_of::<layout::Piece>() <= binding_limit as usize;
-        if fits || rows <= crate::camera::TILE {
+        if fits || rows <= tile {
             bands.push(band);
             continue;
         }
-        let upper = (rows / 2).next_multiple_of(crate::camera::TILE);
+        let upper = (rows / 2).next_multiple_of(tile);
         todo.push((row + upper, rows - upper));
         todo.push((row, upper));
     }
@@ -478,11 +491,28 @@ const TILE_ROWS_MAX: u32 = 1 << 14;
 /// Tiles that a pair can name: 24 bits.
 const TILES_MAX: usize = 1 << 24;
 
+impl Rows {
+    /// With so many rows before and behind, of an image of this height.
+    pub fn around(self, more: u32, height: u32) -> Rows {
+        let first = self.first.saturating_sub(more);
+        Rows { first, count: (self.first + self.count).saturating_add(more).min(height) - first }
+    }
+}
+
 impl Band {
-    fn new(view: View, row: u32, rows: u32) -> Band {
+    /// The places of the pixels that the band shows, in the `k`-th of its planes.
+    pub fn shown_in_plane(&self, k: usize, width: u32) -> Range<usize> {
+        let pixels = |rows: u32| rows as usize * width as usize;
+        let first = k * pixels(self.rows) + pixels(self.shown.first - self.row);
+        first..first + pixels(self.shown.count)
+    }
+
+    /// The band that shows some rows, with the rows around it that decide the lines in these.
+    fn new(view: View, shown: Rows, around: u32) -> Band {
         let View { camera, slabs, extent, sample_offsets, target } = view;
         let anchor = extent.anchor;
-        let of = Rows { first: row, count: rows };
+        let of = shown.around(around, camera.height);
+        let Rows { first: row, count: rows } = of;
         let measure = nodes::WidthMeasure {
             distance: extent.scene_size,
             t_range: camera.t_range,
@@ -506,6 +536,7 @@ impl Band {
                 return Band {
                     row,
                     rows,
+                    shown,
                     tiles,
                     nodes,
                     rays: None,
@@ -527,7 +558,7 @@ impl Band {
             }
             _ => Vec::new(),
         };
-        Band { row, rows, tiles, nodes, rays, turned: None, sample_ray_deltas, moments: Vec::new() }
+        Band { row, rows, shown, tiles, nodes, rays, turned: None, sample_ray_deltas, moments: Vec::new() }
     }
 }
 
@@ -550,7 +581,7 @@ fn left_out(
     let has_volume = contents.volume.is_some();
     let rows = [
         (rays == RaysKind::Pieces, LeftOut::RayTable),
-        (rays != RaysKind::Pieces, LeftOut::EdgeConics { is_curved: rays != RaysKind::Field }),
+        (rays != RaysKind::Pieces, LeftOut::EdgeConics { is_curved: rays.is_curved() }),
         (is_curved, LeftOut::Recheck),
         (!is_curved, LeftOut::Curves),
         (!planes.contains(&Channel::Certified), LeftOut::Certify),
@@ -570,7 +601,7 @@ fn left_out(
         (!contents.has_shadows, LeftOut::Shadows),
         (!contents.has_pictures, LeftOut::Pictures),
         (!contents.has_style, LeftOut::SurfaceStyles),
-        (!contents.has_outlines, LeftOut::Outline),
+        (!contents.has_outlines(), LeftOut::Outline),
         (!contents.has_gloss, LeftOut::Gloss),
         (wanted.samples() == 1, LeftOut::Samples),
         (wanted.samples() != 1 && !wanted.analytic, LeftOut::Areas),

@@ -199,7 +199,7 @@ impl Planner {
         let run = RunOptions { method: Method::Raster, ..run.clone() };
         let Whole { scene, shape, camera, .. } = &planned.whole;
         let again = self.plan_in_order((scene, *shape), camera.clone(), &planned.wanted, &run, None).ok()?;
-        (again.plan.variant.method == Method::Raster).then(|| Planned { asked: planned.asked.clone(), ..again })
+        (again.plan.variant.method() == Method::Raster).then(|| Planned { asked: planned.asked.clone(), ..again })
     }
 
     /// The same with the camera's pixels in the order that they are in.
@@ -231,10 +231,10 @@ impl Planner {
         scene.check_depth(&wanted.channels)?;
         self.check_volume(scene)?;
         let plan = self.plan_of(&whole, &with_optics, extent, wanted, run, last);
-        if !plan.variant.instanced {
+        if !plan.variant.is_instanced() {
             scene.mesh.check_copies(scene.limits)?;
         }
-        self.check_normals(&with_optics, plan.variant.instanced)?;
+        self.check_normals(&with_optics, plan.variant.is_instanced())?;
         let scene = match plan.in_view.optics && whole.with_facets.is_some() {
             true => Arc::new(plan.in_view.scene(&with_optics).into_owned()),
             false => match plan.in_view.scene(&whole.scene) {
@@ -315,7 +315,8 @@ impl Planner {
         let seen = last.filter(|last| same_triangles(last, scene) && last.wanted == *wanted).map(|last| InView {
             // a light that is black for a while takes no kernels away
             black_lights: last.plan.in_view.black_lights
-                || last.whole.scene.lights != scene.lights && last.plan.variant.lights == variant.lights,
+                || last.whole.scene.lights != scene.lights
+                    && last.plan.variant.appearance.lights == variant.appearance.lights,
             ..last.plan.in_view
         });
         // objects that change from call to call are not looked through for kinds of looks
@@ -348,7 +349,7 @@ impl Planner {
         let Whole { scene, camera, .. } = whole;
         let all = written(scene, camera, wanted);
         let variant_of_all = variant(camera, contents, &all, self.has, run);
-        let aims = run.rival.is_none() && variant_of_all.f64;
+        let aims = run.rival.is_none() && variant_of_all.f64();
         let target = PlanTarget { has: self.has, binding_limit: self.limit, aims, last };
         let method_why = method(camera, contents, &all, self.has, run).1;
         let plan = Plan { method_why, ..Plan::on(target, variant_of_all, camera, contents, extent, &all) };
@@ -395,7 +396,7 @@ pub(super) fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
         channels.extend(outline.line.depth.is_finite().then_some(Z));
     }
     channels.extend(style.borders.map(|_| PieceId));
-    if style.is_between_pixels() {
+    if style.line_reach() > 0 {
         channels.push(TriangleId);
     }
     channels
@@ -403,11 +404,11 @@ pub(super) fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
 
 /// The triangles of `last` for this plan, where only some of their vertices have moved.
 fn moved(last: &Planned, scene: &Scene, plan: &Plan) -> Option<Clustered> {
-    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.spheres, plan.variant.instanced);
+    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.extras.spheres, plan.variant.is_instanced());
     if scene.steps.is_some() || last.scene.steps.is_some() || by(&last.plan) != by(plan) {
         return None;
     }
-    let moved = match (scene.mesh.instances(), plan.variant.instanced) {
+    let moved = match (scene.mesh.instances(), plan.variant.is_instanced()) {
         (Some(instances), true) => last.clustered.placed_at(instances)?,
         _ => last.clustered.moved(&last.scene.mesh, &scene.mesh)?,
     };

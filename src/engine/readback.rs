@@ -178,9 +178,9 @@ impl FrameLayout {
 
     /// The values of every band in its `k`-th plane.
     fn parts<'a, T: bytemuck::Pod>(&self, bands: &'a [Mapped], k: usize) -> Vec<&'a [T]> {
-        let pixels = |rows: u32| rows as usize * self.camera.width as usize;
-        let sizes = self.plan.bands.iter().map(|band| pixels(band.rows));
-        bands.iter().zip(sizes).map(|(band, pixels)| band.values(k * pixels..(k + 1) * pixels)).collect()
+        let width = self.camera.width;
+        let shown = self.plan.bands.iter().map(|band| band.shown_in_plane(k, width));
+        bands.iter().zip(shown).map(|(band, pixels)| band.values(pixels)).collect()
     }
 
     /// Pieces of a composite are its cameras.
@@ -226,14 +226,13 @@ impl FrameLayout {
         if !wanted.sample_ids {
             return Vec::new();
         }
-        let samples = plan.variant.samples as usize;
+        let samples = plan.variant.samples() as usize;
         let mut all = vec![Vec::new(); samples];
         let mut read = plan.planes.iter().filter(|channel| is_read(wanted, **channel));
         let plane = read.position(|c| *c == Channel::TriangleId).unwrap_or_default();
         let id_mask = (1 << plan.id_bits) - 1;
         for (k, (band, planes)) in plan.bands.iter().zip(&raw.planes).enumerate() {
-            let pixels = band.rows as usize * camera.width as usize;
-            let centres: &[u32] = planes.values(plane * pixels..(plane + 1) * pixels);
+            let centres: &[u32] = planes.values(band.shown_in_plane(plane, camera.width));
             let (Some(edge_of), Some(records)) = (raw.edge_of.get(k), raw.samples.get(k)) else {
                 all.iter_mut().for_each(|ids| ids.extend_from_slice(centres));
                 continue;
@@ -246,7 +245,7 @@ impl FrameLayout {
                     let at = 2 * ((*record as usize - 1) * (samples + 1) + 1 + n);
                     if records[at] == 0 && records[at + 1] == 0 { NO_ID } else { !records[at] & id_mask }
                 };
-                ids.extend(centres.iter().zip(edge_of).map(id));
+                ids.extend(centres.iter().zip(&edge_of[band.shown_in_plane(0, camera.width)]).map(id));
             }
         }
         all.into_iter().map(|ids| self.restored(ids)).collect()

@@ -124,7 +124,7 @@ impl Resident {
     ) -> Result<Resident> {
         let bounces = bounces(camera.optics.as_deref());
         let always_traces =
-            plan.variant.method == Method::Trace || plan.variant.traces() && plan.variant.bounces_rays();
+            plan.variant.method() == Method::Trace || plan.variant.traces() && plan.variant.bounces_rays();
         let mut resident = Resident {
             chunks: Vec::new(),
             bands: Vec::new(),
@@ -331,22 +331,22 @@ impl Resident {
 
     /// Lights, materials with their images, and normals; whether alpha masks are as before.
     pub fn upload_appearance(&mut self, gpu: &Gpu, store: &PageStore, scene: &Scene, plan: &Plan) -> Result<bool> {
-        let pages = match plan.variant.textured {
+        let pages = match plan.variant.appearance.textures.is_some() {
             true => store.place(gpu, &materials(scene), &mut self.shared)?,
             false => Pages::default(),
         };
-        let bvh = match plan.variant.lights {
-            LightsKind::Shadowed => Some(self.shadow_casters(scene, plan)?),
+        let bvh = match plan.variant.appearance.lights {
+            LightsKind::Shadowed { .. } => Some(self.shadow_casters(scene, plan)?),
             _ => None,
         };
-        let shadows = Shadows { kind: plan.variant.lights, bvh: bvh.as_ref() };
-        let meshes = plan.variant.instanced.then(|| Arc::downgrade(scene.mesh.base()));
+        let shadows = Shadows { kind: plan.variant.appearance.lights, bvh: bvh.as_ref() };
+        let meshes = plan.variant.is_instanced().then(|| Arc::downgrade(scene.mesh.base()));
         let normals_of = match (&meshes, &self.meshes_with_normals) {
             (Some(meshes), Some(known)) if meshes.ptr_eq(known) => NormalsOf::Nothing,
             (Some(_), _) => NormalsOf::Meshes,
             (None, _) => NormalsOf::Scene,
         };
-        self.pictures = match plan.variant.pictures {
+        self.pictures = match plan.variant.appearance.lights.has_pictures() {
             true => Some(ScenePictures::of(scene, self.pictures.as_ref())?),
             false => None,
         };
@@ -354,7 +354,7 @@ impl Resident {
             Appearance::new(scene, normals_of, plan.anchor, &pages, shadows, self.pictures.as_ref());
         shading.filter_width = plan.filter_width;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
-        if plan.variant.styled || plan.variant.outlined {
+        if plan.variant.appearance.styled || plan.variant.extras.outlined {
             self.shared.upload_uniform(gpu, "style", &style)?;
         }
         self.shared.upload_texels(gpu, "lights", &lights)?;
@@ -363,7 +363,7 @@ impl Resident {
             self.shared.upload_texels(gpu, "normals", &normals)?;
         }
         self.meshes_with_normals = meshes;
-        if let Some(volume) = scene.volume.as_ref().filter(|_| plan.variant.volume.is_some()) {
+        if let Some(volume) = scene.volume.as_ref().filter(|_| plan.variant.extras.volume.is_some()) {
             self.upload_volume(gpu, volume, scene, plan)?;
         }
         let masks = materials.iter().map(|m| {
@@ -397,7 +397,7 @@ impl Resident {
     fn shadow_casters(&mut self, scene: &Scene, plan: &Plan) -> Result<PackedBvh> {
         let scene = &*scene.of_casters();
         let count = scene.mesh.triangles.len() - self.facets;
-        let packed = if plan.variant.timed {
+        let packed = if plan.variant.is_timed() {
             PackedBvh::of_moving(scene, plan.anchor, count)?
         } else {
             let built = match self.shadow_casters.take() {
@@ -406,7 +406,7 @@ impl Resident {
             };
             self.shadow_casters.insert(built).packed(scene)
         };
-        Ok(if plan.variant.masked { packed.with_masks(&scene.mesh, count) } else { packed })
+        Ok(if plan.variant.is_masked() { packed.with_masks(&scene.mesh, count) } else { packed })
     }
 
     /// A start from the sizes of the image and of the largest chunk: most clusters meet a few nodes, most triangles a few tiles, of very many

@@ -71,7 +71,7 @@ impl Frames {
             let reading = Instant::now();
             let raw = reads.finish(&self.gpu, &running)?;
             call.read_back += ms_since(reading);
-            let Some(short) = self.shortage(&raw.status, &running, frame_layout.plan.variant.by_tile) else {
+            let Some(short) = self.shortage(&raw.status, &running, frame_layout.plan.variant.by_tile()) else {
                 self.note_method(&frame_layout.plan, running.bvh, &Counts::of(&raw.status));
                 let (frame_ms, stages) = (vec![running.ms()], raw.stages.clone());
                 let rest =
@@ -106,7 +106,7 @@ impl Frames {
     /// Decides whether the next frame tries raster or is traced from the start. Returns whether the decision changed.
     pub(super) fn choose_method(&mut self) -> bool {
         let is_built = matches!(self.resident.bvh, BvhState::Built | BvhState::Preferred);
-        if self.plan.variant.method != Method::Auto || !is_built {
+        if self.plan.variant.method() != Method::Auto || !is_built {
             return false;
         }
         let next = if self.trial.take_traced() { BvhState::Preferred } else { BvhState::Built };
@@ -115,7 +115,7 @@ impl Frames {
 
     /// Adds the savings of tracing in a frame that was submitted as `running`. Builds hierarchies, once these savings pay for them.
     fn weigh_tracing(&mut self, plan: &Plan, running: &Running, counts: &Counts) -> Result<()> {
-        if self.plan.variant.method != Method::Auto || self.resident.bvh == BvhState::GivenUp {
+        if self.plan.variant.method() != Method::Auto || self.resident.bvh == BvhState::GivenUp {
             return Ok(());
         }
         let rebuild_cost = self.resident.rebuild_cost();
@@ -137,7 +137,7 @@ impl Frames {
     /// always traced need the hierarchies whatever they cost.
     pub(super) fn pay_for_fit(&mut self, cost: u64) -> bool {
         let is_built = matches!(self.resident.bvh, BvhState::Built | BvhState::Preferred);
-        let has_choice = self.plan.variant.method == Method::Auto && is_built && !self.resident.always_traces;
+        let has_choice = self.plan.variant.method() == Method::Auto && is_built && !self.resident.always_traces;
         !has_choice || self.savings.pay_for_fit(cost)
     }
 
@@ -161,7 +161,7 @@ impl Frames {
         if running.bvh != BvhState::Preferred {
             self.timed.raster_cost = Counts::of(&status).raster_cost();
         }
-        match self.shortage(&status, running, self.plan.variant.by_tile) {
+        match self.shortage(&status, running, self.plan.variant.by_tile()) {
             Some(short) => self.grow_lists(short).map(|()| false),
             None => Ok(true),
         }
@@ -204,7 +204,7 @@ impl Frames {
     fn grow_lists(&mut self, short: Shortage) -> Result<()> {
         self.timed.grown += 1;
         if short.is_lost {
-            if self.plan.variant.method != Method::Auto || self.plan.variant.bounces_rays() {
+            if self.plan.variant.method() != Method::Auto || self.plan.variant.bounces_rays() {
                 self.is_lost = true;
                 return Err(self.not_traced());
             }

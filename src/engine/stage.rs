@@ -45,7 +45,7 @@ pub mod write;
 
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{BindGroups, Buffers, Pipeline};
-use crate::gpu::kernels::{Kernel, Method, OpticsKind, RaysKind, Variant};
+use crate::gpu::kernels::{Kernel, Method, OpticsKind, Variant};
 use crate::gpu::layout::{CULL_QUEUES, Counter, GROUP, NONE, Step};
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
@@ -81,18 +81,18 @@ kernels! {
     /// Lays out the dispatches of the others that follow a counter.
     Args, |_, _| true, |_| "args.wgsl";
     /// Whether trace takes over from raster.
-    Choose, |v, _| v.method == Method::Auto, |_| "choose.wgsl";
+    Choose, |v, _| v.method() == Method::Auto, |_| "choose.wgsl";
     /// The rays of a viewer that turns and moves.
-    Aim, |v, _| v.rays == RaysKind::Field && !v.bounced, |_| "aim.wgsl";
+    Aim, |v, _| v.rays.kind.is_field() && !v.is_bounced(), |_| "aim.wgsl";
     /// The bounds on the rays of such a viewer.
     AimNodes, |v, _| aim::turns_nodes(v), |_| "aim_nodes.wgsl";
     Cull, |v, _| v.rasters(), |_| "cull.wgsl";
     Split, |v, _| v.rasters(), |_| "split.wgsl";
-    Small, |v, _| v.small, |_| "small.wgsl";
+    Small, |v, _| v.draws_small(), |_| "small.wgsl";
     Bin, |v, _| v.rasters(), |_| "bin.wgsl";
-    Allot, |v, _| v.by_tile, |_| "allot.wgsl";
-    Sort, |v, _| v.by_tile, |_| "sort.wgsl";
-    Raster, |v, _| v.rasters(), |v| if v.by_tile { "raster_by_tile.wgsl" } else { "raster.wgsl" };
+    Allot, |v, _| v.by_tile(), |_| "allot.wgsl";
+    Sort, |v, _| v.by_tile(), |_| "sort.wgsl";
+    Raster, |v, _| v.rasters(), |v| if v.by_tile() { "raster_by_tile.wgsl" } else { "raster.wgsl" };
     Trace, |v, _| v.traces(), |_| "trace.wgsl";
     Recheck, |v, _| v.rechecks(), |_| "recheck.wgsl";
     Meet, |v, _| v.meets(), |_| "meet.wgsl";
@@ -111,10 +111,10 @@ kernels! {
     Forget, |v, _| v.bounces_rays(), |_| "forget.wgsl";
     Bounce, |v, _| v.bounces_rays(), |_| "bounce.wgsl";
     Fit, |v, _| v.bounces_rays() && v.rasters(), |_| "fit.wgsl";
-    Paste, |v, _| v.optics == Some(OpticsKind::Atlas), |_| "paste.wgsl";
-    Outline, |v, _| v.outlined, |_| "outline.wgsl";
-    Volume, |v, _| v.volume.is_some(), |_| "volume.wgsl";
-    Write, |v, _| !v.writes, |_| "write.wgsl";
+    Paste, |v, _| v.optics() == Some(OpticsKind::Atlas), |_| "paste.wgsl";
+    Outline, |v, _| v.extras.outlined, |_| "outline.wgsl";
+    Volume, |v, _| v.extras.volume.is_some(), |_| "volume.wgsl";
+    Write, |v, _| !v.extras.writes, |_| "write.wgsl";
 }
 
 /// The kernels of a variant whose frames have these planes, and those that are no part of a frame but the ones of [`gradient`].
@@ -306,7 +306,7 @@ impl Stages {
         let scopes: Vec<&Buffers> = scopes.iter().copied().chain([&self.steps]).collect();
         for Dispatch { kernel, step, threads, renamed } in dispatches {
             if let Threads::Counted(number) = threads {
-                if self.variant.method == Method::Auto && number.is_of_raster() {
+                if self.variant.method() == Method::Auto && number.is_of_raster() {
                     let choose = self.pipeline(gpu, KernelId::Choose)?;
                     let group = groups.next(gpu, choose, &scopes, &[("step", number.name())])?;
                     pass.set_pipeline(choose.raw());

@@ -162,7 +162,7 @@ impl StepList<'_> {
                 self.pass("aim", first, dispatches);
             }
         }
-        if variant.optics.is_some() {
+        if variant.rays.optics.is_some() {
             // what bounces see adds up
             self.clear("planes", first, 0, None);
         }
@@ -187,16 +187,16 @@ impl StepList<'_> {
             self.add_planes(at);
         }
         if has_jobs {
-            if variant.optics == Some(OpticsKind::Atlas) {
+            if variant.optics() == Some(OpticsKind::Atlas) {
                 self.pass("paste", first, [paste(pixels)]);
             }
-            if variant.outlined {
+            if variant.extras.outlined {
                 self.pass("outline", first, [outline(pixels)]);
             }
-            if variant.volume.is_some() {
+            if variant.extras.volume.is_some() {
                 self.pass("volume", first, [volume(pixels)]);
             }
-            if inputs.plan.srgb8 && !variant.writes {
+            if inputs.plan.srgb8 && !variant.extras.writes {
                 self.pass("write", first, [write(pixels)]);
             }
         }
@@ -249,7 +249,7 @@ impl StepList<'_> {
             self.steps.push(Step::Rival { band: at.band });
             return;
         }
-        let method = match variant.method {
+        let method = match variant.method() {
             Method::Auto if inputs.prefers_trace => Method::Trace,
             method => method,
         };
@@ -294,19 +294,19 @@ impl StepList<'_> {
         let inputs = self.inputs;
         let variant = inputs.variant(at.bounce);
         self.clear("counters", at, 0, Some(counter_at(PERSISTENT_FROM)));
-        if variant.by_tile {
+        if variant.by_tile() {
             self.clear("ends", at, 0, None);
         }
         // where bounced rays are discontinuous is not known beforehand
         let nodes = &inputs.plan.bands[at.band].nodes;
-        let steps = if variant.bounced { nodes.levels.len() as u32 } else { nodes.cull_steps() };
+        let steps = if variant.is_bounced() { nodes.levels.len() as u32 } else { nodes.cull_steps() };
         self.pass("cull", at, cull(inputs.jobs[at.job], steps));
         self.pass("split", at, [split()]);
-        if variant.small {
+        if variant.draws_small() {
             self.pass("small", at, [small()]);
         }
         self.pass("bin", at, [bin(variant)]);
-        if variant.by_tile {
+        if variant.by_tile() {
             self.pass("sort", at, sort(inputs.tiles(at.band)));
         }
     }
@@ -358,7 +358,7 @@ impl StepList<'_> {
         self.clear("proofs", at, 0, None);
         for step in 0..CERTIFY_STEPS {
             for job in self.jobs(at) {
-                if inputs.variant(at.bounce).spheres {
+                if inputs.variant(at.bounce).extras.spheres {
                     self.pass("certify", job, [certify_traced(inputs.traced(job), step)]);
                     continue;
                 }

@@ -15,4 +15,8 @@ pub use files::{Access, Binding, File, Files};
 pub use kernel::{Kernel, storage_buffers};
 pub use optics::OpticsKind;
 pub use reflect::reached;
-pub use variant::{LightsKind, Method, RaysKind, SurfaceKind, Variant, VolumeKind};
+pub use variant::{
+    AdapterPath, Appearance, Arithmetic, EdgeSamples, Extras, LightsKind, MaterialsKind, Method, OpticsModel,
+    RasterPath, RayModel, RaysKind, SampleMeasure, SurfaceKind, Textures, TileDepths, TilePath, Variant, VerticesKind,
+    Visibility, VolumeKind,
+};

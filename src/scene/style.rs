@@ -46,8 +46,11 @@ impl Style {
         self.wireframe.is_some() || self.hatching.is_some()
     }
 
-    /// Whether lines between pixels are drawn.
-    pub fn is_between_pixels(&self) -> bool {
-        self.outline.is_some() || self.borders.is_some()
+    /// Pixels around a pixel that decide the lines in it; 0: no lines are drawn between pixels.
+    pub fn line_reach(&self) -> u32 {
+        let widths = [self.outline.map(|o| o.line.width), self.borders.map(|b| b.width)];
+        let widest = widths.into_iter().flatten().reduce(f64::max);
+        // a line has half its width and half a pixel to each side, and lies between a pixel and the next one
+        widest.map_or(0, |width| (0.5 * width + 0.5).ceil() as u32 + 1)
     }
 }

@@ -137,20 +137,20 @@ impl Tester {
 
 /// The variant of the kernels, in words.
 fn kernels(variant: Variant, has: AdapterFeatures) -> String {
-    let rays = match variant.rays {
+    let rays = match variant.rays.kind {
         RaysKind::Pieces => "pieces".into(),
-        RaysKind::Field => "a ray a pixel".into(),
+        RaysKind::Field { .. } => "a ray a pixel".into(),
         RaysKind::Curves { degree } => format!("curves of degree {degree}"),
     };
-    let raster = match (variant.by_tile, variant.wide) {
-        (true, true) => "tile by tile, several tiles a subgroup",
-        (true, false) => "tile by tile, a tile a subgroup",
-        (false, _) => "pair by pair",
+    let raster = match variant.tiles() {
+        Some(tiles) if tiles.wide => "tile by tile, several tiles a subgroup",
+        Some(_) => "tile by tile, a tile a subgroup",
+        None => "pair by pair",
     };
-    let depths = if variant.by_tile && !variant.f64_depths { ", its depths bounded in f32" } else { "" };
-    let small = if variant.small { "small triangles by small" } else { "all triangles by bin" };
+    let depths = if variant.bounds_t_in_raster() { ", its depths bounded in f32" } else { "" };
+    let small = if variant.draws_small() { "small triangles by small" } else { "all triangles by bin" };
     let f64 = if has.f64 { "f64" } else { "f64 in 32-bit words" };
-    let atomics = if variant.atomics64 { "64-bit atomics" } else { "32-bit atomics" };
+    let atomics = if variant.path.atomics64 { "64-bit atomics" } else { "32-bit atomics" };
     format!("{rays}; {raster}{depths}; {small}; {f64}; {atomics}")
 }
 

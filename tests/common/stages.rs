@@ -21,7 +21,7 @@ use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Buffers, wait};
 use anamorph::internals::gpu::device::AdapterFeatures;
-use anamorph::internals::gpu::kernels::{OpticsKind, SurfaceKind, Variant};
+use anamorph::internals::gpu::kernels::{OpticsKind, OpticsModel, RayModel, SurfaceKind, Textures, TilePath, Variant};
 use anamorph::internals::gpu::layout::{COUNTERS, Params};
 use anamorph::internals::gpu::readback::{read_words, readback};
 use anamorph::internals::image::frame::Channel;
@@ -67,7 +67,7 @@ impl Case {
     /// The same with texture coordinates.
     pub fn mapped_tables(&self) -> Tables {
         let mut tables = self.tables();
-        tables.plan.variant.textured = true;
+        tables.plan.variant.appearance.textures = Some(Textures::default());
         let mesh = &*self.scene.mesh;
         let clustered = cluster(mesh, tables.plan.anchor, SurfaceKind::Mapped, self.chunk_limit);
         tables.with_clusters(clustered, mesh)
@@ -86,20 +86,14 @@ impl Case {
     }
 
     pub fn variant(&self, real: Real, atomics64: bool) -> Variant {
-        let slabs = Slabs::of(&self.camera);
-        let (rays, slabbed) = (slabs::kind(&self.camera), slabs.count() > 1);
-        let optics = self.camera.optics.as_deref().map(OpticsKind::of);
-        Variant {
-            f64: real == Real::F64,
-            atomics64,
-            f64_depths: real == Real::F64 && atomics64,
-            rays,
-            slabbed,
-            counting: true,
-            normals: !self.scene.mesh.normals.is_empty(),
-            optics,
-            ..Variant::PLAIN
-        }
+        let slabbed = Slabs::of(&self.camera).count() > 1;
+        let optics = self.camera.optics.as_deref();
+        let optics = optics.map(|optics| OpticsModel { kind: OpticsKind::of(optics), bounced: false });
+        Variant::plain(real == Real::F64, atomics64).with(|v| {
+            v.rays = RayModel { kind: slabs::kind(&self.camera), slabbed, optics };
+            v.extras.counting = true;
+            v.appearance.normals = !self.scene.mesh.normals.is_empty();
+        })
     }
 }
 
@@ -301,7 +295,8 @@ impl Bench {
 
     /// The kernels of a variant, for subgroups as wide as the adapter's.
     pub fn stages(&mut self, variant: Variant, planes: &[Channel]) -> (&Gpu, &Stages) {
-        let variant = Variant { wide: variant.by_tile && self.gpu.has.wide, ..variant };
+        let tiles = variant.tiles().map(|tiles| TilePath { wide: self.gpu.has.wide, ..tiles });
+        let variant = tiles.map_or(variant, |tiles| variant.with_tiles(tiles));
         let found = self.stages.iter().position(|s| s.variant == variant && s.planes == planes);
         let at = found.unwrap_or_else(|| {
             self.stages.push(Stages::new(&self.gpu, variant, planes).unwrap());

@@ -562,7 +562,8 @@ fn the_page_is_the_table() {
 }
 
 /// Features that go with all others.
-const NEVER_REFUSED: [Feature; 4] = [Feature::Samples, Feature::Moving, Feature::Blended, Feature::Shadows];
+const NEVER_REFUSED: [Feature; 5] =
+    [Feature::Samples, Feature::Moving, Feature::Blended, Feature::Shadows, Feature::Bands];
 
 #[test]
 fn every_feature_is_in_a_row_and_named_once() {

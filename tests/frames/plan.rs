@@ -373,7 +373,7 @@ fn what_is_left_out_is_said() {
             has_shadows: true,
             has_pictures: true,
             has_style: true,
-            has_outlines: true,
+            line_reach: 2,
             ..of(9)
         };
         let contents = if normals { all } else { of(9) };

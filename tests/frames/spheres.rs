@@ -405,7 +405,7 @@ fn nothing_of_it_is_in_a_frame_without_spheres() {
         all.iter().any(|kernel| kernel.files.iter().any(|file| file.path.contains("sphere")))
     };
     for variant in Variant::every(true, true) {
-        assert_eq!(has_spheres(variant), variant.spheres, "{variant:?}");
+        assert_eq!(has_spheres(variant), variant.extras.spheres, "{variant:?}");
     }
     assert!(!scene(soup(&mut Rng(1), 3, 0.1)).mesh.has_spheres());
 }

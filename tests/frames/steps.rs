@@ -100,7 +100,7 @@ fn cases() -> Vec<Case> {
         has_shadows: true,
         has_pictures: true,
         has_style: true,
-        has_outlines: true,
+        line_reach: 2,
         ..plain
     };
     let all = Wanted { srgb8: true, counting: true, ..Wanted::of(Channel::every().collect()) };
@@ -238,7 +238,7 @@ impl Known {
             let own = self.uses(KernelId::Args, variant, planes);
             let bound = |name: &str| if name == "counters" { number.counted_in().into() } else { name.into() };
             all.extend(own.iter().map(|(name, does)| (KernelId::Args, bound(name), *does)));
-            if variant.method == Method::Auto && number.is_of_raster() {
+            if variant.method() == Method::Auto && number.is_of_raster() {
                 let own = self.uses(KernelId::Choose, variant, planes);
                 all.extend(own.iter().map(|(name, does)| (KernelId::Choose, name.clone(), *does)));
             }

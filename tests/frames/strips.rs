@@ -14,9 +14,10 @@ use anamorph::internals::image::frame::Channel;
 use anamorph::internals::image::{read_exr, rgb8};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
+use anamorph::internals::scene::style::{Line, Outline, Style};
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
-use common::gpu::{engine_on, wanted, words};
+use common::gpu::{engine_on, limit_bindings, wanted, words};
 use common::rng::Rng;
 use common::{FORWARD, camera, moved, scene, soup};
 use glam::DVec3;
@@ -79,6 +80,49 @@ fn rows_by_themselves_are_those_of_the_whole_image() {
             }
             assert!(rows == rows_of(&expected), "{name}, {samples} samples");
             assert!(Some(srgb8) == expected.srgb8, "{name}, {samples} samples");
+        }
+    }
+}
+
+/// Lines around triangles and at creases, and between pieces: the widest reach far into the next strip.
+fn lined(width: f64) -> Scene {
+    let line = |width| Line { width, colour: [0.0; 3], depth: 4.0 };
+    let outline = Some(Outline { line: line(width), crease: 20.0 });
+    Scene { style: Style { outline, borders: Some(line(1.0)), ..Style::default() }, ..crowd() }
+}
+
+#[test]
+fn lines_between_pixels_are_the_same_in_strips_and_bands() {
+    let Some(mut engine) = engine_on(|_| ()) else { return };
+    // bands of 16 to 24 rows of so many planes
+    // 17 planes, with those that lines are found in
+    let Some(mut narrow) = engine_on(|gpu| limit_bindings(gpu, 4 * 17 * 66 * 102)) else {
+        return;
+    };
+    for (width, samples) in [(1.0, 1), (3.0, 4), (32.0, 1)] {
+        let scene = lined(width);
+        for (name, camera) in cameras() {
+            if samples > 1 && !at_once(&scene, &camera, samples) {
+                continue;
+            }
+            let whole = Wanted { samples, ..wanted() };
+            let run = RunOptions::default();
+            let expected = engine.render(&scene, &camera, &whole, &run).unwrap();
+            let without = engine.render(&crowd(), &camera, &whole, &run).unwrap();
+            assert!(expected.srgb8 != without.srgb8, "{name}: lines are drawn");
+            let (mut rows, mut srgb8) = (Vec::new(), Vec::new());
+            for (first, count) in [(0, 32), (32, 32), (64, 13)] {
+                let part = Wanted { rows: Some(Rows { first, count }), ..whole.clone() };
+                let part = engine.render(&scene, &camera, &part, &run).unwrap();
+                rows.extend(rows_of(&part));
+                srgb8.extend(part.srgb8.unwrap());
+            }
+            assert!(rows == rows_of(&expected), "{name}, {width} px, {samples} samples, in strips");
+            assert!(Some(srgb8) == expected.srgb8, "{name}, {width} px, {samples} samples, in strips");
+            let banded = narrow.render(&scene, &camera, &whole, &run).unwrap();
+            assert_ne!(banded.passes, expected.passes, "{name}: one band");
+            assert!(rows_of(&banded) == rows_of(&expected), "{name}, {width} px, {samples} samples, in bands");
+            assert!(banded.srgb8 == expected.srgb8, "{name}, {width} px, {samples} samples, in bands");
         }
     }
 }

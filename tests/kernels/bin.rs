@@ -8,7 +8,7 @@ use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::sort::sort;
 use anamorph::internals::engine::stage::split::split;
 use anamorph::internals::gpu::buffers::Buffers;
-use anamorph::internals::gpu::kernels::Variant;
+use anamorph::internals::gpu::kernels::{TilePath, Variant};
 use anamorph::internals::gpu::layout::{COUNTERS, Counter};
 use anamorph_lab::twin::bin::{Binned, Pair, beside, bin, covered};
 use anamorph_lab::twin::cull::{Address, Bound, cull, node_meets};
@@ -56,7 +56,7 @@ fn listed_by(bench: &mut Bench, variant: Variant, input: &KernelInputs, work: &[
     counters(gpu, &mut buffers, &[&zeros[..], zero_of_lists(variant)].concat());
     run(gpu, |pass| {
         let mut dispatches = vec![split(), stage::bin::bin(variant)];
-        dispatches.extend(variant.by_tile.then(|| sort(tiles as u32)).into_iter().flatten());
+        dispatches.extend(variant.by_tile().then(|| sort(tiles as u32)).into_iter().flatten());
         stages.encode(gpu, pass, &[&buffers], &dispatches, &mut Default::default())
     });
     buffers
@@ -65,7 +65,7 @@ fn listed_by(bench: &mut Bench, variant: Variant, input: &KernelInputs, work: &[
 /// Counters of the lists of tiles.
 fn zero_of_lists(variant: Variant) -> &'static [(u32, u32)] {
     const OF_TILES: [(u32, u32); 2] = [(Counter::Busy.index(), 0), (Counter::Sorted.index(), 0)];
-    if variant.by_tile { &OF_TILES } else { &[] }
+    if variant.by_tile() { &OF_TILES } else { &[] }
 }
 
 /// With room for the triangle groups of all clusters.
@@ -101,14 +101,14 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &KernelI
     let tasks = read_list(gpu, &buffers, "tasks")[..counters[Counter::Tasks.index() as usize] as usize].to_vec();
     assert_tasks(case, &input, work, &tasks);
     let listed = counters[Counter::Pairs.index() as usize].min(input.params.pair_capacity) as usize;
-    let last = if variant.by_tile { listed.div_ceil(64) } else { tasks.len().div_ceil(8) };
+    let last = if variant.by_tile() { listed.div_ceil(64) } else { tasks.len().div_ceil(8) };
     assert_eq!(groups[..3], [last as u32, u32::from(last > 0), 1], "{}: groups", case.name);
     let items = read_list(gpu, &buffers, "pairs");
     let demand = counters[Counter::Pairs.index() as usize];
     let count = (demand as usize).min(capacity);
     assert_poisoned(items.as_flattened(), 2 * count, &format!("{}, pairs", case.name));
     let pairs = items[..count].to_vec();
-    if variant.by_tile {
+    if variant.by_tile() {
         let busy = read(gpu, &buffers, "busy")[..counters[Counter::Busy.index() as usize] as usize].to_vec();
         assert_eq!(counters[Counter::Sorted.index() as usize], pairs.len() as u32, "{}: pairs in runs", case.name);
         let runs = [read(gpu, &buffers, "starts"), read(gpu, &buffers, "ends")];
@@ -217,7 +217,7 @@ fn the_kernel_lists_every_pair_that_covers_a_pixel() {
             assert_eq!(kernel.demand as usize, kernel.pairs.len(), "{}: the list was too short", case.name);
             let required = bin(&input, &work, Real::F64);
             if bench.gpu.has.lanes {
-                let by_tile = case.variant(Real::F64, true).with_tiles();
+                let by_tile = case.variant(Real::F64, true).with_tiles(TilePath::EXACT);
                 let kernel = run_variant(&mut bench, by_tile, &case, &input, &work);
                 let wrong = differences(&input, &work, &kernel.pairs, &required);
                 assert!(wrong.is_empty(), "{}: {} by tile, the first: {}", case.name, wrong.len(), wrong[0]);

@@ -134,7 +134,7 @@ fn compare(input: &KernelInputs, left: &Left, twin: &[Option<Bounced>]) -> Compa
 fn the_kernel_bounces_rays_as_its_twin_does() {
     let Some(mut bench) = Bench::open() else { return };
     let reals: Vec<Real> = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0).collect();
-    let wide = |case: &Case| match case.variant(Real::F64, false).optics {
+    let wide = |case: &Case| match case.variant(Real::F64, false).optics() {
         Some(OpticsKind::Torus | OpticsKind::Wave) => BOUND_MARCHED,
         _ => 1.0,
     };

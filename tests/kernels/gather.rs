@@ -6,7 +6,7 @@ use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::Stages;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::Buffers;
-use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
+use anamorph::internals::gpu::kernels::{OpticsKind, OpticsModel, Variant};
 use anamorph::internals::gpu::layout::{NONE, Optic, Params, PathState, Receiver, ReceiverTriangle};
 use anamorph::internals::gpu::readback::{read_words, readback};
 use anamorph::internals::image::frame::Channel;
@@ -34,7 +34,8 @@ struct Case {
 }
 
 fn variant(optics: bool) -> Variant {
-    Variant { optics: optics.then_some(OpticsKind::Facets), ..Variant::PLAIN }
+    let facets = OpticsModel { kind: OpticsKind::Facets, bounced: false };
+    Variant::plain(false, false).with(|v| v.rays.optics = optics.then_some(facets))
 }
 
 fn case(rng: &mut Rng) -> Case {

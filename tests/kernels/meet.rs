@@ -4,7 +4,7 @@ use crate::bounced::{bounces, cases, delicate, variant};
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::raster::raster_steps;
-use anamorph::internals::gpu::kernels::{Kernel, OpticsKind, Variant};
+use anamorph::internals::gpu::kernels::{Kernel, OpticsKind, OpticsModel};
 use anamorph_lab::twin::meet::{meet, meetings};
 use anamorph_lab::twin::quadric::HEIGHT_UNITS;
 use anamorph_lab::twin::raster::Visibility;
@@ -128,7 +128,8 @@ fn the_kernel_meets_what_its_twin_meets() {
 fn the_twin_s_rules_have_the_kernels_constants() {
     let of = |optics| {
         let plain = cases().remove(0).variant(Real::F64, false);
-        Kernel::new("meet.wgsl", Variant { optics: Some(optics), ..plain }, &[]).source()
+        let optics = Some(OpticsModel { kind: optics, bounced: false });
+        Kernel::new("meet.wgsl", plain.with(|v| v.rays.optics = optics), &[]).source()
     };
     let holds = |optics, line: &str| assert!(of(optics).contains(line), "{line}");
     holds(OpticsKind::Quadrics, &format!("const HEIGHT_UNITS: real = {HEIGHT_UNITS:?};"));

@@ -10,7 +10,7 @@ use anamorph::internals::engine::stage::raster::raster_steps;
 use anamorph::internals::engine::stage::recheck::recheck;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::Buffers;
-use anamorph::internals::gpu::kernels::Variant;
+use anamorph::internals::gpu::kernels::{TilePath, Variant};
 use anamorph::internals::gpu::layout::{COUNTERS, Counter, Params};
 use anamorph_lab::twin::bin::{Pair, bin};
 use anamorph_lab::twin::cull::{Bound, cull};
@@ -73,7 +73,7 @@ type Mode = (Real, bool, By);
 fn modes(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Mode> {
     let mut all: Vec<Mode> =
         bench.variants().into_iter().map(|(real, atomics64)| (real, atomics64, By::Pair)).collect();
-    if bench.gpu.has.lanes && variant(Real::F64, true).with_tiles().by_tile {
+    if bench.gpu.has.lanes && variant(Real::F64, true).with_tiles(TilePath::EXACT).by_tile() {
         let has = |atomics64: bool| bench.variants().contains(&(Real::F64, atomics64));
         all.extend(has(true).then_some((Real::F64, true, By::Tile)));
         all.extend([false, true].into_iter().filter(|&a| has(a)).map(|a| (Real::F64, a, By::BoundedTile)));
@@ -85,8 +85,12 @@ fn modes(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Mode> {
 fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by): Mode, jobs: &[Job]) -> Drawn {
     let by_tile = by != By::Pair;
     let by_pair = crate::bounced::variant(case, &jobs[0].0, real, atomics64);
-    let tiles = Variant { f64_depths: by == By::Tile, ..by_pair.with_tiles() };
-    let (gpu, stages) = bench.stages(if by_tile { tiles } else { by_pair }, &[]);
+    let variant = match by {
+        By::Pair => by_pair,
+        By::Tile => by_pair.with_tiles(TilePath::EXACT),
+        By::BoundedTile => by_pair.with_tiles(TilePath::BOUNDED),
+    };
+    let (gpu, stages) = bench.stages(variant, &[]);
     let owned = [
         Counter::FragmentsTested.index(),
         Counter::FragmentsKept.index(),

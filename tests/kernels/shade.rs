@@ -7,7 +7,7 @@ use crate::stages::{
 use anamorph::internals::engine::pages::PageStore;
 use anamorph::internals::engine::stage;
 use anamorph::internals::geometry::mesh::NO_UV;
-use anamorph::internals::gpu::kernels::Variant;
+use anamorph::internals::gpu::kernels::Textures;
 use anamorph::internals::image::frame::Channel;
 use anamorph_lab::twin::bin::bin;
 use anamorph_lab::twin::cull::{Bound, cull};
@@ -43,7 +43,8 @@ fn run_kernel(
     planes: &[Channel],
 ) -> Vec<u32> {
     let textured = !input.uvs.is_empty();
-    let variant = Variant { textured, ..crate::bounced::variant(case, input, real, false) };
+    let variant = crate::bounced::variant(case, input, real, false)
+        .with(|v| v.appearance.textures = textured.then(Textures::default));
     let (gpu, stages) = bench.stages(variant, planes);
     let mut buffers = upload(gpu, input);
     if textured {

@@ -11,7 +11,7 @@ use anamorph::internals::engine::stage::small::small;
 use anamorph::internals::engine::stage::sort::sort;
 use anamorph::internals::engine::stage::split::split;
 use anamorph::internals::gpu::buffers::Buffers;
-use anamorph::internals::gpu::kernels::{File, Variant};
+use anamorph::internals::gpu::kernels::{File, TilePath, Variant};
 use anamorph::internals::gpu::layout::{COUNTERS, Counter};
 use anamorph_lab::twin::bin::bin;
 use anamorph_lab::twin::cull::{Bound, cull};
@@ -29,8 +29,8 @@ struct Left {
 
 /// `None` where small triangles are not drawn by themselves.
 fn variant(bench: &Bench, case: &Case) -> Option<Variant> {
-    let variant = case.variant(Real::F64, true).with_tiles().with_small();
-    (bench.gpu.has.lanes && variant.small).then_some(variant)
+    let variant = case.variant(Real::F64, true).with_tiles(TilePath::EXACT).with_small();
+    (bench.gpu.has.lanes && variant.draws_small()).then_some(variant)
 }
 
 /// Draws the clusters of one input, from split to recheck.

@@ -2,7 +2,7 @@
 
 use super::super::variants;
 use anamorph::internals::engine::stage::KernelId;
-use anamorph::internals::gpu::kernels::{Method, Variant};
+use anamorph::internals::gpu::kernels::{Method, TilePath, Variant, Visibility};
 use anamorph::internals::image::frame::Channel;
 use anamorph_lab::operations::{ByLoopDepth, Operations, of_kernel, operations};
 
@@ -130,8 +130,8 @@ fn sum(counted: ByLoopDepth) -> Operations {
 /// Only what raster leaves uncertain, and what is seen, takes f64.
 #[test]
 fn no_stage_before_raster_takes_f64() {
-    let by_tile = |variant: Variant| [variant, variant.with_tiles(), variant.with_tiles().with_small()];
-    for variant in variants().flat_map(by_tile).filter(|v| v.f64) {
+    let by_tile = |variant: Variant| [vec![variant], variant.by_each_tile_path()].concat();
+    for variant in variants().flat_map(by_tile).filter(|v| v.f64()) {
         for id in [KernelId::Cull, KernelId::Split, KernelId::Bin, KernelId::Allot, KernelId::Sort, KernelId::Write] {
             let Some(counted) = of_stage(id, variant) else { continue };
             let Operations { loads, stores, f64, f64_divisions, .. } = sum(counted);
@@ -143,10 +143,10 @@ fn no_stage_before_raster_takes_f64() {
 
 #[test]
 fn counting_costs_nothing_where_nothing_is_counted() {
-    let counting = Variant { f64: true, atomics64: true, method: Method::Auto, counting: true, ..Variant::PLAIN };
-    let plain = Variant { counting: false, ..counting };
-    for (counting, plain) in [(counting, plain), (counting.with_tiles().with_small(), plain.with_tiles().with_small())]
-    {
+    let plain = Variant::plain(true, true).with(|v| v.path.visibility = Visibility::by_pair(Method::Auto));
+    let by_tile = |variant: Variant| variant.with_tiles(TilePath::EXACT).with_small();
+    for plain in [plain, by_tile(plain)] {
+        let counting = plain.with(|v| v.extras.counting = true);
         for id in [KernelId::Bin, KernelId::Raster, KernelId::Trace] {
             let [more, less] = [counting, plain].map(|variant| of_stage(id, variant).map(sum).unwrap());
             assert!(more.atomics > less.atomics, "{id:?}: {more:?} {less:?}");

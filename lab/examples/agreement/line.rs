@@ -111,7 +111,7 @@ pub fn measure(engine: &mut Engine, scene: &Path) -> Result<(Figures, Vec<u8>)> 
         pieces: camera.piece_count(),
         rays: match kind(&camera) {
             RaysKind::Pieces => "pieces".into(),
-            RaysKind::Field => "field".into(),
+            RaysKind::Field { .. } => "field".into(),
             RaysKind::Curves { degree } => format!("curves of degree {degree}"),
         },
         layers: slabs.layers,

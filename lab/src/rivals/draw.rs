@@ -182,7 +182,7 @@ pub struct BandRaster {
 impl BandRaster {
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<BandRaster> {
         let width = setup.camera.width;
-        let samples = setup.variant.samples;
+        let samples = setup.variant.samples();
         let take = if samples > 1 { kernels::take_samples(setup.variant) } else { kernels::take(setup.variant) };
         let raster_target = RasterTarget::new(gpu, (width, setup.rows), samples);
         Ok(BandRaster { raster_target, take: Pipeline::new(gpu, take)?, width })

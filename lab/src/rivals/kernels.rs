@@ -1,7 +1,7 @@
 //! The rivals' kernels and draws.
 
 use crate::files::{Chosen, kernel};
-use anamorph::internals::gpu::kernels::{Kernel, RaysKind, Variant};
+use anamorph::internals::gpu::kernels::{Kernel, Variant};
 use glam::DVec3;
 
 const ONE: &[&str] = &["one"];
@@ -12,7 +12,7 @@ const CUBE: &[&str] = &["cube"];
 pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kernel {
     // all triangles stand still and are opaque
     let chosen: Chosen = &[
-        ("rivals/path", if matches!(variant.rays, RaysKind::Curves { .. }) { &["curves"] } else { &["straight"] }),
+        ("rivals/path", if variant.rays.kind.is_curved() { &["curves"] } else { &["straight"] }),
         ("rivals/search", if brute { &["brute"] } else { &["hierarchy"] }),
         ("shading/casters", &["rivals/search/hierarchy.wgsl"]),
         ("masks", &["opaque"]),
@@ -36,7 +36,7 @@ pub fn take_samples(variant: Variant) -> Kernel {
 /// A draw of triangles onto so many layers, clipped at the pieces' edges where `culling`.
 fn draw(entry: &'static str, (layers, culling): (u32, bool), chosen: Chosen, more: &[(&str, f64)]) -> Kernel {
     let constants = [("LAYERS", f64::from(layers)), ("CULLING", f64::from(u8::from(culling)))];
-    kernel(entry, Variant::PLAIN, chosen, &[&constants[..], more].concat())
+    kernel(entry, Variant::plain(false, false), chosen, &[&constants[..], more].concat())
 }
 
 /// Vertices projected; each triangle split in four so often, and `fan` triangles drawn of each part: 1, or 3 where it is cut off where t ends.
@@ -93,7 +93,7 @@ pub fn splat_move(layers: u32, culling: bool, samples: u32) -> Kernel {
 
 /// The compute kernels for cameras of a variant.
 pub fn all(variant: Variant) -> Vec<Kernel> {
-    let layers = if variant.slabbed { 2 } else { 1 };
+    let layers = if variant.rays.slabbed { 2 } else { 1 };
     let mut all = vec![trace(variant, layers, 4, false), trace(variant, layers, 1, true), take(variant)];
     all.extend([take_samples(variant), unfold(variant, true), unfold(variant, false), replicate(true)]);
     all

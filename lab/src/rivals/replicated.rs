@@ -37,14 +37,14 @@ struct Replicated {
 const REPLICA_BYTES: u64 = 8;
 
 pub fn replicated(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
-    let samples = setup.variant.samples;
+    let samples = setup.variant.samples();
     let mut own = Buffers::default();
     let pieces = upload_pieces(gpu, setup, &mut own)?;
     own.create(gpu, "draw_args", 16, BufferUsages::INDIRECT)?;
     own.upload(gpu, "no_draw", &[0u32, 1, 0, 0])?;
     Ok(Box::new(Replicated {
-        replicate: Pipeline::new(gpu, kernels::replicate(setup.variant.culling))?,
-        draw: Draw::clipped(gpu, kernels::perspective(setup.layers(), setup.variant.culling, samples), samples)?,
+        replicate: Pipeline::new(gpu, kernels::replicate(setup.variant.extras.culling))?,
+        draw: Draw::clipped(gpu, kernels::perspective(setup.layers(), setup.variant.extras.culling, samples), samples)?,
         band_raster: BandRaster::new(gpu, setup)?,
         pieces,
         own,

@@ -47,7 +47,7 @@ fn splat(gpu: &Gpu, setup: &Setup, is_each: bool) -> Result<Box<dyn Rival>> {
     let pieces = outline::upload(gpu, setup, &mut own)?;
     Ok(Box::new(ByTexture {
         project: Draw::onto(gpu, kernels::splat_project(samples), (S, 1), None),
-        scatter: Draw::clipped(gpu, kernels::splat_move(setup.layers(), setup.variant.culling, samples), 1)?,
+        scatter: Draw::clipped(gpu, kernels::splat_move(setup.layers(), setup.variant.extras.culling, samples), 1)?,
         band_raster: BandRaster::new(gpu, setup)?,
         own,
         pieces,

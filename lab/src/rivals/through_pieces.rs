@@ -33,7 +33,7 @@ const CUT_TRIANGLES: u32 = 3;
 pub fn warp(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     let layers = setup.layers();
     let fan = if layers > 1 { CUT_TRIANGLES } else { 1 };
-    let kernel = kernels::warp(layers, setup.variant.culling, setup.parameter, fan);
+    let kernel = kernels::warp(layers, setup.variant.extras.culling, setup.parameter, fan);
     Ok(Box::new(ThroughPieces::new(gpu, setup, Draw::clipped(gpu, kernel, 1)?, fan << (2 * setup.parameter))?))
 }
 
@@ -47,7 +47,7 @@ pub fn bound_passes(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
 }
 
 fn bound_draw(gpu: &Gpu, setup: &Setup) -> Result<Draw> {
-    Draw::clipped(gpu, kernels::bound(setup.layers(), setup.variant.culling, setup.centre - setup.anchor), 1)
+    Draw::clipped(gpu, kernels::bound(setup.layers(), setup.variant.extras.culling, setup.centre - setup.anchor), 1)
 }
 
 impl ThroughPieces {

@@ -82,7 +82,7 @@ impl KernelInputs<'_> {
     pub fn cell_cast(&self, cell: &Cell, bit: u32) -> Cast {
         let (x, y) = self.pixel_of(cell.tile, bit);
         match (self.kind, self.rays) {
-            (RaysKind::Field, Some(table)) => Cast::Ray(field_rays(table, self.params.width, x, y)),
+            (RaysKind::Field { .. }, Some(table)) => Cast::Ray(field_rays(table, self.params.width, x, y)),
             (RaysKind::Curves { degree }, Some(table)) => {
                 let span = self.slab_of(cell.tile) % self.params.spans;
                 let at = |k: u32| f64::from(k) / f64::from(self.params.spans);

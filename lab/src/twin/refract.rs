@@ -24,7 +24,7 @@ pub struct BouncedRay {
 impl KernelInputs<'_> {
     /// The ray of a pixel of a band of one layer, where it has one.
     pub fn bounded_ray(&self, x: u32, y: u32, real: Real) -> Option<BoundedRay> {
-        if let (RaysKind::Field, Some(table)) = (self.kind, self.rays) {
+        if let (RaysKind::Field { .. }, Some(table)) = (self.kind, self.rays) {
             let at = 6 * (y as usize * (self.params.width as usize + 1) + x as usize);
             let three = |v: &[f32], k: usize| [v[at + k], v[at + k + 1], v[at + k + 2]];
             let v = |k: usize| Bounded3::pair(three(&table.hi, k), three(&table.lo, k), real);

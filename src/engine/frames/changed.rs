@@ -10,6 +10,7 @@ use super::{Frames, moved};
 use crate::camera::Camera;
 use crate::camera::ray_order::reordered;
 use crate::engine::plan::{Plan, SceneContents, SceneExtent};
+use crate::gpu::kernels::SurfaceKind;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use std::sync::Arc;
@@ -51,7 +52,7 @@ impl Frames {
             self.resident.bvh = BvhState::Built;
         }
         self.resident.aim(&self.gpu, &self.scene, &camera, &plan)?;
-        if let Some(volume) = self.scene.volume.as_ref().filter(|_| plan.variant.volume.is_some()) {
+        if let Some(volume) = self.scene.volume.as_ref().filter(|_| plan.variant.extras.volume.is_some()) {
             self.resident.upload_medium(&self.gpu, volume, &self.scene, &plan)?;
         }
         self.timed.raster_cost = 0;
@@ -102,10 +103,13 @@ impl Frames {
             ));
         }
         let (lit, own) = (&self.scene.mesh, &scene.mesh);
-        if self.plan.variant.textured && (&lit.uvs, &lit.corner_uvs) != (&own.uvs, &own.corner_uvs) {
+        if self.plan.variant.appearance.textures.is_some() && (&lit.uvs, &lit.corner_uvs) != (&own.uvs, &own.corner_uvs)
+        {
             return Err(Error::input("other texture coordinates than those that are lit; call Engine::prepare again"));
         }
-        if self.plan.variant.colored && (&lit.colors, &lit.corner_colors) != (&own.colors, &own.corner_colors) {
+        if self.plan.variant.surfaces() == SurfaceKind::Colored
+            && (&lit.colors, &lit.corner_colors) != (&own.colors, &own.corner_colors)
+        {
             return Err(Error::input("other vertex colours than those that are lit; call Engine::prepare again"));
         }
         // the triangles stay where they are

@@ -50,7 +50,7 @@ impl Slabs {
 /// How kernels store a camera's rays.
 pub fn kind(camera: &Camera) -> RaysKind {
     match camera.layers.as_slice() {
-        [Rays::Field(_)] => RaysKind::Field,
+        [Rays::Field(field)] => RaysKind::Field { incoherent: field.is_reordered },
         layers if layers.iter().all(|l| matches!(l, Rays::Pieces(_))) => RaysKind::Pieces,
         layers => RaysKind::Curves { degree: layers.iter().map(degree).max().unwrap_or(1) },
     }

@@ -3,10 +3,12 @@
 use super::slabs::{self, Slabs};
 use super::{SceneContents, Wanted};
 use crate::camera::Camera;
-use crate::camera::ray_order::is_reordered;
 use crate::engine::{Arithmetic, RunOptions};
 use crate::gpu::device::AdapterFeatures;
-use crate::gpu::kernels::{LightsKind, Method, OpticsKind, RaysKind, Variant};
+use crate::gpu::kernels::{
+    AdapterPath, Appearance, EdgeSamples, Extras, LightsKind, MaterialsKind, Method, OpticsKind, OpticsModel, RayModel,
+    SampleMeasure, Textures, TileDepths, TilePath, Variant, VerticesKind, Visibility,
+};
 use crate::image::frame::Channel;
 
 /// The variant for a scene with these contents through `camera`, on an adapter with these abilities.
@@ -17,58 +19,75 @@ pub fn variant(
     has: AdapterFeatures,
     run: &RunOptions,
 ) -> Variant {
+    let kind = slabs::kind(camera);
+    let optics = camera.optics.as_deref().map(|optics| OpticsModel { kind: OpticsKind::of(optics), bounced: false });
+    let visibility = Visibility::by_pair(method(camera, contents, wanted, has, run).0);
+    let variant = Variant {
+        path: AdapterPath { arithmetic: run.arithmetic, atomics64: has.atomics64, visibility },
+        rays: RayModel { kind, slabbed: Slabs::of(camera).count() > 1, optics },
+        appearance: appearance(contents, wanted),
+        extras: Extras {
+            vertices: match contents.steps > 1 {
+                true => VerticesKind::Timed,
+                false if follows_instances(camera, contents, wanted, has, run) => VerticesKind::Placed,
+                false => VerticesKind::Still,
+            },
+            spheres: contents.has_spheres,
+            samples: edge_samples(wanted, run),
+            outlined: contents.has_outlines() && wanted.has_colour(),
+            volume: contents.volume.filter(|_| wanted.needs_volume()),
+            // nine storage buffers are more than some adapters bind
+            writes: wanted.srgb8
+                && !(contents.steps > 1 && kind.is_curved())
+                && optics.is_none()
+                && wanted.samples() == 1
+                && !contents.has_outlines()
+                && contents.volume.is_none()
+                && !contents.has_caustics,
+            counting: wanted.counting,
+            culling: !run.no_cull,
+        },
+    };
+    let variant = if has.by_tile() { variant.with_tiles(tile_path(has)) } else { variant };
+    if wanted.channels.contains(&Channel::Certified) { variant } else { variant.with_small() }
+}
+
+/// How raster by tile goes on an adapter: a CPU finds each t in f64, where it has that.
+fn tile_path(has: AdapterFeatures) -> TilePath {
+    let is_exact = has.software && has.f64 && has.atomics64;
+    let depths = if is_exact { TileDepths::Exact { small: false } } else { TileDepths::Bounded };
+    TilePath { wide: has.wide, depths }
+}
+
+fn appearance(contents: SceneContents, wanted: &Wanted) -> Appearance {
     let has_colour = wanted.has_colour();
     let pictures = contents.has_pictures && wanted.needs_appearance();
-    let variant = Variant {
-        f64: run.arithmetic != Arithmetic::Single,
-        atomics64: has.atomics64,
-        f64_depths: has.software && has.f64 && has.atomics64,
-        by_tile: false,
-        wide: false,
-        method: method(camera, contents, wanted, has, run).0,
-        small: false,
-        rays: slabs::kind(camera),
-        incoherent: is_reordered(camera),
-        slabbed: Slabs::of(camera).count() > 1,
-        counting: wanted.counting,
-        culling: !run.no_cull,
-        all_uncertain: run.arithmetic == Arithmetic::Double,
+    let textures = Textures { colored: wanted.is_colored(contents), masked: contents.has_alpha_masks };
+    Appearance {
+        textures: wanted.is_textured(contents).then_some(textures),
         normals: contents.has_normals,
-        textured: wanted.is_textured(contents),
-        colored: wanted.is_colored(contents),
-        masked: contents.has_alpha_masks,
-        glossy: (contents.has_gloss || contents.has_sky) && has_colour,
-        sky: contents.has_sky && has_colour,
-        lights: match (contents.has_shadows, contents.has_positional_lights) {
-            _ if !has_colour && !pictures => LightsKind::Plain,
-            (true, _) => LightsKind::Shadowed,
-            (false, true) => LightsKind::Positional,
-            (false, false) if pictures => LightsKind::Positional,
-            (false, false) => LightsKind::Plain,
+        materials: match (contents.has_sky, contents.has_gloss) {
+            (true, _) if has_colour => MaterialsKind::UnderSky,
+            (false, true) if has_colour => MaterialsKind::Glossy,
+            _ => MaterialsKind::Matte,
         },
-        pictures,
+        lights: match contents.has_shadows {
+            _ if !has_colour && !pictures => LightsKind::Plain,
+            true => LightsKind::Shadowed { pictures },
+            false if contents.has_positional_lights || pictures => LightsKind::Positional { pictures },
+            false => LightsKind::Plain,
+        },
         styled: contents.has_style && wanted.needs_appearance(),
-        outlined: contents.has_outlines && has_colour,
-        optics: camera.optics.as_deref().map(OpticsKind::of),
-        bounced: false,
-        samples: wanted.samples(),
-        analytic: wanted.analytic && wanted.samples() > 1,
-        centred: run.rival.is_some() && wanted.samples() > 1,
-        timed: contents.steps > 1,
-        spheres: contents.has_spheres,
-        instanced: follows_instances(camera, contents, wanted, has, run),
-        volume: contents.volume.filter(|_| wanted.needs_volume()),
-        // nine storage buffers are more than some adapters bind
-        writes: wanted.srgb8
-            && !(contents.steps > 1 && matches!(slabs::kind(camera), RaysKind::Curves { .. }))
-            && camera.optics.is_none()
-            && wanted.samples() == 1
-            && !contents.has_outlines
-            && contents.volume.is_none()
-            && !contents.has_caustics,
+    }
+}
+
+fn edge_samples(wanted: &Wanted, run: &RunOptions) -> Option<EdgeSamples> {
+    let measure = match run.rival.is_some() {
+        true => SampleMeasure::AtCentre,
+        false if wanted.analytic => SampleMeasure::Area,
+        false => SampleMeasure::Counted,
     };
-    let variant = if has.by_tile() { Variant { wide: has.wide, ..variant }.with_tiles() } else { variant };
-    if wanted.channels.contains(&Channel::Certified) { variant } else { variant.with_small() }
+    (wanted.samples() > 1).then_some(EdgeSamples { count: wanted.samples(), measure })
 }
 
 /// How the triangle of each pixel is found, and why, where the costs do not decide. What samples see and what is proven is found from pairs.
@@ -98,7 +117,7 @@ pub fn method(
         _ if run.moving => (RASTER, "everything moves"),
         _ if run.no_cull => (RASTER, "nothing is to be culled"),
         _ if run.arithmetic != Arithmetic::Rechecked => (RASTER, "other arithmetic is asked for"),
-        _ if matches!(slabs::kind(camera), RaysKind::Curves { .. }) => (Method::Trace, "rays are curved"),
+        _ if slabs::kind(camera).is_curved() => (Method::Trace, "rays are curved"),
         // pair by pair each t takes hundreds of operations in words
         _ if !has.lanes && !has.f64 => (Method::Trace, "raster has no f64 and no subgroups of eight threads here"),
         _ => (Method::Auto, ""),
@@ -126,7 +145,7 @@ fn follows_instances(
         && !is_other_run
         && !is_rasterized
         && !wanted.gradients
-        && !matches!(slabs::kind(camera), RaysKind::Curves { .. })
+        && !slabs::kind(camera).is_curved()
         && camera.optics.is_none()
         && contents.steps <= 1
         && !(contents.has_spheres || contents.has_alpha_masks || contents.has_caustics || has_shadow_rays)

@@ -2,11 +2,11 @@
 
 use super::{Dispatch, KernelId};
 use crate::engine::plan::turned::Turned;
-use crate::gpu::kernels::{RaysKind, Variant};
+use crate::gpu::kernels::Variant;
 
 /// Whether frames of a variant read bounds on the rays of a viewer.
 pub fn turns_nodes(variant: Variant) -> bool {
-    let is_of_viewers = matches!(variant.rays, RaysKind::Field | RaysKind::Pieces) && !variant.bounced;
+    let is_of_viewers = !variant.rays.kind.is_curved() && !variant.is_bounced();
     is_of_viewers && (variant.rasters() || variant.bounces_rays())
 }
 

@@ -5,5 +5,5 @@ use crate::gpu::kernels::Variant;
 use crate::gpu::layout::Counter;
 
 pub fn bin(variant: Variant) -> Dispatch {
-    Dispatch::counted(KernelId::Bin, if variant.small { Counter::Large } else { Counter::Tasks })
+    Dispatch::counted(KernelId::Bin, if variant.draws_small() { Counter::Large } else { Counter::Tasks })
 }

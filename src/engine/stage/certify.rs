@@ -1,13 +1,13 @@
 //! certify: what is proven of what raster and recheck found, for the channel of that name.
 
 use super::{Dispatch, KernelId, Pixels};
-use crate::gpu::kernels::{RaysKind, Variant};
+use crate::gpu::kernels::Variant;
 use crate::gpu::layout::Counter;
 
 /// Proofs follow rays through the hierarchy where there are spheres, in frames that are not refused.
 pub fn entry_file(variant: Variant) -> &'static str {
-    let is_straight = !matches!(variant.rays, RaysKind::Curves { .. });
-    let is_traced = variant.spheres && is_straight && !variant.timed && variant.optics.is_none();
+    let is_straight = !variant.rays.kind.is_curved();
+    let is_traced = variant.extras.spheres && is_straight && !variant.is_timed() && variant.rays.optics.is_none();
     if is_traced { "certify_traced.wgsl" } else { "certify.wgsl" }
 }
 
