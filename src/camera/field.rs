@@ -3,7 +3,7 @@
 use super::SAFE_RADIUS_PX;
 use super::bundle::{Bundle, Ray};
 use super::calibration::Calibrated;
-use super::lens::{LensRays, Viewer};
+use super::lens::{LensRays, Posed};
 use super::stack::Stack;
 use super::tessellate::bend::Bend;
 use crate::image::read_vectors;
@@ -46,7 +46,7 @@ pub trait RayMap: Debug + Send + Sync {
     }
 
     /// The viewer, if this map is a lens at a pose.
-    fn viewer(&self) -> Option<Viewer> {
+    fn viewer(&self) -> Option<Posed> {
         None
     }
 
@@ -64,7 +64,7 @@ pub struct Field {
     /// Empty if a formula is evaluated for each ray when needed, or if the field is a lens at a pose.
     rays: Arc<Vec<Option<(DVec3, DVec3)>>>,
     /// The rays of the lens and the viewer, if this field is a lens at a pose.
-    turned: Option<(Arc<LensRays>, Viewer)>,
+    turned: Option<(Arc<LensRays>, Posed)>,
     /// The formula of the rays, if any.
     map: Option<Sampled>,
     /// The images that this one is made of, if it is, with all rays.
@@ -180,7 +180,7 @@ impl Field {
     }
 
     /// The rays of the lens and the viewer, if this field is a lens at a pose.
-    pub fn turned(&self) -> Option<(&Arc<LensRays>, &Viewer)> {
+    pub fn turned(&self) -> Option<(&Arc<LensRays>, &Posed)> {
         self.turned.as_ref().map(|(rays, viewer)| (rays, viewer))
     }
 

@@ -23,7 +23,6 @@ pub mod panini;
 pub mod panorama;
 pub mod pencil;
 pub mod pinhole;
-mod posed;
 pub mod pushbroom;
 pub mod raymap;
 pub mod reflection;
@@ -35,6 +34,8 @@ pub mod twist;
 mod viewer;
 
 use super::exposure::{self, Readout};
+use super::lens::{Lens, Posed};
+use super::pose::{KEYS as POSE, Pose};
 use super::recipe::Kind;
 use super::spec::{CameraKind, CameraSpec};
 use super::{chain, graph, projector};

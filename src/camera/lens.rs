@@ -1,14 +1,17 @@
 //! The rays of a lens at each pixel, in the viewer's frame. All poses of a viewer share them: the viewer's axes turn them, and the eye is added.
 
+use crate::camera::pose::Pose;
+use crate::camera::recipe::Equal;
 use crate::camera::view::View;
 use crate::camera::{Ray, RayMap};
+use crate::input::Result;
 use crate::parallel;
 use glam::{DVec2, DVec3};
 use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// A ray for every image place, in a viewer's frame: components to the right, up and forward.
-pub trait Lens: Any + std::fmt::Debug + Send + Sync {
+pub trait Lens: Any + std::fmt::Debug + Equal + Send + Sync {
     /// Returns the direction at image coordinates (a, b); `None`: no ray.
     fn direction(&self, a: f64, b: f64) -> Option<DVec3>;
 
@@ -21,35 +24,37 @@ pub trait Lens: Any + std::fmt::Debug + Send + Sync {
     fn is_central(&self) -> bool {
         true
     }
-
-    /// Returns whether the other lens has the same type and the same numbers, and so the same rays.
-    fn is_same(&self, other: &dyn Lens) -> bool;
 }
 
-/// Implements [`Lens::is_same`] for a lens that can be compared.
-pub fn is_same<L: Lens + PartialEq>(lens: &L, other: &dyn Lens) -> bool {
-    (other as &dyn Any).downcast_ref::<L>() == Some(lens)
-}
-
-/// A viewer: eye, axes and lens.
+/// A lens at a pose: the viewer's eye, axes and lens.
 #[derive(Debug, Clone)]
-pub struct Viewer {
+pub struct Posed {
     pub eye: DVec3,
     pub view: View,
     pub lens: Arc<dyn Lens>,
 }
 
-impl RayMap for Viewer {
+impl RayMap for Posed {
     fn ray(&self, a: f64, b: f64) -> Option<Ray> {
         let direction = self.lens.direction(a, b)?;
         Some(self.turned(Ray { origin: self.lens.origin(a, b), direction }))
     }
+
+    fn viewer(&self) -> Option<Posed> {
+        Some(self.clone())
+    }
 }
 
-impl Viewer {
+impl Posed {
+    /// # Errors
+    /// The errors of [`Pose::view`].
+    pub fn new(pose: &Pose, lens: impl Lens) -> Result<Posed> {
+        Ok(Posed { eye: pose.eye, view: pose.view()?, lens: Arc::new(lens) })
+    }
+
     /// Returns the viewer of the same lens at the origin, with the world's axes.
-    pub fn unturned(&self) -> Viewer {
-        Viewer { eye: DVec3::ZERO, view: View::UNTURNED, lens: self.lens.clone() }
+    pub fn unturned(&self) -> Posed {
+        Posed { eye: DVec3::ZERO, view: View::UNTURNED, lens: self.lens.clone() }
     }
 
     /// Returns whether rays in the world are those of the lens.
@@ -104,7 +109,7 @@ static RAYS: Held<LensRays> = Held::new();
 impl LensRays {
     /// Returns the rays of a lens, shared with a camera that already holds them.
     pub fn of(lens: Arc<dyn Lens>, size: (u32, u32), sample: DVec2) -> Arc<LensRays> {
-        let is_it = |d: &LensRays| d.size == size && d.sample == sample && d.lens.is_same(&*lens);
+        let is_it = |d: &LensRays| d.size == size && d.sample == sample && d.lens.equals(&*lens);
         RAYS.or_make(is_it, || LensRays::new(lens.clone(), size, sample))
     }
 
@@ -173,10 +178,6 @@ mod tests {
 
         fn is_central(&self) -> bool {
             self.0 == 0.0
-        }
-
-        fn is_same(&self, other: &dyn Lens) -> bool {
-            is_same(self, other)
         }
     }
 

@@ -14,6 +14,7 @@ use super::field::{Field, RayMap};
 use super::notes::Notes;
 use super::pieces::Pieces;
 use super::recipe::{Built, Setting};
+use crate::camera::values::number_if;
 use crate::input::limits::PIECES;
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
@@ -44,9 +45,8 @@ pub enum Tessellation {
 impl Tessellation {
     /// Reads [`KEYS`]; exact where they are absent.
     pub fn read(table: &Table) -> Result<Tessellation> {
-        let error_px = table.optional("error", |field| match field.number()? {
-            error if error > 0.0 => Ok(error),
-            error => Err(field.error(format_args!("{error} is no error in pixels; give one above 0, as 0.25"))),
+        let error_px = table.optional("error", |field| {
+            number_if(field, |error| error > 0.0, "is no error in pixels; give one above 0, as 0.25")
         })?;
         let tessellation = match table.get("pieces") {
             None => Tessellation::Exact,

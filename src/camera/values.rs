@@ -3,20 +3,23 @@
 use crate::input::Result;
 use crate::input::reader::Field;
 use glam::DVec3;
+use std::fmt::Display;
+
+/// A number that passes a test; the error for another one is the number itself and `wrong`.
+pub fn number_if(field: &Field, is_good: impl Fn(f64) -> bool, wrong: impl Display) -> Result<f64> {
+    let value = field.number()?;
+    if is_good(value) { Ok(value) } else { Err(field.error(format_args!("{value} {wrong}"))) }
+}
 
 /// A length above 0.
 pub fn length(field: &Field) -> Result<f64> {
-    let value = field.number()?;
-    if value > 0.0 { Ok(value) } else { Err(field.error(format_args!("{value} is no length; give one above 0"))) }
+    number_if(field, |x| x > 0.0, "is no length; give one above 0")
 }
 
 /// An angle in degrees strictly between the two ends.
 pub fn angle_within(field: &Field, least: f64, most: f64) -> Result<f64> {
-    let value = field.number()?;
-    if value > least && value < most {
-        return Ok(value);
-    }
-    Err(field.error(format_args!("{value} must lie between {least} and {most} degrees")))
+    let wrong = format_args!("must lie between {least} and {most} degrees");
+    number_if(field, |x| x > least && x < most, wrong)
 }
 
 /// tan(angle / 2) of an angle between two borders of the image, in degrees.

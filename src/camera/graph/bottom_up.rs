@@ -9,6 +9,7 @@ use super::{Graph, Net};
 use crate::arrays::MapEach;
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::values::number_if;
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
@@ -88,11 +89,8 @@ fn read_weights(field: &Field) -> Result<[f64; 3]> {
 
 /// A number over `least`, or `least` itself where that is 0.
 pub(super) fn least(field: &Field, least: f64) -> Result<f64> {
-    let number = field.number()?;
-    if number > least || (number == 0.0 && least == 0.0) {
-        return Ok(number);
-    }
-    Err(field.error(format_args!("{number} must be more than {least}")))
+    let is_good = |x: f64| x > least || (x == 0.0 && least == 0.0);
+    number_if(field, is_good, format_args!("must be more than {least}"))
 }
 
 /// The parts of the image: where each begins, px, and the views that land there.

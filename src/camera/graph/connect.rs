@@ -6,6 +6,7 @@ use super::super::{LAYERS_MAX, Pieces, Rays, mesh};
 use super::{Graph, Leg, Net};
 use crate::arrays::MapEach;
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
+use crate::camera::values::number_if;
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Limits, Result};
 use glam::{DVec2, DVec3};
@@ -42,15 +43,9 @@ impl JoinOptions {
             return Err(table.error("longitudinal cuts straight segments; leave it out with join = \"bezier\""));
         }
         let bend = if curved { Bend::Curved } else { Bend::Straight(parts.unwrap_or(1) as usize) };
-        Ok(JoinOptions { bend, morph: table.or("morph", 1.0, unit_number)? })
+        let morph = |f: &Field| number_if(f, |x| (0.0..=1.0).contains(&x), "lies outside [0, 1]");
+        Ok(JoinOptions { bend, morph: table.or("morph", 1.0, morph)? })
     }
-}
-
-/// A number in [0, 1].
-pub(super) fn unit_number(field: &Field) -> Result<f64> {
-    let number = field.number()?;
-    let inside = (0.0..=1.0).contains(&number);
-    if inside { Ok(number) } else { Err(field.error(format_args!("{number} lies outside [0, 1]"))) }
 }
 
 impl Graph {

@@ -22,6 +22,7 @@ use crate::arrays::MapEach;
 use crate::camera::Rays;
 use crate::camera::pose::KEYS as POSE;
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::values::number_if;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
@@ -72,11 +73,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 }
 
 fn smooth(field: &Field) -> Result<f64> {
-    let part = field.number()?;
-    let is_usable = part == 0.0 || (SMOOTH[0]..=SMOOTH[1]).contains(&part);
-    is_usable
-        .then_some(part)
-        .ok_or_else(|| field.error(format_args!("{part} is neither 0 nor in [{}, {}]", SMOOTH[0], SMOOTH[1])))
+    let is_usable = |part: f64| part == 0.0 || (SMOOTH[0]..=SMOOTH[1]).contains(&part);
+    number_if(field, is_usable, format_args!("is neither 0 nor in [{}, {}]", SMOOTH[0], SMOOTH[1]))
 }
 
 fn read_target(field: &Field) -> Result<Target> {

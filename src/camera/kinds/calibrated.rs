@@ -13,7 +13,7 @@ pub(crate) mod survey;
 mod tilt;
 mod without_rays;
 
-use super::posed::{self, POSE, Pose, Viewer};
+use super::{POSE, Pose, Posed};
 use crate::camera::calibration::{Calibrated, Intrinsics, Model, Shutter};
 use crate::camera::exposure::{LineOrder, Lines};
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -141,13 +141,9 @@ struct Pixels {
     lens: Lens,
 }
 
-impl posed::Lens for Pixels {
+impl super::Lens for Pixels {
     fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
         direction(&self.intrinsics, &self.lens, pixel(&self.intrinsics, a, b))
-    }
-
-    fn is_same(&self, other: &dyn posed::Lens) -> bool {
-        posed::is_same(self, other)
     }
 }
 
@@ -180,10 +176,10 @@ impl RayMap for Sensor {
         Some(Ray { origin: *eye + time * shutter.velocity, direction: rotation * direction })
     }
 
-    fn viewer(&self) -> Option<Viewer> {
+    fn viewer(&self) -> Option<Posed> {
         let Calibrated { eye, view, intrinsics, shutter, .. } = &self.calibrated;
         let lens = Pixels { intrinsics: intrinsics.clone(), lens: self.lens.clone() };
-        shutter.is_still().then(|| Viewer { eye: *eye, view: *view, lens: Arc::new(lens) })
+        shutter.is_still().then(|| Posed { eye: *eye, view: *view, lens: Arc::new(lens) })
     }
 
     /// By the forward formula, if the camera stands still.

@@ -3,8 +3,8 @@
 mod bilinear;
 
 use super::pinhole;
-use super::posed::{POSE, Pose};
 use super::strips::central;
+use super::{POSE, Pose};
 use crate::arrays::MapEach;
 use crate::camera::Rays;
 use crate::camera::bundle::Bundle;

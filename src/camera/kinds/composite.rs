@@ -9,6 +9,7 @@ use crate::camera::notes::Notes;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::region::Region;
 use crate::camera::spec::{CameraSpec, PartReader};
+use crate::camera::values::number_if;
 use crate::camera::{Camera, Rays};
 use crate::image::size::check_size;
 use crate::input::reader::{self, Table};
@@ -131,10 +132,8 @@ fn read_priority(field: &reader::Field) -> Result<i32> {
 const FEATHER_MAX: f64 = 65536.0;
 
 fn read_feather(field: &reader::Field, region: &Region) -> Result<f64> {
-    let width = field.number()?;
-    if !(0.0..=FEATHER_MAX).contains(&width) {
-        return Err(field.error(format_args!("{width} px; a strip is 0 to {FEATHER_MAX} px wide")));
-    }
+    let wrong = format_args!("px; a strip is 0 to {FEATHER_MAX} px wide");
+    let width = number_if(field, |width| (0.0..=FEATHER_MAX).contains(&width), wrong)?;
     match region {
         Region::Whole => Err(field.error("colours are blended along the border of a region; give the camera one")),
         _ => Ok(width),

@@ -3,7 +3,7 @@
 //! Zomet, Feldman, Peleg and Weinshall 2003, and Yu, Yu and McMillan 2009, section 3.1. Through the image place X goes one line
 //! that meets the slits `p1 + s d1` and `p2 + s d2`: the planes of X with each slit cut each other in it.
 
-use super::posed::{POSE, Pose};
+use super::{POSE, Pose};
 use crate::arrays::MapEach;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};

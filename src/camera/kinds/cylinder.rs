@@ -1,9 +1,10 @@
 //! `cylinder`: the horizontal angle and the tangent of elevation become image coordinates; exact, or in strips.
 
-use super::posed::{Lens, POSE, Pose, Posed, is_same};
 use super::strips::{self, Grid};
+use super::{Lens, POSE, Pose, Posed};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
+use crate::camera::values::number_if;
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -24,10 +25,8 @@ struct Cylinder {
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&["kind", "t_range", "fov", "vfov", "tan", "strips"][..], &POSE, &KEYS].concat())?;
-    let fov = table.or("fov", 360.0, |field| match field.number()? {
-        fov if fov > 0.0 && fov <= 360.0 => Ok(fov),
-        fov => Err(field.error(format_args!("{fov} degrees; must be over 0 and at most 360"))),
-    })?;
+    let is_fov = |x: f64| x > 0.0 && x <= 360.0;
+    let fov = table.or("fov", 360.0, |f| number_if(f, is_fov, "degrees; must be over 0 and at most 360"))?;
     let (pose, strips, tessellation) = (Pose::read(table)?, strips::read(table)?, Tessellation::read(table)?);
     Ok(Arc::new(Cylinder { pose, fov: fov.to_radians(), tan: read_tan(table)?, strips, tessellation }))
 }
@@ -35,9 +34,9 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 /// The height of the image: `vfov`, or `tan`, or neither.
 fn read_tan(table: &Table) -> Result<Option<[f64; 2]>> {
     let Some(field) = table.get("tan") else {
-        return table.optional("vfov", |field| match field.number()? {
-            vfov if vfov > 0.0 && vfov < 180.0 => Ok((vfov.to_radians() / 2.0).tan()).map(|k| [-k, k]),
-            vfov => Err(field.error(format_args!("{vfov} degrees; must lie between 0 and 180"))),
+        return table.optional("vfov", |field| {
+            let vfov = number_if(field, |x| x > 0.0 && x < 180.0, "degrees; must lie between 0 and 180")?;
+            Ok((vfov.to_radians() / 2.0).tan()).map(|k| [-k, k])
         });
     };
     if table.has("vfov") {
@@ -55,10 +54,10 @@ impl Recipe for Cylinder {
         let (w, h) = setting.size()?;
         let square = self.fov * f64::from(h) / f64::from(w) / 2.0;
         let lens = Wall { fov: self.fov, tan: self.tan.unwrap_or([-square, square]) };
-        let map = Posed { eye: self.pose.eye, view: self.pose.view()?, lens };
+        let map = Posed::new(&self.pose, lens)?;
         match self.strips {
             None => self.tessellation.build(Arc::new(map), setting),
-            Some(n) => build_strips(&map, n, setting),
+            Some(n) => build_strips(&map, lens, n, setting),
         }
     }
 }
@@ -68,9 +67,8 @@ impl Recipe for Cylinder {
 ///
 /// Between them the ray is the exact one of an image place that is `s delta - atan(s tan delta)` of angle beside and, as its
 /// horizontal part is `cos(delta)` long at the least, `v (1 / cos(delta) - 1)` above or below at most.
-fn build_strips(map: &Posed<Wall>, n: u32, setting: &Setting) -> Result<Built> {
+fn build_strips(map: &Posed, Wall { fov, tan }: Wall, n: u32, setting: &Setting) -> Result<Built> {
     let (w, h) = setting.size()?;
-    let Wall { fov, tan } = map.lens;
     let delta = fov / f64::from(n) / 2.0;
     if delta >= PI / 2.0 {
         let least = (fov / PI).floor() + 1.0;
@@ -100,9 +98,5 @@ impl Lens for Wall {
     fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
         let (sin, cos) = ((a - 0.5) * self.fov).sin_cos();
         Some(DVec3::new(sin, self.tan[1] + b * (self.tan[0] - self.tan[1]), cos))
-    }
-
-    fn is_same(&self, other: &dyn Lens) -> bool {
-        is_same(self, other)
     }
 }

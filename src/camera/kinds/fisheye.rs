@@ -1,6 +1,6 @@
 //! `fisheye`: the angle from the view direction becomes a distance from the image's middle.
 
-use super::posed::{Lens, POSE, Pose, Posed, is_same};
+use super::{Lens, POSE, Pose, Posed};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::Result;
@@ -102,8 +102,7 @@ impl Recipe for Fisheye {
             half: size / (2.0 * radius_px),
             circular: self.circular,
         };
-        let map = Posed { eye: self.pose.eye, view: self.pose.view()?, lens };
-        self.tessellation.build(Arc::new(map), setting)
+        self.tessellation.build(Arc::new(Posed::new(&self.pose, lens)?), setting)
     }
 }
 
@@ -129,10 +128,6 @@ impl Lens for Circle {
         let (sin, cos) = self.mapping.angle(rho.min(1.0) * self.edge).sin_cos();
         let across = if rho > 0.0 { q * (sin / rho) } else { DVec2::ZERO };
         Some(across.extend(cos))
-    }
-
-    fn is_same(&self, other: &dyn Lens) -> bool {
-        is_same(self, other)
     }
 }
 

@@ -3,11 +3,11 @@
 //! Yu, Yu and McMillan 2009, section 5.3 (faux animation): rotating the second camera makes its part of the scene appear to rotate, and the
 //! picture stays continuous.
 
-use super::posed::{POSE, Pose};
+use super::{POSE, Pose};
 use crate::arrays::MapEach;
 use crate::camera::mesh::triangle;
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::values::{angle_within, half_tangent, length};
+use crate::camera::values::{angle_within, half_tangent, length, number_if};
 use crate::camera::{Pieces, Ray, Rays};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
@@ -42,11 +42,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 }
 
 fn read_column(field: &Field) -> Result<f64> {
-    let column = field.number()?;
-    if column > 0.0 && column < 1.0 {
-        return Ok(column);
-    }
-    Err(field.error(format_args!("{column} must lie between 0 and 1, the image's left and right border")))
+    number_if(field, |x| x > 0.0 && x < 1.0, "must lie between 0 and 1, the image's left and right border")
 }
 
 fn read_side(field: &Field) -> Result<f64> {

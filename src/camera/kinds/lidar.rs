@@ -1,6 +1,6 @@
 //! `lidar`: rays that need not form a picture: a list of rays, or those of a spinning scanner.
 
-use super::posed::{Lens, POSE, Pose, Posed, is_same};
+use super::{Lens, POSE, Pose, Posed};
 use crate::camera::exposure::{LineOrder, Lines};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Ray, RayMap, Rays};
@@ -155,7 +155,8 @@ impl Recipe for Scanner {
         }
         let view = self.pose.view()?;
         let travel = DVec3::new(self.travel.dot(view.right), self.travel.dot(view.up), self.travel.dot(view.forward));
-        field(size, Posed { eye: self.pose.eye, view, lens: Beams { travel, ..self.beams.clone() } })
+        let lens = Arc::new(Beams { travel, ..self.beams.clone() });
+        field(size, Posed { eye: self.pose.eye, view, lens })
     }
 
     fn lines(&self) -> Option<Lines> {
@@ -195,10 +196,6 @@ impl Lens for Beams {
 
     fn is_central(&self) -> bool {
         self.travel == DVec3::ZERO
-    }
-
-    fn is_same(&self, other: &dyn Lens) -> bool {
-        is_same(self, other)
     }
 }
 

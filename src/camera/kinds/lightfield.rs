@@ -1,8 +1,9 @@
 //! `lightfield`: one ray for each sub-pixel of a lenslet display, which shows a different view in each direction.
 
-use super::posed::{Lens, Posed, is_same};
+use super::{Lens, Posed};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
+use crate::camera::values::number_if;
 use crate::camera::view::view;
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
@@ -30,13 +31,7 @@ const VIEWS_MAX: u64 = 1 << 16;
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let own = ["center", "normal", "up", "width", "height", "views", "fov"];
     table.allow(&[&["kind", "t_range"], &own[..], &KEYS].concat())?;
-    let length = |key: &str| {
-        let field = table.need(key, "1")?;
-        match field.number()? {
-            x if x > 0.0 => Ok(x),
-            x => Err(field.error(format_args!("{x} must be over 0"))),
-        }
-    };
+    let length = |key: &str| number_if(&table.need(key, "1")?, |x| x > 0.0, "must be over 0");
     let views = table.need("views", "[5, 5]")?.array::<2>("the pixels of a lenslet, as [across, down]")?;
     Ok(Arc::new(Lightfield {
         centre: table.need("center", "[0, 0, 0]")?.vec3()?,
@@ -76,7 +71,7 @@ impl Recipe for Lightfield {
             Error::input("camera: normal is zero, or up is zero or parallel to it; give other directions")
         })?;
         let lenslets = DVec2::new((w / nx).into(), (h / ny).into());
-        let lens = Lenslets { size: self.size, lenslets, tan: self.tan };
+        let lens = Arc::new(Lenslets { size: self.size, lenslets, tan: self.tan });
         self.tessellation.build(Arc::new(Posed { eye: self.centre, view: frame, lens }), setting)
     }
 }
@@ -107,10 +102,6 @@ impl Lens for Lenslets {
 
     fn is_central(&self) -> bool {
         false
-    }
-
-    fn is_same(&self, other: &dyn Lens) -> bool {
-        is_same(self, other)
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Rademacher and Bishop 1998, sections 3 and 4.
 
-use super::posed::{POSE, Pose};
+use super::{POSE, Pose};
 use crate::arrays::MapEach;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};

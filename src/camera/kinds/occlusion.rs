@@ -14,6 +14,7 @@ use crate::camera::projector::Volume;
 use crate::camera::projector::surface::{Plane, Pulled, Surface};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::Tessellation;
+use crate::camera::values::number_if;
 use crate::input::Result;
 use crate::input::reader::Table;
 use glam::DVec2;
@@ -44,12 +45,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         _ => Err(field.error("must be \"linear\" or \"bezier\"")),
     })?;
     let end = table.or("end", 2.0 * viewer.far, |field| {
-        let end = field.number()?;
-        if end > viewer.far {
-            Ok(end)
-        } else {
-            Err(field.error(format_args!("{end} must be beyond far {}", viewer.far)))
-        }
+        number_if(field, |end| end > viewer.far, format_args!("must be beyond far {}", viewer.far))
     })?;
     let pole: [f64; 2] = table.or("pole", [0.5, 0.5], |field| field.numbers("an image place, as [a, b]"))?;
     let distortion = table.or("distortion", [0.0, 0.15], |field| {

@@ -1,8 +1,9 @@
 //! `ods`: an omni-directional stereo pair, the left eye's picture above the right eye's.
 
-use super::posed::{Lens, POSE, Pose, Posed, is_same};
+use super::{Lens, POSE, Pose, Posed};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
+use crate::camera::values::number_if;
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -19,12 +20,8 @@ struct Ods {
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&["kind", "t_range", "ipd"][..], &POSE, &KEYS].concat())?;
-    let ipd = table.need("ipd", "0.064")?;
-    let length = ipd.number()?;
-    if length < 0.0 {
-        return Err(ipd.error(format_args!("{length} is less than 0, which would swap the eyes")));
-    }
-    Ok(Arc::new(Ods { pose: Pose::read(table)?, ipd: length, tessellation: Tessellation::read(table)? }))
+    let ipd = number_if(&table.need("ipd", "0.064")?, |ipd| ipd >= 0.0, "is less than 0, which would swap the eyes")?;
+    Ok(Arc::new(Ods { pose: Pose::read(table)?, ipd, tessellation: Tessellation::read(table)? }))
 }
 
 impl Recipe for Ods {
@@ -35,7 +32,7 @@ impl Recipe for Ods {
                 "image: {h} rows are not two pictures of equal height; give an even height"
             )));
         }
-        let map = Posed { eye: self.pose.eye, view: self.pose.view()?, lens: Circle { radius: self.ipd / 2.0 } };
+        let map = Posed::new(&self.pose, Circle { radius: self.ipd / 2.0 })?;
         self.tessellation.build(Arc::new(map), setting)
     }
 }
@@ -62,9 +59,5 @@ impl Lens for Circle {
 
     fn is_central(&self) -> bool {
         self.radius == 0.0
-    }
-
-    fn is_same(&self, other: &dyn Lens) -> bool {
-        is_same(self, other)
     }
 }

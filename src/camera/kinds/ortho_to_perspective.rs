@@ -11,6 +11,7 @@ use crate::camera::projector::patch::Patch;
 use crate::camera::projector::surface::Surface;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::Tessellation;
+use crate::camera::values::number_if;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DMat2, DVec2};
@@ -48,8 +49,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 }
 
 fn read_share(field: &Field) -> Result<f64> {
-    let share = field.number()?;
-    if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(field.error(format_args!("{share} is not in [0, 1]"))) }
+    number_if(field, |share| (0.0..=1.0).contains(&share), "is not in [0, 1]")
 }
 
 impl Recipe for OrthoToPerspective {

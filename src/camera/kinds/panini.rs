@@ -1,8 +1,9 @@
 //! `panini`: a cylinder seen from behind its axis, for wide pictures whose verticals stay straight.
 
-use super::posed::{Lens, POSE, Pose, Posed, is_same};
+use super::{Lens, POSE, Pose, Posed};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
+use crate::camera::values::number_if;
 use crate::input::Result;
 use crate::input::reader::Table;
 use glam::DVec3;
@@ -22,21 +23,12 @@ struct Panini {
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&["kind", "t_range", "fov", "d", "s"][..], &POSE, &KEYS].concat())?;
-    let d = table.or("d", 1.0, |field| match field.number()? {
-        d if d >= 0.0 => Ok(d),
-        d => Err(field.error(format_args!("{d} must not be under 0"))),
-    })?;
-    let s = table.or("s", 0.0, |field| match field.number()? {
-        s if (0.0..=1.0).contains(&s) => Ok(s),
-        s => Err(field.error(format_args!("{s} must be from 0 to 1"))),
-    })?;
+    let d = table.or("d", 1.0, |f| number_if(f, |d| d >= 0.0, "must not be under 0"))?;
+    let s = table.or("s", 0.0, |f| number_if(f, |s| (0.0..=1.0).contains(&s), "must be from 0 to 1"))?;
     let fov = table.need("fov", "150")?;
-    let degrees = fov.number()?;
     let widest = widest(d, s).to_degrees();
-    if !(degrees > 0.0 && degrees < widest) {
-        let with = format!("with d = {d} and s = {s} it must lie between 0 and {widest}");
-        return Err(fov.error(format_args!("{degrees} degrees; {with}")));
-    }
+    let wrong = format_args!("degrees; with d = {d} and s = {s} it must lie between 0 and {widest}");
+    let degrees = number_if(&fov, |x| x > 0.0 && x < widest, wrong)?;
     Ok(Arc::new(Panini {
         pose: Pose::read(table)?,
         fov: degrees.to_radians(),
@@ -58,8 +50,7 @@ impl Recipe for Panini {
         let (sin, cos) = (self.fov / 2.0).sin_cos();
         let across = sin * (self.d + 1.0) / (self.d + cos);
         let lens = Screen { across, aspect: f64::from(h) / f64::from(w), d: self.d, s: self.s };
-        let map = Posed { eye: self.pose.eye, view: self.pose.view()?, lens };
-        self.tessellation.build(Arc::new(map), setting)
+        self.tessellation.build(Arc::new(Posed::new(&self.pose, lens)?), setting)
     }
 }
 
@@ -84,9 +75,5 @@ impl Lens for Screen {
         let stretch = (d + 1.0) / (d + cos);
         let high = (1.0 - self.s) * stretch + if self.s > 0.0 { self.s / cos } else { 0.0 };
         Some(DVec3::new(x / stretch, y / high, cos))
-    }
-
-    fn is_same(&self, other: &dyn Lens) -> bool {
-        is_same(self, other)
     }
 }

@@ -3,10 +3,10 @@
 //! Yu, Yu and McMillan 2009, section 5.1: all share a slit through the circle's centre, its axis; the other slits are segments of
 //! the circle. The limit of many segments is the exact map: each column is seen from its own place of the circle.
 
-use super::posed::{Lens, Posed, is_same};
+use super::{Lens, Posed};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};
-use crate::camera::values::{direction, length};
+use crate::camera::values::{direction, length, number_if};
 use crate::camera::view::{View, view};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
@@ -15,16 +15,17 @@ use std::sync::Arc;
 
 #[derive(Debug, PartialEq)]
 struct Panorama {
-    ring: Keys,
-    tessellation: Tessellation,
-}
-
-/// As read.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Keys {
     center: DVec3,
     axis: DVec3,
     front: DVec3,
+    ring: Ring,
+    tessellation: Tessellation,
+}
+
+/// The exact limit as a lens in the circle's frame. Its axes: x to the right of a viewer who looks inward in the middle column, y along the
+/// circle's axis, z from the centre to that column's eye.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Ring {
     radius: f64,
     /// Of the circle over the centre, along the axis.
     elevation: f64,
@@ -36,39 +37,26 @@ struct Keys {
     inward: f64,
 }
 
-/// The exact limit as a lens in the circle's frame. Its axes: x to the right of a viewer who looks inward in the middle column, y along the
-/// circle's axis, z from the centre to that column's eye.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Ring {
-    radius: f64,
-    elevation: f64,
-    height: f64,
-    sweep: f64,
-    inward: f64,
-}
-
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let own = ["kind", "t_range", "center", "axis", "front", "radius", "elevation", "height", "sweep", "look"];
     table.allow(&[&own[..], &tessellate::KEYS].concat())?;
-    let ring = Keys {
+    Ok(Arc::new(Panorama {
         center: table.or("center", DVec3::ZERO, Field::vec3)?,
         axis: table.or("axis", DVec3::Y, direction)?,
         front: table.or("front", DVec3::Z, direction)?,
-        radius: length(&table.need("radius", "8")?)?,
-        elevation: table.or("elevation", 0.0, Field::number)?,
-        height: length(&table.need("height", "4")?)?,
-        sweep: table.or("sweep", 360.0, read_sweep)?,
-        inward: table.or("look", 1.0, read_look)?,
-    };
-    Ok(Arc::new(Panorama { ring, tessellation: Tessellation::read(table)? }))
+        ring: Ring {
+            radius: length(&table.need("radius", "8")?)?,
+            elevation: table.or("elevation", 0.0, Field::number)?,
+            height: length(&table.need("height", "4")?)?,
+            sweep: table.or("sweep", 360.0, read_sweep)?,
+            inward: table.or("look", 1.0, read_look)?,
+        },
+        tessellation: Tessellation::read(table)?,
+    }))
 }
 
 fn read_sweep(field: &Field) -> Result<f64> {
-    let sweep = field.number()?;
-    if sweep > 0.0 && sweep <= 360.0 {
-        return Ok(sweep);
-    }
-    Err(field.error(format_args!("{sweep} must be over 0 and at most 360 degrees")))
+    number_if(field, |x| x > 0.0 && x <= 360.0, "must be over 0 and at most 360 degrees")
 }
 
 fn read_look(field: &Field) -> Result<f64> {
@@ -81,15 +69,13 @@ fn read_look(field: &Field) -> Result<f64> {
 
 impl Recipe for Panorama {
     fn build(&self, setting: &Setting) -> Result<Built> {
-        let keys = self.ring;
         // a viewer at `front` who looks at the axis has it upright
-        let view = view(keys.front, DVec3::ZERO, keys.axis).map_err(|_| {
+        let view = view(self.front, DVec3::ZERO, self.axis).map_err(|_| {
             crate::input::Error::input("camera.front: it is parallel to axis; give a direction to a side of it")
         })?;
-        let frame = View { right: view.right, up: keys.axis, forward: keys.axis.cross(-view.right) };
-        let Keys { radius, elevation, height, sweep, inward, .. } = keys;
-        let lens = Ring { radius, elevation, height, sweep, inward };
-        self.tessellation.build(Arc::new(Posed { eye: keys.center, view: frame, lens }), setting)
+        let frame = View { right: view.right, up: self.axis, forward: self.axis.cross(-view.right) };
+        let map = Posed { eye: self.center, view: frame, lens: Arc::new(self.ring) };
+        self.tessellation.build(Arc::new(map), setting)
     }
 }
 
@@ -105,10 +91,6 @@ impl Lens for Ring {
 
     fn is_central(&self) -> bool {
         false
-    }
-
-    fn is_same(&self, other: &dyn Lens) -> bool {
-        is_same(self, other)
     }
 }
 

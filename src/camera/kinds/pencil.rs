@@ -3,7 +3,7 @@
 //! Yu and McMillan 2004, section 3; Yu, Yu and McMillan 2009, section 3.1: the two classes of general linear cameras whose
 //! characteristic equation has a double root, or none, and is no multiple of the identity there.
 
-use super::posed::{POSE, Pose};
+use super::{POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::values::{angle_within, half_tangent, length};
 use crate::camera::{Bundle, Pieces, Rays};

@@ -9,7 +9,7 @@ use crate::camera::optics::shape::{COUNT_MAX, Shape};
 use crate::camera::optics::{Atlas, Bounce, Facets, Law, Optics, Surface};
 use crate::camera::recipe::{Built, Recipe, SceneUse, Setting};
 use crate::camera::spec::{CameraSpec, PartReader};
-use crate::camera::values::length;
+use crate::camera::values::{length, number_if};
 use crate::geometry::bvh::Aabb;
 use crate::geometry::load::load_mesh;
 use crate::geometry::spec::{MeshSpec, read_mesh};
@@ -102,10 +102,7 @@ pub fn read(table: &Table, read_part: PartReader) -> Result<Arc<dyn Recipe>> {
 pub fn read_refraction(table: &Table, read_part: PartReader) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&SHARED[..], &["lens", "ior", "fresnel"]].concat())?;
     let key = table.need("ior", "1.5")?;
-    let ior = key.number()?;
-    if ior <= 0.0 {
-        return Err(key.error(format_args!("{ior} is no index of refraction; give one above 0")));
-    }
+    let ior = number_if(&key, |ior| ior > 0.0, "is no index of refraction; give one above 0")?;
     let lens = table.need("lens", "{ shape = \"sphere\", radius = 1 }")?;
     read_optical((table, read_part), &lens, Bounce::Refract { ior })
 }
@@ -146,10 +143,8 @@ fn read_optical((table, read_part): (&Table, PartReader), surface: &Field, bounc
             1u64 << depth
         )));
     }
-    let roughness = table.or("roughness", 0.0, |f| {
-        let value = f.number()?;
-        if value >= 0.0 { Ok(value) } else { Err(f.error(format_args!("{value} is below 0; use a tangent from 0"))) }
-    })?;
+    let roughness = |f: &Field| number_if(f, |tangent| tangent >= 0.0, "is below 0; use a tangent from 0");
+    let roughness = table.or("roughness", 0.0, roughness)?;
     let rays = if roughness > 0.0 { table.or("rays", RAYS, |f| f.integer(1, RAYS_MAX))? as u32 } else { 1 };
     if let (true, Some(key)) = (roughness == 0.0, table.get("rays")) {
         return Err(key.error("several rays need a roughness above 0; add it or leave this out"));

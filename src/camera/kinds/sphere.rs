@@ -1,7 +1,7 @@
 //! `sphere`: longitude and latitude become image coordinates (equirectangular); exact, or in perspective cells.
 
-use super::posed::{Lens, POSE, Pose, Posed, is_same};
 use super::strips::{self, Grid};
+use super::{Lens, POSE, Pose, Posed};
 use crate::arrays::MapEach;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
@@ -53,10 +53,10 @@ fn read_range(field: &Field, expected: &str) -> Result<[f64; 2]> {
 
 impl Recipe for Sphere {
     fn build(&self, setting: &Setting) -> Result<Built> {
-        let map = Posed { eye: self.pose.eye, view: self.pose.view()?, lens: self.angles };
+        let map = Posed::new(&self.pose, self.angles)?;
         match self.strips {
             None => self.tessellation.build(Arc::new(map), setting),
-            Some(n) => build_cells(&map, n, setting),
+            Some(n) => build_cells(&map, self.angles, n, setting),
         }
     }
 }
@@ -66,8 +66,7 @@ impl Recipe for Sphere {
 ///
 /// On the unit sphere no second derivative over longitude and latitude is longer than 1, so linear interpolation
 /// over a right triangle with legs h and k is off by at most `(h + k)^2 / 8`, and the ray by at most the arcsine.
-fn build_cells(map: &Posed<Angles>, n: u32, setting: &Setting) -> Result<Built> {
-    let Angles { lon, lat } = map.lens;
+fn build_cells(map: &Posed, Angles { lon, lat }: Angles, n: u32, setting: &Setting) -> Result<Built> {
     let (wide, high) = (lon[1] - lon[0], lat[1] - lat[0]);
     let rows = (f64::from(n) * high / wide).ceil();
     let bound = (wide / f64::from(n) + high / rows).powi(2) / 8.0;
@@ -86,9 +85,5 @@ impl Lens for Angles {
         let lon = self.lon[0] + a * (self.lon[1] - self.lon[0]);
         let lat = self.lat[1] + b * (self.lat[0] - self.lat[1]);
         Some(DVec3::new(lat.cos() * lon.sin(), lat.sin(), lat.cos() * lon.cos()))
-    }
-
-    fn is_same(&self, other: &dyn Lens) -> bool {
-        is_same(self, other)
     }
 }

@@ -1,6 +1,6 @@
 //! Central cameras in perspective pieces (Lorenz and Doellner 2009): a grid of cells over the image, each a perspective.
 
-use super::posed::{Lens, Posed};
+use super::Posed;
 use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
 use crate::camera::mesh::interpolated;
@@ -58,7 +58,7 @@ impl Grid {
 
     /// Two pieces a cell, row by row, with the map's rays at the cells' corners, their directions interpolated over each
     /// triangle: `D = sum L_i D_i`, L the barycentric coordinates in the image. The map has a ray everywhere.
-    pub fn build<L: Lens + Clone>(&self, map: &Posed<L>) -> Built {
+    pub fn build(&self, map: &Posed) -> Built {
         let direction = |q: (f64, f64)| map.ray(q.0, q.1).map_or(DVec3::ZERO, |r| r.direction);
         let (eye, (w, h)) = (map.eye, (self.size.x as u32, self.size.y as u32));
         let pieces = self

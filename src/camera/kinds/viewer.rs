@@ -1,6 +1,6 @@
 //! A viewer, and planes across the view at given depths: the parts of the viewing volumes of Brosz et al.
 
-use super::posed::{POSE, Pose};
+use super::{POSE, Pose};
 use crate::camera::projector::surface::Plane;
 use crate::camera::values::half_tangent;
 use crate::camera::view::View;

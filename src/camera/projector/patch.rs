@@ -3,6 +3,7 @@
 //! A Bezier patch is the B-spline patch whose knots are 0 and 1 only; a NURBS patch is a B-spline patch in homogeneous
 //! coordinates (w x, w y, w z, w). (Brosz et al. 2007, section 5, on Glassner's and the magnification lens's surfaces.)
 
+use super::reparam::read_positive;
 use crate::arrays::MapEach;
 use crate::camera::curve::Bend;
 use crate::input::Result;
@@ -65,10 +66,7 @@ impl Patch {
         table.allow(&["kind", "points", "degree", "knots_u", "knots_v", "weights"])?;
         let (u, v, points) = read_spline(table)?;
         let field = table.need("weights", "[[1, 1], [1, 1]]")?;
-        let (columns, weights) = read_grid(&field, &[2, 2], POINTS_MAX, |item: &Field| {
-            let weight = item.number()?;
-            if weight > 0.0 { Ok(weight) } else { Err(item.error(format_args!("{weight} is not above 0"))) }
-        })?;
+        let (columns, weights) = read_grid(&field, &[2, 2], POINTS_MAX, read_positive)?;
         if columns != u.points() || weights.len() != points.len() {
             return Err(field.error("there must be one weight for each control point, in rows like the points'"));
         }
@@ -82,9 +80,9 @@ impl Patch {
         let (first_u, first_v) = (self.u.span(at_u), self.v.span(at_v));
         let row = |j: usize| {
             let start = (first_v - self.v.degree + j) * columns + first_u - self.u.degree;
-            self.u.blend(first_u, at_u, |i| self.points[start + i])
+            self.u.blossom(first_u, |_| at_u, |i| self.points[start + i])
         };
-        let point = self.v.blend(first_v, at_v, row);
+        let point = self.v.blossom(first_v, |_| at_v, row);
         if !self.rational {
             return Some(point.truncate());
         }
@@ -188,12 +186,8 @@ impl Basis {
         None
     }
 
-    /// de Boor: the `degree + 1` points of a span, `point(0)` the first, blended at `t`.
-    fn blend(&self, span: usize, t: f64, point: impl Fn(usize) -> DVec4) -> DVec4 {
-        self.blossom(span, |_| t, point)
-    }
-
-    /// The same with a parameter for each step, from 1 to the degree (Ramshaw 1989).
+    /// de Boor: the `degree + 1` points of a span, `point(0)` the first, blended with a parameter for each step, from 1 to the degree
+    /// (Ramshaw 1989).
     fn blossom(&self, span: usize, t: impl Fn(usize) -> f64, point: impl Fn(usize) -> DVec4) -> DVec4 {
         let p = self.degree;
         let mut d = [DVec4::ZERO; DEGREE_MAX + 1];

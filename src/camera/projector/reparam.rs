@@ -1,6 +1,7 @@
 //! From image coordinates to surface coordinates: the projector's `reparam` (Brosz et al. 2007, section 3.4).
 
 use super::surface::{Reader, read_kind};
+use crate::camera::values::number_if;
 use crate::image::read_pairs;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
@@ -148,7 +149,6 @@ fn read_table(table: &Table) -> Result<Reparam> {
     Ok(Reparam::Table(Places { width, height, places }))
 }
 
-fn read_positive(field: &Field) -> Result<f64> {
-    let number = field.number()?;
-    if number > 0.0 { Ok(number) } else { Err(field.error(format_args!("{number} is not above 0"))) }
+pub(super) fn read_positive(field: &Field) -> Result<f64> {
+    number_if(field, |number| number > 0.0, "is not above 0")
 }

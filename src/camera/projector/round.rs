@@ -2,7 +2,7 @@
 
 use crate::arrays::MapEach;
 use crate::camera::curve::Bend;
-use crate::camera::values::direction;
+use crate::camera::values::{direction, number_if};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
@@ -129,10 +129,5 @@ impl Disc {
 
 /// A length of 0 or more.
 fn read_radius(table: &Table) -> Result<f64> {
-    let field = table.need("radius", "1")?;
-    let radius = field.number()?;
-    if radius < 0.0 {
-        return Err(field.error(format_args!("{radius} is below 0; a radius is a length")));
-    }
-    Ok(radius)
+    number_if(&table.need("radius", "1")?, |radius| radius >= 0.0, "is below 0; a radius is a length")
 }
