@@ -55,7 +55,7 @@ use crate::input::{Error, Loading, Result};
 pub use bundle::{Bundle, Ray};
 pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use moving::Moving;
 use notes::Notes;
 #[cfg(any(feature = "cli", feature = "view"))]
@@ -71,6 +71,34 @@ pub enum Rays {
     Pieces(Pieces),
     Field(Field),
     Curves(Curves),
+}
+
+impl Rays {
+    /// Number of pieces; 0 if each pixel has its own ray or curve.
+    pub fn piece_count(&self) -> usize {
+        match self {
+            Rays::Pieces(p) => p.pieces.len(),
+            Rays::Field(_) => 0,
+            Rays::Curves(c) => c.map.piece_count(),
+        }
+    }
+
+    /// Degree of the curves; 1 of rays.
+    pub fn degree(&self) -> usize {
+        match self {
+            Rays::Curves(curves) => curves.map.degree(),
+            _ => 1,
+        }
+    }
+
+    /// The straight ray at an image place, px.
+    pub fn ray_at(&self, place_px: DVec2) -> Option<Ray> {
+        match self {
+            Rays::Pieces(pieces) => Some(pieces.bundle_at_place(pieces.owner_at(place_px)?, place_px).ray(0.0, 0.0)),
+            Rays::Field(field) => field.ray_at(place_px),
+            Rays::Curves(_) => None,
+        }
+    }
 }
 
 /// A camera compiled for an image of `width x height` pixels.
@@ -144,49 +172,36 @@ impl Camera {
     }
 
     fn build(spec: &CameraSpec, setting: &Setting) -> Result<Camera> {
-        let kind = spec.kind.name;
-        let Built { size: (width, height), layers, t_range, optics, notes, unfulfilled, composition } =
-            spec.kind.recipe.build(setting)?;
-        if layers.is_empty() || layers.len() > LAYERS_MAX {
-            let n = layers.len();
+        let built = spec.kind.recipe.build(setting)?;
+        let n = built.layers.len();
+        if n == 0 || n > LAYERS_MAX {
             return Err(Error::input(format!("camera: {n} layers; a chain has 1 to {LAYERS_MAX}")));
         }
-        layers.iter().try_for_each(check_reach)?;
-        let t_range = t_range.unwrap_or(spec.t_range);
-        Ok(Camera {
+        built.layers.iter().try_for_each(check_reach)?;
+        Ok(Camera::of_built(spec.kind.name, spec.t_range, built))
+    }
+
+    /// A camera of one layer.
+    pub fn of(kind: &'static str, size: (u32, u32), t_range: [f64; 2], rays: Rays) -> Camera {
+        Camera::of_built(kind, t_range, Built::new(size, rays))
+    }
+
+    /// A camera of these rays; `t_range` is that of the scene file.
+    fn of_built(kind: &'static str, t_range: [f64; 2], built: Built) -> Camera {
+        Camera {
             kind,
-            width,
-            height,
-            t_range,
-            layers,
-            optics,
-            notes,
-            unfulfilled,
+            width: built.size.0,
+            height: built.size.1,
+            t_range: built.t_range.unwrap_or(t_range),
+            layers: built.layers,
+            optics: built.optics,
+            notes: built.notes,
+            unfulfilled: built.unfulfilled,
             scene_use: SceneUse::Nothing,
             sample: None,
             pixel_order: None,
             moving: None,
-            composition,
-        })
-    }
-
-    /// A camera of one layer.
-    pub fn of(kind: &'static str, (width, height): (u32, u32), t_range: [f64; 2], rays: Rays) -> Camera {
-        let (layers, scene_use) = (vec![rays], SceneUse::Nothing);
-        Camera {
-            kind,
-            width,
-            height,
-            t_range,
-            layers,
-            optics: None,
-            notes: Notes::default(),
-            unfulfilled: Vec::new(),
-            scene_use,
-            sample: None,
-            pixel_order: None,
-            moving: None,
-            composition: None,
+            composition: built.composition,
         }
     }
 
@@ -220,12 +235,7 @@ impl Camera {
 
     /// Number of the first piece of a layer: those of the lower layers come before it.
     pub fn first_piece(&self, layer: usize) -> u32 {
-        let count = |rays: &Rays| match rays {
-            Rays::Pieces(p) => p.pieces.len() as u32,
-            Rays::Field(_) => 0,
-            Rays::Curves(c) => c.map.piece_count() as u32,
-        };
-        self.layers[..layer].iter().map(count).sum()
+        self.layers[..layer].iter().map(|rays| rays.piece_count() as u32).sum()
     }
 
     /// The composition, if frames are composed of those of several cameras.
@@ -312,10 +322,7 @@ impl Camera {
     /// The first segment of pixel `(i, j)`: its ray, or the chord of its curve.
     pub fn ray(&self, i: u32, j: u32) -> Option<Ray> {
         (0..self.layers.len()).find_map(|layer| match &self.layers[layer] {
-            Rays::Curves(_) => self.curve(layer, i, j).map(|(_, c)| {
-                let p = c.points();
-                Ray { origin: p[0], direction: p[c.degree()] - p[0] }
-            }),
+            Rays::Curves(_) => self.curve(layer, i, j).map(|(_, c)| c.chord()),
             _ => self.pixel(layer, i, j).map(|(_, b)| b.ray(0.0, 0.0)),
         })
     }
@@ -324,15 +331,19 @@ impl Camera {
 /// Largest coordinate of a control point, world units; as for scenes. Products of ten coordinates stay in the range of f64.
 const REACH_MAX: f64 = 1e30;
 
-/// Pixels per side of the lattice on which curves are checked, corner to corner.
-const REACH_PLACES: u32 = 17;
+/// Pixels per side of [`lattice`].
+const PLACES: u32 = 17;
+
+/// Pixels all over an image, corner to corner, row by row.
+fn lattice((width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
+    let at = |k: u32, side: u32| (u64::from(k) * u64::from(side - 1) / u64::from(PLACES - 1)) as u32;
+    (0..PLACES).flat_map(move |j| (0..PLACES).map(move |i| (at(i, width), at(j, height))))
+}
 
 /// Refuses curves that reach too far, tested on a lattice of pixels.
 fn check_reach(rays: &Rays) -> Result<()> {
     let Rays::Curves(curves) = rays else { return Ok(()) };
-    let pixel = |k: u32, side: u32| (u64::from(k) * u64::from(side - 1) / u64::from(REACH_PLACES - 1)) as u32;
-    let places = (0..REACH_PLACES).flat_map(|j| (0..REACH_PLACES).map(move |i| (i, j)));
-    let found = places.filter_map(|(i, j)| curves.near(pixel(i, curves.width), pixel(j, curves.height), (0.0, 0.0)));
+    let found = lattice((curves.width, curves.height)).filter_map(|(i, j)| curves.near(i, j, (0.0, 0.0)));
     let size = |curve: &Curve| curve.points().iter().fold(0f64, |m, p| m.max(p.abs().max_element()));
     let reach = found.fold(0f64, |m, (_, curve)| m.max(size(&curve)));
     if reach <= REACH_MAX {

@@ -4,7 +4,7 @@
 //! number, by central differences over three steps, extrapolated to a step of 0 (Richardson 1911): what is left is of the sixth power of the step.
 //! How far the last extrapolation moved the result is a bound on the error of the one before it, and is kept.
 
-use super::{Camera, Ray, Rays};
+use super::{Camera, Ray, Rays, lattice};
 use crate::arrays::MapEach;
 use crate::input::{Error, Result};
 use crate::parallel;
@@ -116,9 +116,6 @@ const ERROR_MAX: f64 = 1.0 / (1u64 << 20) as f64;
 /// Rounding of a ray, relative to its largest coordinate: a formula of some hundred operations of 2^-53 each.
 const RAY_ROUNDING: f64 = 1.0 / (1u64 << 46) as f64;
 
-/// Pixels per side of the lattice on which steps are tried.
-const PLACES: u32 = 17;
-
 /// The derivative of the rays of `camera` with respect to a number, at its value; `of_value` is the camera at other values.
 ///
 /// # Errors
@@ -189,8 +186,9 @@ fn extrapolated([whole, half, quarter]: [PixelRay; 3]) -> (PixelRay, PixelRay) {
 
 /// The step to both sides of a value at which directions turn by about [`TURN`].
 fn step(camera: &Camera, (name, value): (&str, f64), of_value: &dyn Fn(f64) -> Result<Camera>) -> Result<f64> {
-    let places = camera.lattice();
-    let base: Vec<(usize, Option<Owner>)> = places.into_iter().map(|k| (k, camera.owner(camera.pixel_of(k)))).collect();
+    let mut places: Vec<(u32, u32)> = lattice((camera.width, camera.height)).collect();
+    places.dedup();
+    let base: Vec<((u32, u32), Option<Owner>)> = places.into_iter().map(|pixel| (pixel, camera.owner(pixel))).collect();
     let mut step = value.abs().max(1.0) / 16.0;
     let mut failed = None;
     let mut has_grown = false;
@@ -223,10 +221,9 @@ fn power_of_2(step: f64) -> f64 {
 
 /// How far directions turn at most from one camera to another, relative to their length; `None` if more than a sixteenth of the pixels that have a
 /// ray have none in both.
-fn turn(camera: &Camera, base: &[(usize, Option<Owner>)], ends: [&Camera; 2]) -> Option<f64> {
+fn turn(camera: &Camera, base: &[((u32, u32), Option<Owner>)], ends: [&Camera; 2]) -> Option<f64> {
     let (mut turn, mut seen, mut lost) = (0f64, 0, 0);
-    for (k, owner) in base {
-        let pixel = camera.pixel_of(*k);
+    for &(pixel, owner) in base {
         let Some((owner, ray)) = owner.and_then(|o| Some((o, camera.ray_of(o, pixel, DVec2::ZERO)?))) else { continue };
         seen += 1;
         match ends.map_each(|end| end.ray_of(owner, pixel, DVec2::ZERO)) {
@@ -235,18 +232,6 @@ fn turn(camera: &Camera, base: &[(usize, Option<Owner>)], ends: [&Camera; 2]) ->
         }
     }
     (16 * lost <= seen).then_some(turn)
-}
-
-impl Camera {
-    /// Pixels all over the image, by their numbers.
-    fn lattice(&self) -> Vec<usize> {
-        let at = |k: u32, side: u32| u64::from(k) * u64::from(side - 1) / u64::from(PLACES - 1);
-        let number = |j: u32, i: u32| (at(j, self.height) * u64::from(self.width) + at(i, self.width)) as usize;
-        let mut all: Vec<usize> =
-            (0..PLACES).flat_map(|j| (0..PLACES).map(move |i| (j, i))).map(|(j, i)| number(j, i)).collect();
-        all.dedup();
-        all
-    }
 }
 
 #[cfg(test)]

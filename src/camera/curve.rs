@@ -1,6 +1,7 @@
 //! Curved projectors: Bezier curves of degree 1 to 3, one per pixel (Brosz et al. 2007, section 3).
 
 use super::bundle::Ray;
+use crate::parallel;
 use glam::{DVec2, DVec3};
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -26,6 +27,11 @@ impl Curve {
         Curve::new(&[ray.origin, ray.origin + ray.direction])
     }
 
+    /// The ray from its start to its end.
+    pub fn chord(&self) -> Ray {
+        Ray { origin: self.points[0], direction: self.points[self.degree] - self.points[0] }
+    }
+
     pub fn points(&self) -> &[DVec3] {
         &self.points[..=self.degree]
     }
@@ -36,10 +42,15 @@ impl Curve {
 
     /// `X(t)`, by de Casteljau's construction.
     pub fn at(&self, t: f64) -> DVec3 {
+        self.blossom(|_| t)
+    }
+
+    /// de Casteljau's construction with a parameter for each of its steps, numbered from the degree down to 1.
+    fn blossom(&self, t: impl Fn(usize) -> f64) -> DVec3 {
         let mut p = self.points;
         for n in (1..=self.degree).rev() {
             for k in 0..n {
-                p[k] = p[k].lerp(p[k + 1], t);
+                p[k] = p[k].lerp(p[k + 1], t(n));
             }
         }
         p[0]
@@ -47,30 +58,18 @@ impl Curve {
 
     /// `X'(t)`, the tangent; it is the view direction of shading (Brosz et al. 2007, section 4.3).
     pub fn tangent(&self, t: f64) -> DVec3 {
-        let mut p = self.points;
+        let mut slope = Curve { degree: self.degree - 1, ..*self };
         for k in 0..self.degree {
-            p[k] = self.degree as f64 * (p[k + 1] - p[k]);
+            slope.points[k] = self.degree as f64 * (self.points[k + 1] - self.points[k]);
         }
-        for n in (1..self.degree).rev() {
-            for k in 0..n {
-                p[k] = p[k].lerp(p[k + 1], t);
-            }
-        }
-        p[0]
+        slope.at(t)
     }
 
     /// The part over t in [`from`, `to`] as a curve of its own, by blossoms.
     pub fn span(&self, [from, to]: [f64; 2]) -> Curve {
         let mut span = *self;
         for (k, point) in span.points.iter_mut().enumerate().take(self.degree + 1) {
-            let mut p = self.points;
-            for n in (1..=self.degree).rev() {
-                let t = if n <= k { to } else { from };
-                for j in 0..n {
-                    p[j] = p[j].lerp(p[j + 1], t);
-                }
-            }
-            *point = p[0];
+            *point = self.blossom(|n| if n <= k { to } else { from });
         }
         span
     }
@@ -172,6 +171,13 @@ pub struct Curves {
 impl Curves {
     pub fn new(width: u32, height: u32, map: Arc<dyn CurveMap>) -> Curves {
         Curves { width, height, map, sample: DVec2::splat(0.5) }
+    }
+
+    /// The same; `None` if no pixel has a curve.
+    pub fn of_map((width, height): (u32, u32), map: Arc<dyn CurveMap>) -> Option<Curves> {
+        let curves = Curves::new(width, height, map);
+        let has_curve = |j: u32| (0..width).any(|i| curves.near(i, j, (0.0, 0.0)).is_some());
+        parallel::any(0..height, has_curve).then_some(curves)
     }
 
     pub(super) fn with_sample_offset(&self, dx: f64, dy: f64) -> Curves {

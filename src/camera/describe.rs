@@ -93,7 +93,7 @@ impl Layer {
                 }
             }
             Rays::Field(_) => none,
-            Rays::Curves(c) => Layer { pieces: c.map.piece_count(), degree: Some(c.map.degree()), ..none },
+            Rays::Curves(_) => Layer { pieces: rays.piece_count(), degree: Some(rays.degree()), ..none },
         }
     }
 }

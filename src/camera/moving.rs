@@ -36,7 +36,7 @@ impl Moving {
             Some((composition.master, composition.members.iter().map(member).collect::<Vec<_>>()))
         };
         let fixed = |c: &Camera| (c.t_range, regions(c));
-        let shape = |c: &Camera| (c.kind, c.width, c.height, c.layers.len(), c.layers.first().map(degree));
+        let shape = |c: &Camera| (c.kind, c.width, c.height, c.layers.len(), c.layers.first().map(Rays::degree));
         if cameras.iter().any(|c| c.optics.is_some()) {
             return Err(Error::input(format!(
                 "camera: a {} cannot move while a frame is taken; make shutter and line_time 0",
@@ -88,14 +88,6 @@ impl Moving {
     }
 }
 
-/// The degree of a layer's curves; 1 of rays.
-fn degree(rays: &Rays) -> usize {
-    match rays {
-        Rays::Curves(curves) => curves.map.degree(),
-        _ => 1,
-    }
-}
-
 /// A layer of a moving camera.
 #[derive(Debug)]
 struct InTime {
@@ -107,7 +99,7 @@ struct InTime {
 impl InTime {
     /// The layer before and after the time of the pixel that a place lies in, the share of the way from the one to the other, and the place
     /// in pixels.
-    fn at(&self, a: f64, b: f64) -> ([&Rays; 2], f64, (u32, u32), DVec2) {
+    fn at(&self, a: f64, b: f64) -> ([&Rays; 2], f64, DVec2) {
         let Moving { exposure, times, cameras, .. } = &*self.moving;
         let (width, height) = (cameras[0].width, cameras[0].height);
         let place = DVec2::new(a * f64::from(width), b * f64::from(height));
@@ -116,23 +108,14 @@ impl InTime {
         let time = exposure.time(pixel, (width, height), self.sample);
         let next = times.partition_point(|t| *t <= time).clamp(1, times.len() - 1);
         let share = ((time - times[next - 1]) / (times[next] - times[next - 1])).clamp(0.0, 1.0);
-        ([next - 1, next].map_each(|k| &cameras[k].layers[self.layer]), share, pixel, place)
-    }
-}
-
-/// The ray of a layer at a place of a pixel.
-fn ray(rays: &Rays, (i, j): (u32, u32), place: DVec2) -> Option<Ray> {
-    match rays {
-        Rays::Pieces(pieces) => Some(pieces.bundle_at_place(pieces.owner_of_place(i, j, place)?, place).ray(0.0, 0.0)),
-        Rays::Field(field) => field.ray_at(place),
-        Rays::Curves(_) => None,
+        ([next - 1, next].map_each(|k| &cameras[k].layers[self.layer]), share, place)
     }
 }
 
 impl RayMap for InTime {
     fn ray(&self, a: f64, b: f64) -> Option<Ray> {
-        let ([from, to], share, pixel, place) = self.at(a, b);
-        let (from, to) = (ray(from, pixel, place)?, ray(to, pixel, place)?);
+        let ([from, to], share, place) = self.at(a, b);
+        let (from, to) = (from.ray_at(place)?, to.ray_at(place)?);
         Some(Ray {
             origin: from.origin + share * (to.origin - from.origin),
             direction: from.direction + share * (to.direction - from.direction),
@@ -142,14 +125,14 @@ impl RayMap for InTime {
 
 impl CurveMap for InTime {
     fn degree(&self) -> usize {
-        degree(&self.moving.cameras[0].layers[self.layer])
+        self.moving.cameras[0].layers[self.layer].degree()
     }
 
     fn curve(&self, a: f64, b: f64) -> Option<(u32, Curve)> {
-        let (ends, share, pixel, place) = self.at(a, b);
+        let (ends, share, place) = self.at(a, b);
         let curve = |rays: &Rays| match rays {
             Rays::Curves(curves) => curves.at_place(place),
-            _ => ray(rays, pixel, place).map(|ray| (0, Curve::of_ray(&ray))),
+            _ => rays.ray_at(place).map(|ray| (0, Curve::of_ray(&ray))),
         };
         let [Some((piece, from)), Some((_, to))] = ends.map_each(curve) else { return None };
         let points: Vec<_> = from.points().iter().zip(to.points()).map(|(p, q)| *p + share * (*q - *p)).collect();

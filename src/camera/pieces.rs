@@ -308,6 +308,13 @@ impl Pieces {
         }
     }
 
+    /// The piece that owns an image place (px), of one image.
+    pub fn owner_at(&self, place_px: DVec2) -> Option<u32> {
+        // a place on or beyond a border is looked up with the pixel beside it; a cast saturates at 0
+        let pixel = |at: f64, size: u32| (at as u32).min(size - 1);
+        self.owner_of_place(pixel(place_px.x, self.size.0), pixel(place_px.y, self.size.1), place_px)
+    }
+
     /// Piece `k`'s bundle, centred on the sample of pixel `(i, j)`.
     pub fn bundle_at(&self, k: u32, i: u32, j: u32) -> Bundle {
         self.bundle_at_place(k, self.place(i, j))

@@ -21,7 +21,6 @@ use crate::arrays::MapEach;
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::input::reader::Table;
 use crate::input::{Error, Limits, Result};
-use crate::parallel;
 use facets::Facets;
 use glam::{DVec2, DVec3};
 use reparam::{Affine, Reparam};
@@ -120,15 +119,9 @@ impl Volume {
                     "camera.pieces: straight projectors of a surface of pieces are not tessellated; leave pieces out",
                 ));
             }
-            None => Built::new(size, Rays::Curves(self.curves(size)?)),
+            None => Built::new(size, Rays::Curves(Curves::of_map(size, Arc::new(self.clone())).ok_or_else(nowhere)?)),
         };
         Ok(Built { t_range: Some([0.0, 1.0]), ..built })
-    }
-
-    fn curves(&self, (w, h): (u32, u32)) -> Result<Curves> {
-        let curves = Curves::new(w, h, Arc::new(self.clone()));
-        let any = parallel::any(0..h, |j| (0..w).any(|i| curves.near(i, j, (0.0, 0.0)).is_some()));
-        any.then_some(curves).ok_or_else(nowhere)
     }
 
     /// The pieces of straight projectors that are affine over each; `None` where they are not.
@@ -208,9 +201,7 @@ impl CurveMap for Volume {
 
 impl RayMap for Volume {
     fn ray(&self, a: f64, b: f64) -> Option<Ray> {
-        let (_, curve) = self.curve(a, b)?;
-        let p = curve.points();
-        Some(Ray { origin: p[0], direction: p[self.degree()] - p[0] })
+        self.curve(a, b).map(|(_, curve)| curve.chord())
     }
 }
 

@@ -134,10 +134,7 @@ impl CurveMap for CurvedLeg {
 
     fn curve(&self, a: f64, b: f64) -> Option<(u32, Curve)> {
         let place = DVec2::new(a * self.size.0 as f64, b * self.size.1 as f64);
-        // a place on or beyond a border is looked up with the pixel beside it
-        let pixel = |at: f64, size: u32| (at as u32).min(size - 1);
-        let (i, j) = (pixel(place.x, self.size.0), pixel(place.y, self.size.1));
-        let piece = self.legs[0].owner_of_place(i, j, place)?;
+        let piece = self.legs[0].owner_at(place)?;
         let [first, last] = [0, 1].map_each(|k| self.legs[k].bundle_at_place(piece, place).ray(0.0, 0.0));
         let points = [first.origin, first.origin + first.direction, last.origin, last.origin + last.direction];
         Some((piece, Curve::new(&points)))

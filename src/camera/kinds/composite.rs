@@ -219,7 +219,7 @@ impl Composite {
             let Some(frame) = self.members[k].frame() else { return Ok(self.shown(k, camera.clone())) };
             let part = Part { region: Region::Whole, frame: Some(frame), camera: camera.clone(), span: None };
             let size = DVec2::new(width.into(), height.into());
-            let parts = Parts { size, degree: degree(camera), parts: vec![part] };
+            let parts = Parts { size, degree: camera.layers[0].degree(), parts: vec![part] };
             let rays = rays(width, height, parts, camera.is_curved()).map_err(|e| error_of(k, e))?;
             Ok(self.shown(k, Camera::of(camera.kind, (width, height), camera.t_range, rays)))
         };
@@ -270,7 +270,7 @@ impl Composite {
             }
         };
         let parts: Vec<Part> = self.order().into_iter().map(part).collect();
-        let degree = parts.iter().map(|part| degree(&part.camera)).max().unwrap_or(1);
+        let degree = parts.iter().map(|part| part.camera.layers[0].degree()).max().unwrap_or(1);
         Parts { size: DVec2::new(width.into(), height.into()), parts, degree }
     }
 
@@ -297,17 +297,13 @@ impl Composite {
     }
 }
 
-/// The degree of a camera's curves; 1 of rays.
-fn degree(camera: &Camera) -> usize {
-    match camera.layers.first() {
-        Some(Rays::Curves(curves)) => curves.map.degree(),
-        _ => 1,
-    }
-}
-
 fn rays(width: u32, height: u32, parts: Parts, is_curved: bool) -> Result<Rays> {
     Ok(match is_curved {
-        true => Rays::Curves(curves(width, height, parts)?),
+        true => {
+            let curves = Curves::of_map((width, height), Arc::new(parts));
+            let none = || Error::input("camera: no pixel has a ray; make the regions larger");
+            Rays::Curves(curves.ok_or_else(none)?)
+        }
         false => Rays::Field(Field::of_map(width, height, Arc::new(parts))?),
     })
 }
@@ -329,13 +325,4 @@ fn common_range(cameras: &[Camera]) -> Result<Option<[f64; 2]>> {
         None => "the cameras differ in their t_range".into(),
     };
     Err(Error::input(format!("{}.t_range: [{t0}, {t1}] {what}, and {why}; give it two ends, as [0, 100]", key(k))))
-}
-
-fn curves(width: u32, height: u32, parts: Parts) -> Result<Curves> {
-    let curves = Curves::new(width, height, Arc::new(parts));
-    let has_curve = |j: u32| (0..width).any(|i| curves.near(i, j, (0.0, 0.0)).is_some());
-    if !parallel::any(0..height, has_curve) {
-        return Err(Error::input("camera: no pixel has a ray; make the regions larger"));
-    }
-    Ok(curves)
 }

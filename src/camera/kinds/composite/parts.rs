@@ -36,16 +36,7 @@ impl Part {
 
     /// The straight ray at a place of its own image, px.
     fn ray(&self, place: DVec2) -> Option<Ray> {
-        let ray = match self.camera.layers.first()? {
-            Rays::Pieces(pieces) => {
-                let column = |x: f64, count: u32| (x.max(0.0) as u32).min(count - 1);
-                let (i, j) = (column(place.x, self.camera.width), column(place.y, self.camera.height));
-                let piece = pieces.owner_of_place(i, j, place)?;
-                pieces.bundle_at_place(piece, place).ray(0.0, 0.0)
-            }
-            Rays::Field(field) => field.ray_at(place)?,
-            Rays::Curves(_) => return None,
-        };
+        let ray = self.camera.layers.first()?.ray_at(place)?;
         Some(self.span.map_or(ray, |span| spanned(&ray, span)))
     }
 
