@@ -4,7 +4,7 @@ use glam::DVec2;
 
 /// A binary tree of boxes: box k bounds boxes 2k and 2k + 1; each box of the last half bounds a run of consecutive items. Its memory is
 /// linear in the number of items, however much they overlap.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Boxes {
     run: usize,
     count: usize,
@@ -12,10 +12,27 @@ pub struct Boxes {
 }
 
 /// The empty box.
-pub const EMPTY: (DVec2, DVec2) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+const EMPTY: (DVec2, DVec2) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
 
-pub fn join(a: (DVec2, DVec2), b: (DVec2, DVec2)) -> (DVec2, DVec2) {
+fn join(a: (DVec2, DVec2), b: (DVec2, DVec2)) -> (DVec2, DVec2) {
     (a.0.min(b.0), a.1.max(b.1))
+}
+
+/// The least box around points.
+pub fn around(points: &[DVec2]) -> (DVec2, DVec2) {
+    points.iter().fold(EMPTY, |b, q| join(b, (*q, *q)))
+}
+
+/// How far the box of a triangle extends beyond its corners, relative to their coordinates. [`side`](super::pieces::side) may be off by the
+/// root of its rounding times the square of the coordinates over the edge's length, so this covers edges over a millionth of the
+/// coordinates.
+const TOLERANCE: f64 = 1e-9;
+
+/// A box that holds every place that a triangle holds within rounding.
+pub fn around_triangle(corners: &[DVec2; 3]) -> (DVec2, DVec2) {
+    let (lo, hi) = around(corners);
+    let tolerance = TOLERANCE * (1.0 + lo.abs().max(hi.abs()).max_element());
+    (lo - tolerance, hi + tolerance)
 }
 
 impl Boxes {

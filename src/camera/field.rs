@@ -5,7 +5,6 @@ use super::bundle::{Bundle, Ray};
 use super::calibration::Calibrated;
 use super::lens::{LensRays, Posed};
 use super::stack::Stack;
-use super::tessellate::bend::Bend;
 use crate::image::read_vectors;
 use crate::input::{Error, Loading, Result};
 use crate::parallel;
@@ -32,12 +31,6 @@ pub trait RayMap: Debug + Send + Sync {
     /// The ray of a part's formula at a place (px), in the part or beside it.
     fn ray_of_part(&self, _part: usize, place_px: DVec2, size_px: DVec2) -> Option<Ray> {
         self.ray_at(place_px, size_px)
-    }
-
-    /// Bounds on the curvature of the rays over the rectangle from `lo` to `hi` of image coordinates, for weights of P and D;
-    /// `None` if a ray is missing. The default samples, and proves nothing.
-    fn bend(&self, lo: DVec2, hi: DVec2, weights: &[(f64, f64)]) -> Option<Bend> {
-        Bend::sampled(|a, b| self.ray(a, b), lo, hi, weights)
     }
 
     /// All image places (a, b), also outside the image, whose rays pass through `point`, each with its t; `None`: no closed form.
@@ -105,7 +98,12 @@ impl Field {
     pub(super) fn stacked(images: Vec<Field>, step: u32) -> Field {
         let (width, height) = (images[0].width, step * images.len() as u32);
         let stacked = Some(Arc::new(Stack { images, step }));
-        Field { width, height, rays: Arc::default(), turned: None, map: None, stacked, is_reordered: false }
+        Field { stacked, ..Field::empty(width, height) }
+    }
+
+    /// A field without rays.
+    fn empty(width: u32, height: u32) -> Field {
+        Field { width, height, rays: Arc::default(), turned: None, map: None, stacked: None, is_reordered: false }
     }
 
     /// The image of row `j` and the row's number there, where this is a stack of images. Between images rows count on.
@@ -125,7 +123,7 @@ impl Field {
         if rays.iter().all(Option::is_none) {
             return Err(Error::input("camera: no pixel of the ray map holds a finite ray with a direction"));
         }
-        Ok(Field { width, height, rays: Arc::new(rays), turned: None, map: None, stacked: None, is_reordered: false })
+        Ok(Field { rays: Arc::new(rays), ..Field::empty(width, height) })
     }
 
     /// The rays of a formula at the centres of `width x height` pixels.
@@ -146,37 +144,22 @@ impl Field {
         let size = DVec2::new(width as f64, height as f64);
         let count = width as usize * height as usize;
         if count > STORED_MAX {
-            return Field {
-                width,
-                height,
-                rays: Arc::default(),
-                turned: None,
-                map: Some(map),
-                stacked: None,
-                is_reordered: false,
-            };
+            return Field { map: Some(map), ..Field::empty(width, height) };
         }
         if let Some(viewer) = map.map.viewer().filter(|viewer| viewer.eye.is_finite()) {
             let turned = Some((LensRays::of(viewer.lens.clone(), (width, height), map.sample), viewer));
-            let rays = Arc::default();
-            return Field { width, height, rays, turned, map: Some(map), stacked: None, is_reordered: false };
+            return Field { turned, map: Some(map), ..Field::empty(width, height) };
         }
         let place = |k: usize| DVec2::new((k % width as usize) as f64, (k / width as usize) as f64);
         let rays = parallel::map(0..count, |k| map.ray(place(k) + map.sample, size));
-        Field { width, height, rays: Arc::new(rays), turned: None, map: Some(map), stacked: None, is_reordered: false }
+        Field { rays: Arc::new(rays), map: Some(map), ..Field::empty(width, height) }
     }
 
     /// A field whose pixel k has the ray of this one's pixel `source[k]`, numbered row by row.
     pub(super) fn reordered(&self, source: &[u32]) -> Field {
         let ray = |k: &u32| self.ray(k % self.width, k / self.width);
-        Field {
-            rays: Arc::new(source.iter().map(ray).collect()),
-            map: None,
-            turned: None,
-            stacked: None,
-            is_reordered: true,
-            ..*self
-        }
+        let rays = Arc::new(source.iter().map(ray).collect());
+        Field { rays, is_reordered: true, ..Field::empty(self.width, self.height) }
     }
 
     /// The rays of the lens and the viewer, if this field is a lens at a pose.
@@ -205,14 +188,7 @@ impl Field {
     /// A field of the same pixels and samples by another formula, evaluated for each ray when it is needed.
     pub fn by_map(&self, map: Arc<dyn RayMap>) -> Field {
         let sample = self.map.as_ref().map_or(DVec2::splat(0.5), |m| m.sample);
-        Field {
-            rays: Arc::default(),
-            turned: None,
-            map: Some(Sampled { map, sample }),
-            stacked: None,
-            is_reordered: false,
-            ..*self
-        }
+        Field { map: Some(Sampled { map, sample }), ..Field::empty(self.width, self.height) }
     }
 
     /// The same, its rays computed now and stored unless there are too many.
@@ -430,15 +406,7 @@ impl Field {
         }
         let at = |i: u32, j: u32| self.ray_at_offset(i, j, DVec2::new(dx, dy));
         let rays = (0..self.height).flat_map(|j| (0..self.width).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
-        Field {
-            width: self.width,
-            height: self.height,
-            rays: Arc::new(rays),
-            map: None,
-            turned: None,
-            stacked: None,
-            is_reordered: false,
-        }
+        Field { rays: Arc::new(rays), ..Field::empty(self.width, self.height) }
     }
 }
 

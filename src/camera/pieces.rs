@@ -3,7 +3,7 @@
 //! Borders are decided in f64 with one canonical order of every edge's end points, so two pieces that share
 //! an edge see the same number: a pixel exactly on a border lies in both, and the lowest-numbered piece owns it.
 
-use super::boxes::{Boxes, EMPTY, join};
+use super::boxes::{Boxes, around_triangle};
 use super::bundle::Bundle;
 use super::lens::Held;
 use super::stack::Stack;
@@ -32,17 +32,29 @@ pub struct Pieces {
     pub pieces: Vec<Piece>,
     /// Width and height of the image, px.
     size: (u32, u32),
-    /// `tile_pieces[tile_start[k]..tile_start[k + 1]]` are the pieces near tile k, ascending.
-    tile_start: Arc<Vec<u32>>,
-    tile_pieces: Arc<Vec<u32>>,
-    /// A hierarchy over the pieces of each tile that has [`MANY`] or more, by the tile's number.
-    crowded: Arc<HashMap<usize, Boxes>>,
+    tiles: Arc<Tiles>,
     /// Where in a pixel its ray is taken, px from the pixel's top left corner.
     sample: DVec2,
     /// The images that this one is made of, if it is: all above but `pieces` is then theirs.
     stacked: Option<Arc<StackedPieces>>,
     /// These pieces in the frame of their viewer, if they have one.
     turned: Option<TurnedPieces>,
+}
+
+/// The pieces near each tile.
+#[derive(Debug, Default)]
+struct Tiles {
+    /// `pieces[start[k]..start[k + 1]]` are the pieces near tile k, ascending.
+    start: Vec<u32>,
+    pieces: Vec<u32>,
+    /// A hierarchy over the pieces of each tile that has [`MANY`] or more, by the tile's number.
+    crowded: HashMap<usize, Boxes>,
+}
+
+impl Tiles {
+    fn near(&self, k: usize) -> &[u32] {
+        &self.pieces[self.start[k] as usize..self.start[k + 1] as usize]
+    }
 }
 
 /// Pieces in the frame of a viewer at a pose.
@@ -88,11 +100,6 @@ const SIDE_ROUNDING: f64 = 8.0 / (1u64 << 53) as f64;
 const MANY: usize = 256;
 const RUN: usize = 8;
 
-/// How far the box of a piece in the hierarchy extends beyond its corners, relative to their coordinates. [`side`] may be off by a distance
-/// of [`SIDE_ROUNDING`] times the square of the coordinates over the edge's length, so this covers edges over a millionth of the
-/// coordinates.
-const BOX_TOLERANCE: f64 = 1e-9;
-
 /// How far beyond a tile a piece may lie and still be listed with it: the safe radius and a sample offset of half a pixel.
 const TILE_REACH_PX: f64 = super::SAFE_RADIUS_PX + 0.5;
 
@@ -109,6 +116,12 @@ pub(super) fn side(a: DVec2, b: DVec2, q: DVec2) -> f64 {
     if flip { -value } else { value }
 }
 
+/// The triangle holds the place, its border included.
+pub(super) fn holds([a, b, c]: [DVec2; 3], q: DVec2) -> bool {
+    let o = side(a, b, c);
+    side(a, b, q) * o >= 0.0 && side(b, c, q) * o >= 0.0 && side(c, a, q) * o >= 0.0
+}
+
 impl Piece {
     /// A piece that is the whole image; `bundle` is centred on its middle.
     pub fn whole(bundle: Bundle, (width, height): (u32, u32)) -> Piece {
@@ -117,9 +130,7 @@ impl Piece {
 
     /// The piece holds the image place `q` (px), its border included.
     pub(super) fn contains(&self, q: DVec2) -> bool {
-        let Some([a, b, c]) = self.corners_px else { return true };
-        let o = side(a, b, c);
-        side(a, b, q) * o >= 0.0 && side(b, c, q) * o >= 0.0 && side(c, a, q) * o >= 0.0
+        self.corners_px.is_none_or(|corners| holds(corners, q))
     }
 
     /// The piece may come within the box of half-sizes `half` about `centre` (px): never false when it does.
@@ -144,23 +155,11 @@ impl Pieces {
     }
 
     pub fn new(pieces: Vec<Piece>, width: u32, height: u32) -> Pieces {
-        let (tiles_x, tiles_y) = (width.div_ceil(TILE), height.div_ceil(TILE));
-        let (tile_start, tile_pieces) = pieces_near_tiles(&pieces, tiles_x, tiles_y);
-        let (tile_start, tile_pieces) = (Arc::new(tile_start), Arc::new(tile_pieces));
-        let sample = DVec2::splat(0.5);
-        let mut all = Pieces {
-            pieces,
-            size: (width, height),
-            tile_start,
-            tile_pieces,
-            crowded: Default::default(),
-            sample,
-            stacked: None,
-            turned: None,
-        };
-        let crowded = parallel::flat_map(0..all.tile_start.len() - 1, |k| Some((k, all.boxes_of_tile(k)?)));
-        all.crowded = Arc::new(crowded.into_iter().collect());
-        all
+        let mut tiles = pieces_near_tiles(&pieces, width.div_ceil(TILE), height.div_ceil(TILE));
+        let crowded = parallel::flat_map(0..tiles.start.len() - 1, |k| Some((k, boxes_over(&pieces, tiles.near(k))?)));
+        tiles.crowded = crowded.into_iter().collect();
+        let (size, sample) = ((width, height), DVec2::splat(0.5));
+        Pieces { pieces, size, tiles: Arc::new(tiles), sample, stacked: None, turned: None }
     }
 
     /// Pieces of a viewer at `eye` with the axes of `view`, from those for a viewer at the origin with the world's axes.
@@ -174,13 +173,10 @@ impl Pieces {
             h: *h,
         };
         let pieces = unturned.pieces.iter().map(|piece| Piece { bundle: bundle(&piece.bundle), ..piece.clone() });
-        let (tile_start, tile_pieces) = (unturned.tile_start.clone(), unturned.tile_pieces.clone());
         Pieces {
             pieces: pieces.collect(),
             size: unturned.size,
-            tile_start,
-            tile_pieces,
-            crowded: unturned.crowded.clone(),
+            tiles: unturned.tiles.clone(),
             sample: unturned.sample,
             stacked: None,
             turned: eye.is_finite().then_some(TurnedPieces { unturned, eye, view }),
@@ -205,17 +201,8 @@ impl Pieces {
             first.push(pieces.len() as u32);
             pieces.extend_from_slice(&image.pieces);
         }
-        let stacked = StackedPieces { stack: Stack { images, step }, rows, first };
-        Pieces {
-            pieces,
-            size: (0, 0),
-            tile_start: Arc::default(),
-            tile_pieces: Arc::default(),
-            crowded: Default::default(),
-            sample: DVec2::splat(0.5),
-            stacked: Some(Arc::new(stacked)),
-            turned: None,
-        }
+        let stacked = Some(Arc::new(StackedPieces { stack: Stack { images, step }, rows, first }));
+        Pieces { pieces, size: (0, 0), tiles: Arc::default(), sample: DVec2::splat(0.5), stacked, turned: None }
     }
 
     pub(super) fn with_sample(&self, x: f64, y: f64) -> Pieces {
@@ -244,25 +231,9 @@ impl Pieces {
         self.stacked.as_ref().map_or(piece, |stacked| stacked.of_piece(piece).1)
     }
 
-    /// The pieces that may own pixels of the tile, ascending.
-    fn of_tile(&self, tile_x: u32, tile_y: u32) -> &[u32] {
-        self.near_tile((tile_y * self.size.0.div_ceil(TILE) + tile_x) as usize)
-    }
-
-    fn near_tile(&self, k: usize) -> &[u32] {
-        &self.tile_pieces[self.tile_start[k] as usize..self.tile_start[k + 1] as usize]
-    }
-
-    /// The hierarchy of a tile with many pieces.
-    fn boxes_of_tile(&self, k: usize) -> Option<Boxes> {
-        let near = Some(self.near_tile(k)).filter(|near| near.len() >= MANY)?;
-        let bounds = |k: &u32| {
-            let corners = self.pieces[*k as usize].corners_px?;
-            let (lo, hi) = corners.iter().fold(EMPTY, |b, q| join(b, (*q, *q)));
-            let tolerance = BOX_TOLERANCE * (1.0 + lo.abs().max(hi.abs()).max_element());
-            Some((lo - tolerance, hi + tolerance))
-        };
-        Some(Boxes::new(near.iter().map(|k| bounds(k).unwrap_or((DVec2::NEG_INFINITY, DVec2::INFINITY))), RUN))
+    /// The number of a pixel's tile.
+    fn tile(&self, i: u32, j: u32) -> usize {
+        (j / TILE * self.size.0.div_ceil(TILE) + i / TILE) as usize
     }
 
     /// Whether the pieces have the same image triangles as those of `other`, in the same order, so that they own the same pixels. `false` for
@@ -299,10 +270,10 @@ impl Pieces {
             let top = DVec2::new(0.0, f64::from(j - row));
             return image.owner_of_place(i, row, place_px - top).map(|k| first + k);
         }
-        let tile = (j / TILE * self.size.0.div_ceil(TILE) + i / TILE) as usize;
-        let near = self.near_tile(tile);
+        let tile = self.tile(i, j);
+        let near = self.tiles.near(tile);
         let contains = |k: &u32| self.pieces[*k as usize].contains(place_px);
-        match self.crowded.get(&tile) {
+        match self.tiles.crowded.get(&tile) {
             Some(boxes) => boxes.first(place_px, &|n| Some(near[n]).filter(contains)),
             _ => near.iter().copied().find(contains),
         }
@@ -342,7 +313,7 @@ impl Pieces {
         let half = DVec2::splat(radius_px);
         let mut bundles: Vec<Bundle> = owner.iter().map(|&k| self.bundle_at(k, i, j)).collect();
         let mut covered = 0.0;
-        for &k in self.of_tile(i / TILE, j / TILE) {
+        for &k in self.tiles.near(self.tile(i, j)) {
             let piece = &self.pieces[k as usize];
             if piece.reaches(q, half) {
                 covered += clipped_area(piece, q, half);
@@ -360,35 +331,45 @@ impl Pieces {
 /// there, which is 2^-33 of the box's side of 1/8 px; some ten such terms a polygon.
 const AREA_ROUNDING: f64 = 1.0 / (1u64 << 28) as f64;
 
-/// The area (px^2) of the piece inside the box about `centre`.
-fn clipped_area(piece: &Piece, centre: DVec2, half: DVec2) -> f64 {
-    let Some(corners) = piece.corners_px else { return 4.0 * half.x * half.y };
-    let mut polygon: Vec<DVec2> = corners.iter().map(|c| *c - centre).collect();
-    for axis in [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y] {
-        let limit = axis.abs().dot(half);
+/// The part of a convex polygon in the box `lo..hi` (Sutherland and Hodgman).
+pub(super) fn clip(mut polygon: Vec<DVec2>, lo: DVec2, hi: DVec2) -> Vec<DVec2> {
+    for (axis, limit) in [(DVec2::X, hi.x), (DVec2::NEG_X, -lo.x), (DVec2::Y, hi.y), (DVec2::NEG_Y, -lo.y)] {
         let depth = |q: DVec2| limit - axis.dot(q);
         let mut kept = Vec::with_capacity(polygon.len() + 1);
         for (k, &b) in polygon.iter().enumerate() {
             let a = polygon[(k + polygon.len() - 1) % polygon.len()];
-            let (da, db) = (depth(a), depth(b));
-            if (da >= 0.0) != (db >= 0.0) {
-                kept.push(a + (b - a) * (da / (da - db)));
+            if (depth(a) >= 0.0) != (depth(b) >= 0.0) {
+                kept.push(a + (b - a) * (depth(a) / (depth(a) - depth(b))));
             }
-            if db >= 0.0 {
+            if depth(b) >= 0.0 {
                 kept.push(b);
             }
         }
         polygon = kept;
     }
+    polygon
+}
+
+/// The area (px^2) of the piece inside the box about `centre`.
+fn clipped_area(piece: &Piece, centre: DVec2, half: DVec2) -> f64 {
+    let Some(corners) = piece.corners_px else { return 4.0 * half.x * half.y };
+    let polygon = clip(corners.iter().map(|c| *c - centre).collect(), -half, half);
     let twice: f64 = (0..polygon.len()).map(|k| polygon[k].perp_dot(polygon[(k + 1) % polygon.len()])).sum();
     twice.abs() / 2.0
 }
 
+/// The hierarchy over the pieces near a tile, if they are many.
+fn boxes_over(pieces: &[Piece], near: &[u32]) -> Option<Boxes> {
+    let everywhere = (DVec2::NEG_INFINITY, DVec2::INFINITY);
+    let bounds = |k: &u32| pieces[*k as usize].corners_px.as_ref().map_or(everywhere, around_triangle);
+    (near.len() >= MANY).then(|| Boxes::new(near.iter().map(bounds), RUN))
+}
+
 /// For every tile, row by row, the pieces that may come within [`TILE_REACH_PX`] of it, as offsets and a list.
-fn pieces_near_tiles(pieces: &[Piece], tiles_x: u32, tiles_y: u32) -> (Vec<u32>, Vec<u32>) {
+fn pieces_near_tiles(pieces: &[Piece], tiles_x: u32, tiles_y: u32) -> Tiles {
     let count = (tiles_x * tiles_y) as usize;
     if let [Piece { corners_px: None, .. }] = pieces {
-        return ((0..=count as u32).collect(), vec![0; count]);
+        return Tiles { start: (0..=count as u32).collect(), pieces: vec![0; count], ..Tiles::default() };
     }
     let mut pairs: Vec<(u32, u32)> = parallel::flat_map(0..pieces.len(), |k| {
         tiles_near(&pieces[k], tiles_x, tiles_y).map(move |(x, y)| (y * tiles_x + x, k as u32))
@@ -401,7 +382,7 @@ fn pieces_near_tiles(pieces: &[Piece], tiles_x: u32, tiles_y: u32) -> (Vec<u32>,
     for k in 0..count {
         start[k + 1] += start[k];
     }
-    (start, pairs.into_iter().map(|(_, piece)| piece).collect())
+    Tiles { start, pieces: pairs.into_iter().map(|(_, piece)| piece).collect(), ..Tiles::default() }
 }
 
 /// Columns and rows of the tiles within [`TILE_REACH_PX`] of the piece.

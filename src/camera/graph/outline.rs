@@ -12,11 +12,6 @@ pub fn rectangle(lo: DVec2, hi: DVec2) -> Outline {
     vec![lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)]
 }
 
-/// The smallest rectangle around an outline, as two corners.
-pub fn bounds(outline: &[DVec2]) -> (DVec2, DVec2) {
-    outline.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), q| (lo.min(*q), hi.max(*q)))
-}
-
 /// Twice the area, positive where the corners run from x towards y.
 pub fn area2(outline: &[DVec2]) -> f64 {
     let from = outline[0];
@@ -204,7 +199,7 @@ mod tests {
             assert_eq!(covered2(&places, &triangles), area2(&outer) - open, "{count} holes");
             assert_eq!(triangles.len(), places.len() + 2 * count - 2);
             for hole in holes {
-                let (lo, hi) = bounds(hole);
+                let (lo, hi) = crate::camera::boxes::around(hole);
                 let middle = (lo + hi) / 2.0;
                 let within = |t: &[u32; 3]| super::contains(&t.map(|k| places[k as usize]), middle);
                 assert!(!contains(hole, middle) || !triangles.iter().any(within));

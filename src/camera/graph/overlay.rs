@@ -2,6 +2,7 @@
 
 use super::outline::{self, Outline};
 use crate::arrays::MapEach;
+use crate::camera::boxes::around;
 use glam::DVec2;
 use std::collections::HashMap;
 
@@ -110,10 +111,10 @@ pub fn overlay(rectangle: &Outline, profiles: &[Profile]) -> Overlay {
 
 /// The parts of a cell in the triangles of one more profile.
 fn cut(cell: &Cell, profile: &Profile) -> Vec<Cell> {
-    let (lo, hi) = outline::bounds(&cell.corners);
+    let (lo, hi) = around(&cell.corners);
     let part = |k: usize| {
         let t = profile.triangles[k].map_each(|v| profile.places_px[v]);
-        let (from, to) = outline::bounds(&t);
+        let (from, to) = around(&t);
         if from.cmpge(hi).any() || to.cmple(lo).any() {
             return None;
         }

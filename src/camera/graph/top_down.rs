@@ -11,6 +11,7 @@ use super::path::Occluders;
 use super::roots::{self, Layout, Root};
 use super::view::{Pinhole, View, beyond};
 use crate::arrays::MapEach;
+use crate::camera::boxes::around;
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::values::length;
@@ -193,7 +194,7 @@ impl TopDown {
         for (k, region) in self.regions.iter().enumerate() {
             let error = |message: String| Error::input(format!("camera.regions.{k}: {message}"));
             let inner: Outline = region.outline.iter().map(|q| *q * size).collect();
-            let (lo, hi) = outline::bounds(&inner);
+            let (lo, hi) = around(&inner);
             let region_centre = (lo + hi) / 2.0;
             let at = match self.layout {
                 Layout::Plain => Some(0),
@@ -206,7 +207,7 @@ impl TopDown {
                 .ok_or_else(|| {
                     error("its outline is too sharp or narrow for the band around it; make band smaller".into())
                 })?;
-            let (face_lo, face_hi) = outline::bounds(&root.outline);
+            let (face_lo, face_hi) = around(&root.outline);
             if self.layout != Layout::Plain && !outer.iter().all(|q| q.cmpge(face_lo).all() && q.cmple(face_hi).all()) {
                 return Err(error("leaves its face of the cube, its band included; make it or band smaller".into()));
             }
@@ -233,7 +234,7 @@ impl TopDown {
         }
         if self.layout == Layout::Plain {
             let all = patches.iter().flat_map(|p| &p.outer).copied().chain([DVec2::ZERO, size]);
-            let (lo, hi) = outline::bounds(&all.collect::<Vec<_>>());
+            let (lo, hi) = around(&all.collect::<Vec<_>>());
             roots[0].outline = outline::rectangle(lo - 1.0, hi + 1.0);
         }
         Ok(patches)
@@ -342,12 +343,12 @@ const FRAME_PX: f64 = 0.5;
 
 /// The regions of a root, so grouped that the groups are disjoint.
 fn groups(own: &[usize], face: &[DVec2], patches: &[Patch]) -> Vec<Group> {
-    let (face_lo, face_hi) = outline::bounds(face);
+    let (face_lo, face_hi) = around(face);
     let joined = |a: Group, b: Group| {
         let mut regions = [a.regions, b.regions].concat();
         regions.sort_unstable();
         let all: Vec<DVec2> = regions.iter().flat_map(|&k| &patches[k].outer).copied().collect();
-        let (lo, hi) = outline::bounds(&all);
+        let (lo, hi) = around(&all);
         let frame = |space: DVec2| (space / 2.0).min(DVec2::splat(FRAME_PX));
         Group { regions, hole: outline::rectangle(lo - frame(lo - face_lo), hi + frame(face_hi - hi)) }
     };

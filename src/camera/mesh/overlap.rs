@@ -7,6 +7,7 @@
 
 use super::side;
 use crate::arrays::MapEach;
+use crate::camera::boxes::around;
 use crate::parallel;
 use glam::DVec2;
 
@@ -39,7 +40,7 @@ fn within(corners: &[Triangle], set: Vec<u32>) -> Option<(usize, usize)> {
 
 /// The same, pair by pair.
 fn first_pair(corners: &[Triangle], set: &[u32]) -> Option<(usize, usize)> {
-    let boxes: Vec<(DVec2, DVec2)> = set.iter().map(|&k| bounds(&corners[k as usize])).collect();
+    let boxes: Vec<(DVec2, DVec2)> = set.iter().map(|&k| around(&corners[k as usize])).collect();
     let disjoint = |i: usize, j: usize| boxes[i].0.cmpge(boxes[j].1).any() || boxes[j].0.cmpge(boxes[i].1).any();
     let of = |i: usize| set[i] as usize;
     let pairs = (0..set.len()).flat_map(|i| (i + 1..set.len()).map(move |j| (i, j)));
@@ -47,10 +48,6 @@ fn first_pair(corners: &[Triangle], set: &[u32]) -> Option<(usize, usize)> {
         .filter(|&(i, j)| !disjoint(i, j))
         .find(|&(i, j)| overlap(&corners[of(i)], &corners[of(j)]))
         .map(|(i, j)| (of(i), of(j)))
-}
-
-fn bounds([a, b, c]: &Triangle) -> (DVec2, DVec2) {
-    (a.min(*b).min(*c), a.max(*b).max(*c))
 }
 
 /// The triangles on either side of a line; those that it crosses are on both. `None` if the set is small, or if no candidate splits it

@@ -10,7 +10,7 @@ use super::tree::{Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, ONE_PLACE_PX, Shown, T_TOLERANCE};
 use crate::arrays::MapEach;
 use crate::camera::Camera;
-use crate::camera::pieces::{Piece, Pieces};
+use crate::camera::pieces::{Piece, Pieces, clip};
 use crate::parallel;
 use glam::{DVec2, DVec3};
 
@@ -195,25 +195,6 @@ fn may_see(piece: &Piece, x: DVec3) -> bool {
         let side = coefficients.map(|e| normal.dot(e));
         side.iter().any(|s| *s <= error) && side.iter().any(|s| *s >= -error)
     })
-}
-
-/// The part of a convex polygon in the box `lo..hi` (Sutherland and Hodgman).
-fn clip(mut polygon: Vec<DVec2>, lo: DVec2, hi: DVec2) -> Vec<DVec2> {
-    for (axis, limit) in [(DVec2::X, hi.x), (DVec2::NEG_X, -lo.x), (DVec2::Y, hi.y), (DVec2::NEG_Y, -lo.y)] {
-        let depth = |q: DVec2| limit - axis.dot(q);
-        let mut kept = Vec::with_capacity(polygon.len() + 1);
-        for (k, &b) in polygon.iter().enumerate() {
-            let a = polygon[(k + polygon.len() - 1) % polygon.len()];
-            if (depth(a) >= 0.0) != (depth(b) >= 0.0) {
-                kept.push(a + (b - a) * (depth(a) / (depth(a) - depth(b))));
-            }
-            if depth(b) >= 0.0 {
-                kept.push(b);
-            }
-        }
-        polygon = kept;
-    }
-    polygon
 }
 
 /// One piece's rays.

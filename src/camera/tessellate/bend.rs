@@ -1,22 +1,10 @@
 //! How much the rays of a map bend over a rectangle of the image.
 
 use crate::arrays::MapEach;
-use crate::camera::bundle::Ray;
+use crate::camera::{Ray, RayMap};
 use glam::{DVec2, DVec3};
 
-/// Bounds over a rectangle of the image.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Bend {
-    /// Unit direction of the ray in the rectangle's middle.
-    pub forward: DVec3,
-    /// At least the sine of the angle between `forward` and any ray of the rectangle.
-    pub sine_max: f64,
-    /// For each weight `(p, d)`: with F = p P + d D and a rectangle of w x h, at least `|F_aa| w^2`, `|F_ab| w h` and
-    /// `|F_bb| h^2` anywhere in it, of the second derivatives only the part across any ray of the rectangle.
-    pub across: Vec<[f64; 3]>,
-}
-
-/// Intervals a side of the lattice that [`Bend::sampled`] looks at.
+/// Intervals a side of the lattice that [`across`] looks at.
 const STEPS: usize = 4;
 
 /// By how much the largest second difference of the lattice is taken. A second difference is a mean of the derivative over
@@ -26,30 +14,24 @@ const SAFETY: f64 = 2.0;
 
 type Lattice = [[Ray; STEPS + 1]; STEPS + 1];
 
-impl Bend {
-    /// Bounds by second differences on a lattice of 5 x 5 places; `None` where one of them has no ray. Not proven: see [`SAFETY`],
-    /// and `sine_max` is the largest over the lattice.
-    pub fn sampled(
-        ray: impl Fn(f64, f64) -> Option<Ray>,
-        lo: DVec2,
-        hi: DVec2,
-        weights: &[(f64, f64)],
-    ) -> Option<Bend> {
-        let mut rays: Lattice = [[Ray { origin: DVec3::ZERO, direction: DVec3::ZERO }; STEPS + 1]; STEPS + 1];
-        for (j, row) in rays.iter_mut().enumerate() {
-            for (i, slot) in row.iter_mut().enumerate() {
-                let q = lo + (hi - lo) * DVec2::new(i as f64, j as f64) / STEPS as f64;
-                *slot = usable(ray(q.x, q.y))?;
-            }
+/// Bounds over the rectangle from `lo` to `hi` of image coordinates, for each weight `(p, d)`: with F = p P + d D and a rectangle of w x h,
+/// at least `|F_aa| w^2`, `|F_ab| w h` and `|F_bb| h^2` anywhere in it, of the second derivatives only the part across any ray of the
+/// rectangle. They are second differences on a lattice of 5 x 5 places; `None` where one of them has no ray. Not proven: see [`SAFETY`],
+/// and no sine is larger than the largest over the lattice.
+pub fn across(map: &dyn RayMap, lo: DVec2, hi: DVec2, weights: &[(f64, f64)]) -> Option<Vec<[f64; 3]>> {
+    let mut rays: Lattice = [[Ray { origin: DVec3::ZERO, direction: DVec3::ZERO }; STEPS + 1]; STEPS + 1];
+    for (j, row) in rays.iter_mut().enumerate() {
+        for (i, slot) in row.iter_mut().enumerate() {
+            let q = lo + (hi - lo) * DVec2::new(i as f64, j as f64) / STEPS as f64;
+            *slot = usable(map.ray(q.x, q.y))?;
         }
-        let forward = rays[STEPS / 2][STEPS / 2].direction.normalize();
-        let unit = rays.iter().flatten().map(|r| r.direction.normalize());
-        // beyond a right angle the sine falls again
-        let sine = |d: DVec3| if d.dot(forward) > 0.0 { d.cross(forward).length() } else { 1.0 };
-        let sine_max = unit.fold(0f64, |m, d| m.max(sine(d)));
-        let across = weights.iter().map(|w| largest_differences(&rays, *w, forward, sine_max)).collect();
-        Some(Bend { forward, sine_max, across })
     }
+    let forward = rays[STEPS / 2][STEPS / 2].direction.normalize();
+    let unit = rays.iter().flatten().map(|r| r.direction.normalize());
+    // beyond a right angle the sine falls again
+    let sine = |d: DVec3| if d.dot(forward) > 0.0 { d.cross(forward).length() } else { 1.0 };
+    let sine_max = unit.fold(0f64, |m, d| m.max(sine(d)));
+    Some(weights.iter().map(|w| largest_differences(&rays, *w, forward, sine_max)).collect())
 }
 
 /// A ray with finite numbers and a direction.

@@ -10,12 +10,14 @@
 //! Between two weights X is affine: e is convex, so at most the larger of the two; and s is at least the least area that dX / d(px)
 //! spans, a quadratic function, over the largest of its larger singular values, a convex one.
 //!
-//! Proven so far as [`Bend`](super::bend::Bend)'s bounds are, which are sampled by default. Besides, three things are assumed: that s is
+//! Proven so far as the bounds of [`across`] are, which are sampled. Besides, three things are assumed: that s is
 //! about the same where the shifted image lies, under a pixel away; that inside a cell of the lattice s is no further below
 //! the smallest than adjoining cells differ; and that the scene's ball bounds t on the piece as it does on the rays at its corners and
 //! middle.
 
+use super::bend::{across, usable};
 use crate::arrays::MapEach;
+use crate::camera::boxes::around;
 use crate::camera::bundle::Ray;
 use crate::camera::field::RayMap;
 use crate::camera::recipe::Setting;
@@ -99,31 +101,37 @@ impl Judge {
     /// The exact ray of an image place in px.
     pub fn ray(&self, at_px: DVec2) -> Option<Ray> {
         let q = at_px / self.size;
-        super::bend::usable(self.map.ray(q.x, q.y))
+        usable(self.map.ray(q.x, q.y))
     }
 
     /// The verdict on a piece, its box divided into `parts` across and down.
     pub fn judge(&self, corners: &[DVec2; 3], rays: &[Ray; 3], parts: (u32, u32)) -> Verdict {
-        let Some(middle) = self.ray((corners[0] + corners[1] + corners[2]) / 3.0) else { return Verdict::RIM };
-        let Some(weights) = self.weights(&[rays[0], rays[1], rays[2], middle]) else { return Verdict::NONE };
-        let (lo, hi) = (corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2]));
-        self.over([lo, hi], hi - lo, &weights, parts)
+        let (lo, hi) = around(corners);
+        self.judge_about((corners[0] + corners[1] + corners[2]) / 3.0, [lo, hi], rays.to_vec(), hi - lo, parts)
     }
 
     /// A verdict that holds for each piece of size `piece` in the box from `lo` to `hi`, whose corners have the given rays.
-    pub fn judge_box(&self, [lo, hi]: [DVec2; 2], mut rays: Vec<Ray>, piece: DVec2, parts: (u32, u32)) -> Verdict {
-        let Some(middle) = self.ray((lo + hi) / 2.0) else { return Verdict::RIM };
-        rays.push(middle);
-        let Some(weights) = self.weights(&rays) else { return Verdict::NONE };
-        self.over([lo, hi], piece, &weights, parts)
+    pub fn judge_box(&self, [lo, hi]: [DVec2; 2], rays: Vec<Ray>, piece: DVec2, parts: (u32, u32)) -> Verdict {
+        self.judge_about((lo + hi) / 2.0, [lo, hi], rays, piece, parts)
     }
 
-    fn over(&self, [lo, hi]: [DVec2; 2], piece: DVec2, weights: &[(f64, f64)], parts: (u32, u32)) -> Verdict {
+    /// The same with the middle of the rays' places.
+    fn judge_about(
+        &self,
+        middle: DVec2,
+        [lo, hi]: [DVec2; 2],
+        mut rays: Vec<Ray>,
+        piece: DVec2,
+        parts: (u32, u32),
+    ) -> Verdict {
+        let Some(middle) = self.ray(middle) else { return Verdict::RIM };
+        rays.push(middle);
+        let Some(weights) = self.weights(&rays) else { return Verdict::NONE };
         let part = (hi - lo) / DVec2::new(parts.0.into(), parts.1.into());
         let mut verdict = Verdict::NONE;
         for (i, j) in (0..parts.1).flat_map(|j| (0..parts.0).map(move |i| (f64::from(i), f64::from(j)))) {
             let from = lo + part * DVec2::new(i, j);
-            let Some((error_px, fold)) = self.part(from, part, piece, weights) else { return Verdict::RIM };
+            let Some((error_px, fold)) = self.part(from, part, piece, &weights) else { return Verdict::RIM };
             verdict = Verdict { error_px: verdict.error_px.max(error_px), fold: verdict.fold || fold, ..verdict };
         }
         verdict
@@ -132,11 +140,11 @@ impl Judge {
     /// The bound, px, over a part of a piece's box of size `whole`, and whether there is a focus or fold; `None` where a ray is
     /// missing.
     fn part(&self, from: DVec2, part: DVec2, whole: DVec2, weights: &[(f64, f64)]) -> Option<(f64, bool)> {
-        let bend = self.map.bend(from / self.size, (from + part) / self.size, weights)?;
+        let across = across(&*self.map, from / self.size, (from + part) / self.size, weights)?;
         let slopes = self.slopes(from, part)?;
         let more = whole / part;
         let mut at: Vec<At> = Vec::with_capacity(weights.len());
-        for (&(p, d), &[aa, ab, bb]) in weights.iter().zip(&bend.across) {
+        for (&(p, d), &[aa, ab, bb]) in weights.iter().zip(&across) {
             let error = (aa * more.x * more.x + 2.0 * ab * more.x * more.y + bb * more.y * more.y) / 8.0;
             let columns = slopes.each_ref().map(|s| s.columns(p, d));
             let largest = columns.each_ref().map(largest);

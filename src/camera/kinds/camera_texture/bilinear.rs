@@ -2,7 +2,7 @@
 
 use super::{Base, Cell};
 use crate::arrays::MapEach;
-use crate::camera::boxes::{Boxes, EMPTY, join};
+use crate::camera::boxes::{Boxes, around};
 use crate::camera::{Ray, RayMap};
 use glam::{DMat2, DVec2};
 
@@ -86,7 +86,7 @@ fn quadratic_roots([c0, c1, c2]: [f64; 3]) -> [f64; 2] {
 
 /// The box around a displaced cell.
 fn bounds(cell: &Cell) -> (DVec2, DVec2) {
-    let (lo, hi) = cell.to.iter().fold(EMPTY, |b, q| join(b, (*q, *q)));
+    let (lo, hi) = around(&cell.to);
     // u and v may be outside [0, 1] at both ends
     let tolerance = (hi - lo) * (4.0 * BORDER_ROUNDING);
     (lo - tolerance, hi + tolerance)
