@@ -27,7 +27,7 @@ use crate::camera::kinds::pinhole::Pinhole;
 use crate::camera::moving::Moving;
 use crate::camera::optics::Surface;
 use crate::camera::recipe::{Surroundings, Triangles};
-use crate::camera::spec::CameraSpec;
+use crate::camera::spec::{CameraKind, CameraSpec};
 use crate::geometry::load::Object;
 use crate::geometry::mesh::joined;
 use crate::geometry::place;
@@ -119,7 +119,10 @@ impl Scene {
             depth_range: None,
             size: None,
             camera: CameraSpec {
-                kind: Pinhole { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, vfov: 40.0 }.into(),
+                kind: CameraKind::new(
+                    "pinhole",
+                    Pinhole { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, vfov: 40.0 },
+                ),
                 t_range: [0.0, f64::INFINITY],
             },
             camera_keys: Arc::default(),

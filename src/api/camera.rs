@@ -7,7 +7,7 @@ use crate::camera::Field;
 use crate::camera::kinds::raymap::RayArrays;
 use crate::camera::kinds::{KINDS, calibrated};
 use crate::camera::project::{Images, Projector};
-use crate::camera::spec::CameraSpec;
+use crate::camera::spec::{CameraKind, CameraSpec};
 use crate::engine::call_ms::ms_since;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;
@@ -100,7 +100,7 @@ impl Camera {
         }
         let vectors = |list: &[[f64; 3]]| list.iter().map(|v| DVec3::from_array(*v)).collect::<Vec<_>>();
         let field = Field::new(width, height, &vectors(origins), &vectors(directions))?;
-        let kind = RayArrays { field: Arc::new(field) }.into();
+        let kind = CameraKind::new("raymap", RayArrays { field: Arc::new(field) });
         let camera = crate::camera::Camera::new(&CameraSpec { kind, t_range }, None)?;
         Ok(Camera::compiled(Arc::new(camera), Arc::default(), started))
     }

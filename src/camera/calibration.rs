@@ -101,6 +101,11 @@ impl Coefficients {
 }
 
 impl Model {
+    /// A projection without distortion.
+    pub fn plain(projection: Projection) -> Model {
+        Model { projection, distortions: Vec::new() }
+    }
+
     /// A picture on the plane z = 1 with OpenCV's coefficients.
     pub fn brown(k: &[f64]) -> Model {
         Model { projection: Projection::Perspective, distortions: vec![Coefficients::of_opencv(k)] }
@@ -116,7 +121,7 @@ impl Model {
     pub fn field_of_view(omega: f64) -> Model {
         let omega = omega.abs();
         let projection = if omega == 0.0 { Projection::Perspective } else { Projection::FieldOfView { omega } };
-        Model { projection, distortions: Vec::new() }
+        Model::plain(projection)
     }
 }
 

@@ -96,14 +96,10 @@ pub const KINDS: &[Kind] = &[
     Kind { name: "panini", help: include_str!("help/panini.txt"), read: panini::read },
     Kind { name: "display", help: include_str!("help/display.txt"), read: display::read },
     Kind { name: "lightfield", help: include_str!("help/lightfield.txt"), read: lightfield::read },
-    Kind { name: "reflection", help: include_str!("help/reflection.txt"), read: |t| reflection::read(t, read_part) },
-    Kind {
-        name: "refraction",
-        help: include_str!("help/refraction.txt"),
-        read: |t| reflection::read_refraction(t, read_part),
-    },
+    Kind { name: "reflection", help: include_str!("help/reflection.txt"), read: reflection::read },
+    Kind { name: "refraction", help: include_str!("help/refraction.txt"), read: reflection::read_refraction },
     Kind { name: "lidar", help: include_str!("help/lidar.txt"), read: lidar::read },
-    Kind { name: "composite", help: include_str!("help/composite.txt"), read: |t| composite::read(t, read_part) },
+    Kind { name: "composite", help: include_str!("help/composite.txt"), read: composite::read },
 ];
 
 pub(crate) fn read_camera(field: &Field) -> Result<CameraSpec> {

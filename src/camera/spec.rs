@@ -2,8 +2,6 @@
 //! pieces) are checked when the camera is built.
 
 use super::recipe::Recipe;
-use crate::input::Result;
-use crate::input::reader::Field;
 use std::any::Any;
 use std::sync::Arc;
 
@@ -39,6 +37,3 @@ impl PartialEq for CameraKind {
         self.name == other.name && self.recipe.equals(&*other.recipe)
     }
 }
-
-/// Reads a camera that is part of another: [`super::kinds`] gives it to the kinds that have parts.
-pub type PartReader = fn(&Field) -> Result<CameraSpec>;

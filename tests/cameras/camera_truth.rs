@@ -47,7 +47,7 @@ fn pinhole() {
     for _ in 0..20 {
         let (eye, target, up) = (9.0 * rng.vector(), 9.0 * rng.vector(), rng.direction());
         let vfov = 5.0 + 160.0 * rng.unit();
-        let camera = camera(CameraKind::from(Pinhole { eye, target, up, vfov }), SIZE, FORWARD);
+        let camera = camera(CameraKind::new("pinhole", Pinhole { eye, target, up, vfov }), SIZE, FORWARD);
         let f = (target - eye).normalize();
         let r = f.cross(up).normalize();
         let u = r.cross(f);
@@ -63,7 +63,7 @@ fn orthographic() {
     for _ in 0..20 {
         let (eye, target, up) = (9.0 * rng.vector(), 9.0 * rng.vector(), rng.direction());
         let height = 0.1 + 9.0 * rng.unit();
-        let camera = camera(CameraKind::from(Orthographic { eye, target, up, height }), SIZE, FORWARD);
+        let camera = camera(CameraKind::new("orthographic", Orthographic { eye, target, up, height }), SIZE, FORWARD);
         let f = (target - eye).normalize();
         let r = f.cross(up).normalize();
         let u = r.cross(f);
@@ -79,8 +79,8 @@ fn orthographic() {
 fn what_is_up_and_to_the_right_is_up_and_to_the_right_in_the_picture() {
     let (eye, target, up) = (DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y);
     for kind in [
-        CameraKind::from(Pinhole { eye, target, up, vfov: 60.0 }),
-        CameraKind::from(Orthographic { eye, target, up, height: 4.0 }),
+        CameraKind::new("pinhole", Pinhole { eye, target, up, vfov: 60.0 }),
+        CameraKind::new("orthographic", Orthographic { eye, target, up, height: 4.0 }),
     ] {
         let camera = camera(kind, SIZE, FORWARD);
         let at = |i: u32, j: u32| {
@@ -95,7 +95,7 @@ fn what_is_up_and_to_the_right_is_up_and_to_the_right_in_the_picture() {
 #[test]
 fn a_known_point_lands_on_its_pixel() {
     // 90 degrees high, 4:3: at distance 3 the picture is 8 x 6 wide, so (0.5, 1.5) is at a = 9/16, b = 1/4
-    let kind = CameraKind::from(Pinhole { eye: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y, vfov: 90.0 });
+    let kind = CameraKind::new("pinhole", Pinhole { eye: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y, vfov: 90.0 });
     let camera = camera(kind, (80, 60), FORWARD);
     let point = DVec3::new(0.5, 1.5, -3.0);
     let miss = |i: u32, j: u32| {
@@ -114,7 +114,7 @@ fn general_linear_cameras_and_their_classes() {
     for _ in 0..20 {
         let mut three = || [5.0 * rng.vector(), 5.0 * rng.vector(), 5.0 * rng.vector()];
         let (n, f) = (three(), three());
-        assert_rays("glc", &camera(CameraKind::from(Glc { near: n, far: f }), SIZE, FORWARD), |a, b| {
+        assert_rays("glc", &camera(CameraKind::new("glc", Glc { near: n, far: f }), SIZE, FORWARD), |a, b| {
             let p = n[0] + a * (n[1] - n[0]) + b * (n[2] - n[0]);
             let q = f[0] + a * (f[1] - f[0]) + b * (f[2] - f[0]);
             (p, q - p)
@@ -198,7 +198,7 @@ fn halves(first: [u32; 3], second: [u32; 3]) -> CameraKind {
         CameraVertex { image: [a, b], near, far: near + DVec3::NEG_Z, w: 1.0 }
     };
     let vertices = vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(0.0, 1.0), vertex(1.0, 1.0)];
-    CameraKind::from(MeshCameraSpec { vertices, triangles: vec![first, second], normalize: false })
+    CameraKind::new("mesh", MeshCameraSpec { vertices, triangles: vec![first, second], normalize: false })
 }
 
 #[test]
@@ -234,22 +234,23 @@ fn pieces_that_overlap_or_have_no_area_are_errors_that_name_the_triangles() {
     let mut spec = mesh_spec(1, 8, 8, MeshShape::default());
     // one vertex of the middle pulled over its neighbours
     spec.vertices[40].image = [0.9, 0.9];
-    let far = error(CameraKind::from(spec.clone()));
+    let far = error(CameraKind::new("mesh", spec.clone()));
     assert!(far.contains("overlap"), "{far}");
     spec.triangles = Vec::new();
-    assert!(error(CameraKind::from(spec)).contains("no pieces"));
+    assert!(error(CameraKind::new("mesh", spec)).contains("no pieces"));
 }
 
 #[test]
 fn cameras_without_a_picture_are_errors() {
-    let pinhole = |eye, target, up, vfov| error(CameraKind::from(Pinhole { eye, target, up, vfov }));
+    let pinhole = |eye, target, up, vfov| error(CameraKind::new("pinhole", Pinhole { eye, target, up, vfov }));
     assert!(pinhole(DVec3::X, DVec3::X, DVec3::Y, 40.0).contains("eye and target"));
     assert!(pinhole(DVec3::ZERO, DVec3::Y, DVec3::Y, 40.0).contains("parallel"));
     assert!(pinhole(DVec3::ZERO, DVec3::X, DVec3::ZERO, 40.0).contains("up"));
     for vfov in [0.0, -1.0, 180.0, f64::NAN] {
         assert!(pinhole(DVec3::ZERO, DVec3::X, DVec3::Y, vfov).contains("vfov"));
     }
-    let orthographic = CameraKind::from(Orthographic { eye: DVec3::ZERO, target: DVec3::X, up: DVec3::Y, height: 0.0 });
+    let orthographic =
+        CameraKind::new("orthographic", Orthographic { eye: DVec3::ZERO, target: DVec3::X, up: DVec3::Y, height: 0.0 });
     assert!(error(orthographic).contains("height"));
-    assert!(error(CameraKind::from(Glc { near: [DVec3::X; 3], far: [DVec3::X; 3] })).contains("direction"));
+    assert!(error(CameraKind::new("glc", Glc { near: [DVec3::X; 3], far: [DVec3::X; 3] })).contains("direction"));
 }

@@ -26,7 +26,11 @@ fn linear_cameras_of_every_class() {
     }
     check("pinhole", &camera(pinhole(DVec3::new(0.3, 0.4, 4.0), DVec3::ZERO, 40.0), SIZE, FORWARD), 20);
     let (eye, target, up) = (DVec3::new(2.0, 1.0, 3.0), DVec3::ZERO, DVec3::Y);
-    check("orthographic", &camera(CameraKind::from(Orthographic { eye, target, up, height: 2.5 }), SIZE, FORWARD), 21);
+    check(
+        "orthographic",
+        &camera(CameraKind::new("orthographic", Orthographic { eye, target, up, height: 2.5 }), SIZE, FORWARD),
+        21,
+    );
 }
 
 #[test]
@@ -37,7 +41,7 @@ fn a_point_has_three_images_in_a_continuous_camera() {
         let mut rng = Rng(seed);
         let near = [0; 3].map(|_| 3.0 * rng.vector());
         let far = [0; 3].map(|_| 3.0 * rng.vector());
-        let camera = camera(CameraKind::from(Glc { near, far }), SIZE, ALL_T);
+        let camera = camera(CameraKind::new("glc", Glc { near, far }), SIZE, ALL_T);
         let counts = images_see_their_points("cglc", &camera, &mut rng, 60);
         (0..8).for_each(|k| seen[k] += counts[k]);
         pixels_are_images_of_what_they_see("cglc", &camera, &mut rng, 60);
@@ -175,7 +179,7 @@ fn chain() -> Camera {
     let part = |from: f64, to: f64| {
         let corners = [DVec2::new(-0.4, 0.3), DVec2::new(0.4, 0.3), DVec2::new(-0.4, -0.3)];
         let on = |t: f64| corners.map(|c| DVec3::new(c.x * t, c.y * t, 4.0 - t));
-        camera(CameraKind::from(Glc { near: on(from), far: on(to) }), SIZE, [0.0, 1.0])
+        camera(CameraKind::new("glc", Glc { near: on(from), far: on(to) }), SIZE, [0.0, 1.0])
     };
     let layers = [part(1.0, 4.0), part(4.0, 6.0)].into_iter().flat_map(|c| c.layers).collect();
     Camera { layers, ..part(1.0, 4.0) }
@@ -199,7 +203,7 @@ fn chains() {
 #[test]
 fn known_points_land_at_known_places() {
     // 90 degrees high, 4:3: at distance 3 the picture is 8 x 6 wide, so (0.5, 1.5) is at a = 9/16, b = 1/4
-    let kind = CameraKind::from(Pinhole { eye: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y, vfov: 90.0 });
+    let kind = CameraKind::new("pinhole", Pinhole { eye: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y, vfov: 90.0 });
     let camera = camera(kind, (80, 60), FORWARD);
     let projector = Projector::new(&camera);
     let images = projector.project(DVec3::new(0.5, 1.5, -3.0)).images;
@@ -223,12 +227,12 @@ fn points_on_slits_and_eyes_are_told() {
     assert_eq!(degenerate(&at_eye, eye + 1e-6 * DVec3::X), None);
     // the rays of a two-plane pinhole meet behind the near plane, at t = -1/2
     let (near, far) = two_plane(DMat2::from_diagonal(DVec2::splat(1.5)), DMat2::from_diagonal(DVec2::splat(4.5)));
-    let two = CameraKind::from(Glc { near, far });
+    let two = CameraKind::new("glc", Glc { near, far });
     assert_eq!(degenerate(&camera(two.clone(), SIZE, ALL_T), 4.0 * DVec3::Z), Some(Degenerate::Eye));
     assert_eq!(degenerate(&camera(two, SIZE, FORWARD), 4.0 * DVec3::Z), None);
     // slits at t = -1/2 (x = 0 there) and t = -1 (y = 0 there)
     let (near, far) = two_plane(DMat2::from_diagonal(DVec2::new(1.0, 1.0)), DMat2::from_diagonal(DVec2::new(3.0, 2.0)));
-    let slits = camera(CameraKind::from(Glc { near, far }), SIZE, ALL_T);
+    let slits = camera(CameraKind::new("glc", Glc { near, far }), SIZE, ALL_T);
     assert_eq!(degenerate(&slits, DVec3::new(0.0, 0.2, 4.0)), Some(Degenerate::Slit));
     assert_eq!(degenerate(&slits, DVec3::new(0.4, 0.0, 6.0)), Some(Degenerate::Slit));
     // the slit goes on where no ray of the image does
@@ -246,7 +250,7 @@ fn a_slit_along_which_t_changes() {
     // The middle row's rays are one line, their origins slide along it: a point on it is seen all along the row.
     let near = [DVec3::new(0.0, 0.0, 2.0), DVec3::new(0.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 2.0)];
     let far = [DVec3::new(-0.1, 0.0, -2.0), DVec3::new(-0.1, 0.0, -3.0), DVec3::new(0.1, 1.0, -2.0)];
-    let rows = camera(CameraKind::from(Glc { near, far }), SIZE, FORWARD);
+    let rows = camera(CameraKind::new("glc", Glc { near, far }), SIZE, FORWARD);
     assert_eq!(degenerate(&rows, DVec3::new(0.0, 0.5, 0.0)), Some(Degenerate::Slit));
     assert_eq!(degenerate(&rows, DVec3::new(0.01, 0.5, 0.0)), None);
     // before every origin, after t = 0
@@ -254,7 +258,7 @@ fn a_slit_along_which_t_changes() {
     // A slit that t = 0 meets at a slant: the near triangle has no area.
     let near = [DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 0.0, 1.5), DVec3::new(0.0, 0.0, 1.0)];
     let far = [DVec3::new(0.2, 0.0, -1.0), DVec3::new(0.7, 0.1, -1.0), DVec3::new(0.2, 1.0, -1.0)];
-    let slanted = camera(CameraKind::from(Glc { near, far }), SIZE, ALL_T);
+    let slanted = camera(CameraKind::new("glc", Glc { near, far }), SIZE, ALL_T);
     assert_eq!(degenerate(&slanted, DVec3::new(0.5, 0.0, 1.25)), Some(Degenerate::Slit));
     assert_eq!(degenerate(&slanted, DVec3::new(0.5, 0.1, 1.25)), None);
 }

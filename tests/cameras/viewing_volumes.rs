@@ -72,7 +72,7 @@ fn perspective_orthographic_and_inverse_perspective() {
         }
     }
     // c = 1 is the pinhole
-    let pinhole = CameraKind::from(Pinhole { eye: EYE, target: DVec3::ZERO, up: DVec3::Y, vfov: 40.0 });
+    let pinhole = CameraKind::new("pinhole", Pinhole { eye: EYE, target: DVec3::ZERO, up: DVec3::Y, vfov: 40.0 });
     let (pinhole, found) = (camera(pinhole, SIZE, FORWARD), load("kind = 'irregular_perspective'\nconvergence = 1"));
     for (i, j) in pixels() {
         let (p, q) = (pinhole.ray(i, j).unwrap(), found.ray(i, j).unwrap());

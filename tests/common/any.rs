@@ -304,18 +304,18 @@ fn any_camera(rng: &mut Rng, size: (u32, u32), place: impl Fn(DVec3) -> DVec3) -
     match rng.below(12) {
         0 => {
             let (eye, target) = (place(eye), place(target));
-            of(CameraKind::from(Pinhole { eye, target, up, vfov: 10.0 + 120.0 * rng.unit() }))
+            of(CameraKind::new("pinhole", Pinhole { eye, target, up, vfov: 10.0 + 120.0 * rng.unit() }))
         }
         1 => {
             let height = (place(DVec3::X) - place(DVec3::ZERO)).length() * (0.5 + 2.0 * rng.unit());
             let (eye, target) = (place(eye), place(target));
-            of(CameraKind::from(Orthographic { eye, target, up, height }))
+            of(CameraKind::new("orthographic", Orthographic { eye, target, up, height }))
         }
         // between any two triangles
         2..=4 => {
             let corner = |rng: &mut Rng, z: f64| [0, 1, 2].map(|_| 1.5 * rng.vector() + DVec3::new(0.0, 0.0, z));
             let (near, far) = (corner(rng, 2.0), corner(rng, -2.0));
-            of(CameraKind::from(Glc { near: near.map(&place), far: far.map(&place) }))
+            of(CameraKind::new("glc", Glc { near: near.map(&place), far: far.map(&place) }))
         }
         // between two squares, turned and narrowed to nothing but a little
         5 | 6 => {
@@ -325,7 +325,7 @@ fn any_camera(rng: &mut Rng, size: (u32, u32), place: impl Fn(DVec3) -> DVec3) -
             let corners = [(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)];
             let near = corners.map(|(x, y)| DVec3::new(x, y, 2.0));
             let far = corners.map(|(x, y)| DVec3::new(map(x, y)[0], map(x, y)[1], -2.0));
-            of(CameraKind::from(Glc { near: near.map(&place), far: far.map(&place) }))
+            of(CameraKind::new("glc", Glc { near: near.map(&place), far: far.map(&place) }))
         }
         7 => (
             camera(mesh_camera(rng.word(), 1 + rng.below(6) as u32, 1 + rng.below(6) as u32, shape), size, t_range),

@@ -18,7 +18,10 @@ pub fn two_plane(a: DMat2, b: DMat2) -> ([DVec3; 3], [DVec3; 3]) {
 
 /// A GLC of every class, by name.
 pub fn glc_of_each_class() -> Vec<(&'static str, CameraKind)> {
-    corners_of_each_class().into_iter().map(|(name, near, far)| (name, CameraKind::from(Glc { near, far }))).collect()
+    corners_of_each_class()
+        .into_iter()
+        .map(|(name, near, far)| (name, CameraKind::new("glc", Glc { near, far })))
+        .collect()
 }
 
 /// The same by its corners.
@@ -50,7 +53,7 @@ pub fn corners_of_each_class() -> Vec<(&'static str, [DVec3; 3], [DVec3; 3])> {
 /// A pinhole at `eye` that looks at `target`.
 pub fn pinhole(eye: DVec3, target: DVec3, vfov: f64) -> CameraKind {
     let up = if (target - eye).normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
-    CameraKind::from(Pinhole { eye, target, up, vfov })
+    CameraKind::new("pinhole", Pinhole { eye, target, up, vfov })
 }
 
 /// How the pieces of [`mesh_camera`] differ from a plain, continuous one.

@@ -29,7 +29,7 @@ pub const ALL_T: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// A scene of one mesh under a headlight. Its own camera is never used.
 pub fn scene(mesh: Mesh) -> Scene {
-    let kind = CameraKind::from(Pinhole { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, vfov: 40.0 });
+    let kind = CameraKind::new("pinhole", Pinhole { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, vfov: 40.0 });
     Scene {
         objects: vec![anamorph::internals::geometry::load::Object {
             name: "mesh".into(),
@@ -59,8 +59,8 @@ pub fn scene(mesh: Mesh) -> Scene {
 }
 
 /// The camera of `kind` for an image of `width` x `height`.
-pub fn camera(kind: impl Into<CameraKind>, (width, height): (u32, u32), t_range: [f64; 2]) -> Camera {
-    Camera::new(&CameraSpec { kind: kind.into(), t_range }, Some((width, height))).unwrap()
+pub fn camera(kind: CameraKind, (width, height): (u32, u32), t_range: [f64; 2]) -> Camera {
+    Camera::new(&CameraSpec { kind, t_range }, Some((width, height))).unwrap()
 }
 
 /// A mesh of one two-sided material.

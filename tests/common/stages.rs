@@ -203,7 +203,7 @@ pub fn cases() -> Vec<Case> {
     list.push(Case::new("both ways", with_twins(part_one_sided(soup(22, 120, 0.6)), 60), inside(ALL_T)));
     // pixel centres k / 32 - 63 / 64 and vertices in the same places: every product is exact, edges are met exactly
     let straight = cameras::two_plane(DMat2::from_diagonal(DVec2::splat(2.0)), DMat2::from_diagonal(DVec2::splat(2.0)));
-    let straight = common::camera(CameraKind::from(Glc { near: straight.0, far: straight.1 }), (64, 64), FORWARD);
+    let straight = common::camera(CameraKind::new("glc", Glc { near: straight.0, far: straight.1 }), (64, 64), FORWARD);
     let upright = |p: DVec3| DVec3::new(p.x + 1.0 / 64.0, p.z + 1.0 / 64.0, 0.25 * p.x);
     let mut slab = plane(2.0, 16);
     slab.normals.clear();
@@ -245,7 +245,7 @@ pub fn random_case(seed: u64) -> Case {
     let range = [FORWARD, ALL_T, [a.min(b), a.max(b)], [a, f64::INFINITY]][rng.below(4)];
     let offset = [0.0, 0.0, 30.0, 1e4][rng.below(4)] * rng.vector();
     let mut triple = |centre: DVec3| [0, 1, 2].map(|_| centre + 2.0 * rng.vector() + offset);
-    let any_glc = CameraKind::from(Glc { near: triple(2.0 * DVec3::Z), far: triple(-2.0 * DVec3::Z) });
+    let any_glc = CameraKind::new("glc", Glc { near: triple(2.0 * DVec3::Z), far: triple(-2.0 * DVec3::Z) });
     let shape =
         MeshShape { normalize: rng.below(2) == 0, weights: rng.below(2) == 0, discontinuous: rng.below(2) == 0 };
     let mut pieces = cameras::mesh_spec(seed, 1 + rng.below(6) as u32, 1 + rng.below(6) as u32, shape);

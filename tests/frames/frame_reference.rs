@@ -64,7 +64,7 @@ fn pinhole_and_orthographic() {
     let scene = scene(generate::teapot(8));
     let target = DVec3::new(0.2, 1.2, 0.0);
     let eye = DVec3::new(4.0, 6.0, 9.0);
-    let orthographic = CameraKind::from(Orthographic { eye, target, up: DVec3::Y, height: 5.0 });
+    let orthographic = CameraKind::new("orthographic", Orthographic { eye, target, up: DVec3::Y, height: 5.0 });
     for (name, kind) in [("pinhole", pinhole(eye, target, 35.0)), ("orthographic", orthographic)] {
         let Some((frame, _, seen)) = check(name, &scene, &camera(kind, SIZE, FORWARD)) else { return };
         assert!(hits(&frame) > 1000 && seen.wrong_hit_miss.unwrap() <= seen.unsafe_pixels.unwrap());
@@ -127,7 +127,7 @@ fn pieces_that_leave_part_of_the_image_free() {
     // beyond the image on two sides, and turned the other way round
     spec.vertices.iter_mut().for_each(|v| v.image = [1.3 * v.image[0] - 0.4, 0.9 * v.image[1] + 0.2]);
     spec.triangles.iter_mut().step_by(2).for_each(|t| t.swap(1, 2));
-    let camera = camera(CameraKind::from(spec), SIZE, FORWARD);
+    let camera = camera(CameraKind::new("mesh", spec), SIZE, FORWARD);
     let Some((frame, ..)) = check("holes", &ball_in_cloud(), &camera) else { return };
     let free = (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j))).filter(|&(i, j)| camera.ray(i, j).is_none());
     let background: Vec<usize> = free.map(|(i, j)| (j * SIZE.0 + i) as usize).collect();
@@ -211,7 +211,8 @@ fn hits_are_moved_to_the_start_from_behind_a_wall() {
         for (t_met, t_range, (id, t)) in
             [(1.8, FORWARD, (3, 0.0)), (1.8, [-3.0, 3.0], (0, 0.2)), (2.2, FORWARD, (0, 0.2))]
         {
-            let (scene, camera) = (scene_met_at(t_met), camera(CameraKind::from(view.clone()), (16, 16), t_range));
+            let (scene, camera) =
+                (scene_met_at(t_met), camera(CameraKind::new("orthographic", view.clone()), (16, 16), t_range));
             let run = RunOptions { method, ..Default::default() };
             let Some(rendered) = render_with(&scene, &camera, without, &run) else { return };
             let frame = rendered.frame;
@@ -222,7 +223,7 @@ fn hits_are_moved_to_the_start_from_behind_a_wall() {
         }
         // every sample too
         let wanted = Wanted { samples: 4, ..Wanted::of(vec![Channel::A, Channel::T]) };
-        let camera = camera(CameraKind::from(view.clone()), (16, 16), FORWARD);
+        let camera = camera(CameraKind::new("orthographic", view.clone()), (16, 16), FORWARD);
         let (scene, run) = (scene_met_at(1.8), RunOptions { method, ..Default::default() });
         let frame = engine(&camera, without).unwrap().render(&scene, &camera, &wanted, &run).unwrap().frame;
         assert!(frame.f32(Channel::A).unwrap().iter().all(|&share| share == 1.0), "{method:?} {without:?}: samples");
@@ -241,7 +242,7 @@ fn no_pixel_is_wrong_however_near_an_edge() {
         let scene = scene(moved(ball.clone(), by));
         for (name, kind) in glc_of_each_class() {
             let Some(&Glc { near, far }) = kind.recipe() else { unreachable!() };
-            let kind = CameraKind::from(Glc { near: near.map(|p| by + p), far: far.map(|p| by + p) });
+            let kind = CameraKind::new("glc", Glc { near: near.map(|p| by + p), far: far.map(|p| by + p) });
             let camera = camera(kind, (200, 150), FORWARD);
             let Some(rendered) = render_with(&scene, &camera, Without::Nothing, &Default::default()) else { return };
             let (_, seen) = assert_right(&format!("{name} at {offset}"), &scene, &camera, &rendered.frame);
@@ -361,7 +362,7 @@ fn models_of_other_people() {
         let (glc_name, kind) = glc_of_each_class().swap_remove(3);
         let Some(&Glc { near, far }) = kind.recipe() else { unreachable!() };
         let placed = |v: [DVec3; 3]| v.map(|p| middle + reach * p);
-        kinds.push((glc_name, CameraKind::from(Glc { near: placed(near), far: placed(far) })));
+        kinds.push((glc_name, CameraKind::new("glc", Glc { near: placed(near), far: placed(far) })));
         for (kind_name, kind) in kinds {
             let Some((frame, ..)) = check(&format!("{name} {kind_name}"), &scene, &camera(kind, SIZE, FORWARD)) else {
                 return;

@@ -77,7 +77,7 @@ fn plan(camera: &Camera, binding_limit: u64) -> Plan {
 fn random_glc(rng: &mut Rng) -> CameraKind {
     let offset = [0.0, 1.0, 1e3, 1e6][rng.below(4)] * rng.vector();
     let mut three = || [offset + 5.0 * rng.vector(), offset + 5.0 * rng.vector(), offset + 5.0 * rng.vector()];
-    CameraKind::from(Glc { near: three(), far: three() })
+    CameraKind::new("glc", Glc { near: three(), far: three() })
 }
 
 /// Rays with nothing in common.
@@ -102,7 +102,7 @@ fn cameras() -> Vec<(String, Camera)> {
     }
     let mut holes = mesh_spec(9, 12, 9, MeshShape::default());
     holes.triangles.retain(|t| (t[0] + t[2]) % 5 != 0);
-    list.push(("holes".into(), CameraKind::from(holes)));
+    list.push(("holes".into(), CameraKind::new("mesh", holes)));
     let mut list: Vec<(String, Camera)> =
         list.into_iter().map(|(name, kind)| (name, camera(kind, SIZE, FORWARD))).collect();
     list.push(("ray map".into(), raymap(SIZE.0, SIZE.1, FORWARD)));

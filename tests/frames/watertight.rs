@@ -57,7 +57,7 @@ fn cameras_inside(at: DVec3) -> Vec<(String, Camera)> {
     for (name, kind) in glc_of_each_class() {
         let Some(&Glc { near, far }) = kind.recipe() else { unreachable!() };
         let placed = |v: [DVec3; 3]| v.map(|p| at + 0.1 * p);
-        list.push((name.into(), CameraKind::from(Glc { near: placed(near), far: placed(far) })));
+        list.push((name.into(), CameraKind::new("glc", Glc { near: placed(near), far: placed(far) })));
     }
     list.into_iter().map(|(name, kind)| (name, camera(kind, SIZE, FORWARD))).collect()
 }
@@ -122,9 +122,11 @@ const ALIGNED: u32 = 64;
 fn exact_cameras() -> Vec<(&'static str, Camera)> {
     let side = ALIGNED as f64;
     let v = DVec3::new;
-    let orthographic =
-        CameraKind::from(Orthographic { eye: v(0.0, 0.0, 8.0), target: DVec3::ZERO, up: DVec3::Y, height: side });
-    let glc = |near, far| CameraKind::from(Glc { near, far });
+    let orthographic = CameraKind::new(
+        "orthographic",
+        Orthographic { eye: v(0.0, 0.0, 8.0), target: DVec3::ZERO, up: DVec3::Y, height: side },
+    );
+    let glc = |near, far| CameraKind::new("glc", Glc { near, far });
     // every ray through the origin: a pinhole whose angles need no tangent
     let central = glc([DVec3::ZERO; 3], [v(-32.0, 32.0, -1.0), v(32.0, 32.0, -1.0), v(-32.0, -32.0, -1.0)]);
     let cross_slit = glc(
@@ -245,7 +247,7 @@ fn an_aligned_grid_far_from_the_origin() {
     for (offset, height) in [(1e3, 0.64), (1e4, 0.64), (1e4, 6.4), (1e6, 64.0), (1e6, 6.4), (1e7, 64.0)] {
         let target = offset * DVec3::new(1.1, -0.7, 0.3);
         let eye = target + DVec3::new(0.0, 0.0, height);
-        let kind = CameraKind::from(Orthographic { eye, target, up: DVec3::Y, height });
+        let kind = CameraKind::new("orthographic", Orthographic { eye, target, up: DVec3::Y, height });
         let camera = camera(kind, (ALIGNED, ALIGNED), FORWARD);
         let grid = pixel_grid(&camera, &mut Rng(1), 1, height);
         let name = format!("a grid at {offset:e}, {height} high");

@@ -52,7 +52,7 @@ fn far_off(kind: CameraKind, by: DVec3, scale: f64) -> CameraKind {
     for v in &mut mesh.vertices {
         (v.near, v.far) = (scale * v.near + by, scale * v.far + by);
     }
-    CameraKind::from(mesh)
+    CameraKind::new("mesh", mesh)
 }
 
 /// Cameras, and the cube that their points are in: its centre and half its side.

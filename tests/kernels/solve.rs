@@ -34,9 +34,13 @@ fn cameras() -> Vec<(String, Camera, f64)> {
         let mut rng = Rng(seed);
         let near = [0; 3].map(|_| 3.0 * rng.vector());
         let far = [0; 3].map(|_| 3.0 * rng.vector());
-        all.push((format!("glc {seed}"), camera(CameraKind::from(Glc { near, far }), SIZE, ALL_T), 0.9));
+        all.push((format!("glc {seed}"), camera(CameraKind::new("glc", Glc { near, far }), SIZE, ALL_T), 0.9));
         let range = [rng.signed(), 1.0 + rng.unit()];
-        all.push((format!("glc {seed} in {range:?}"), camera(CameraKind::from(Glc { near, far }), SIZE, range), 0.9));
+        all.push((
+            format!("glc {seed} in {range:?}"),
+            camera(CameraKind::new("glc", Glc { near, far }), SIZE, range),
+            0.9,
+        ));
     }
     for weights in [false, true] {
         let shape = MeshShape { weights, discontinuous: weights, ..Default::default() };

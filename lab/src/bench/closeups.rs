@@ -154,7 +154,7 @@ fn image_based(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Result<Ve
     let eye = middle.ok_or_else(|| Error::input("the camera's middle pixel has no ray"))?.origin;
     let mut faces = Vec::new();
     for (forward, up) in FACES {
-        let kind = CameraKind::from(Pinhole { eye, target: eye + forward, up, vfov: 90.0 });
+        let kind = CameraKind::new("pinhole", Pinhole { eye, target: eye + forward, up, vfov: 90.0 });
         let spec = CameraSpec { kind, t_range: camera.t_range };
         let face = Camera::in_scene(&spec, Some((SIDE, SIDE)), scene.surroundings(), &Loading::default())?;
         faces.push(frame(engine, scene, &face, FACE_SAMPLES, 1)?);

@@ -2,13 +2,14 @@
 
 mod parts;
 
+use super::read_part;
 use crate::camera::composition::{Composition, Shown};
 use crate::camera::curve::Curves;
 use crate::camera::field::Field;
 use crate::camera::notes::Notes;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::region::Region;
-use crate::camera::spec::{CameraSpec, PartReader};
+use crate::camera::spec::CameraSpec;
 use crate::camera::values::number_if;
 use crate::camera::{Camera, Rays};
 use crate::image::size::check_size;
@@ -43,7 +44,7 @@ struct Member {
 /// Most cameras: a pixel asks the regions one by one.
 const CAMERAS_MAX: usize = 256;
 
-pub fn read(table: &Table, read_part: PartReader) -> Result<Arc<dyn Recipe>> {
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&["kind", "cameras", "master"])?;
     let field = table.need("cameras", "[{ camera = { kind = \"pinhole\", ... }, region = { ... } }]")?;
     let items = field.items("a list of tables with a camera and its region")?;
@@ -52,7 +53,7 @@ pub fn read(table: &Table, read_part: PartReader) -> Result<Arc<dyn Recipe>> {
         return Err(field.error(format_args!("{count} cameras; a composite has 1 to {CAMERAS_MAX}")));
     }
     let tables = items.map(|item| item.table()).collect::<Result<Vec<Table>>>()?;
-    let members: Vec<Member> = tables.iter().map(|table| Member::read(table, read_part)).collect::<Result<_>>()?;
+    let members: Vec<Member> = tables.iter().map(Member::read).collect::<Result<_>>()?;
     let master = table.or("master", None, |field| Ok(Some(field.integer(0, count as u64 - 1)? as usize)))?;
     if let (None, Some(k)) = (master, members.iter().position(|member| member.objects.is_some())) {
         return Err(tables[k]
@@ -62,7 +63,7 @@ pub fn read(table: &Table, read_part: PartReader) -> Result<Arc<dyn Recipe>> {
 }
 
 impl Member {
-    fn read(table: &Table, read_part: PartReader) -> Result<Member> {
+    fn read(table: &Table) -> Result<Member> {
         table.allow(&["camera", "region", "frame", "priority", "feather", "objects"])?;
         let region = table.or("region", Region::Whole, Region::read)?;
         Ok(Member {

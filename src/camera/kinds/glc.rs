@@ -3,7 +3,6 @@
 use crate::camera::bundle::Bundle;
 use crate::camera::glc::of_planes;
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::spec::CameraKind;
 use crate::camera::{Pieces, Rays};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
@@ -30,12 +29,6 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 fn read_corners(field: &Field) -> Result<[DVec3; 3]> {
     let [at_0, at_a, at_b] = field.array::<3>("three points, as [[x, y, z], [x, y, z], [x, y, z]]")?;
     Ok([at_0.vec3()?, at_a.vec3()?, at_b.vec3()?])
-}
-
-impl From<Glc> for CameraKind {
-    fn from(recipe: Glc) -> CameraKind {
-        CameraKind::new("glc", recipe)
-    }
 }
 
 impl Recipe for Glc {

@@ -4,7 +4,6 @@ use crate::camera::Rays;
 use crate::camera::mesh::compile;
 use crate::camera::mesh::spec::{MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::spec::CameraKind;
 use crate::input::Result;
 use crate::input::reader::Table;
 use std::sync::Arc;
@@ -13,12 +12,6 @@ use std::sync::Arc;
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&["kind", "t_range"], &MESH_CAMERA_KEYS[..]].concat())?;
     Ok(Arc::new(read_mesh_camera(table)?))
-}
-
-impl From<MeshCameraSpec> for CameraKind {
-    fn from(recipe: MeshCameraSpec) -> CameraKind {
-        CameraKind::new("mesh", recipe)
-    }
 }
 
 impl Recipe for MeshCameraSpec {

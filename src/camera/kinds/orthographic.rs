@@ -5,7 +5,6 @@ use crate::camera::Rays;
 use crate::camera::bundle::Bundle;
 use crate::camera::pose::{KEYS, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::spec::CameraKind;
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -26,12 +25,6 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&["kind", "t_range"], &KEYS[..], &["height"]].concat())?;
     let (eye, target, up) = Pose::read(table)?.directed();
     Ok(Arc::new(Orthographic { eye, target, up, height: table.need("height", "10")?.number()? }))
-}
-
-impl From<Orthographic> for CameraKind {
-    fn from(recipe: Orthographic) -> CameraKind {
-        CameraKind::new("orthographic", recipe)
-    }
 }
 
 impl Recipe for Orthographic {

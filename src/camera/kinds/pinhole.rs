@@ -5,7 +5,6 @@ use crate::camera::Rays;
 use crate::camera::bundle::Bundle;
 use crate::camera::pose::{KEYS, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::spec::CameraKind;
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -26,12 +25,6 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&["kind", "t_range"], &KEYS[..], &["vfov"]].concat())?;
     let (eye, target, up) = Pose::read(table)?.directed();
     Ok(Arc::new(Pinhole { eye, target, up, vfov: table.need("vfov", "40")?.number()? }))
-}
-
-impl From<Pinhole> for CameraKind {
-    fn from(recipe: Pinhole) -> CameraKind {
-        CameraKind::new("pinhole", recipe)
-    }
 }
 
 impl Recipe for Pinhole {

@@ -1,7 +1,6 @@
 //! `raymap`: a ray for each pixel, from files or arrays.
 
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::spec::CameraKind;
 use crate::camera::{Field, Rays};
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
@@ -33,18 +32,6 @@ pub struct RayArrays {
 impl PartialEq for RayArrays {
     fn eq(&self, other: &RayArrays) -> bool {
         Arc::ptr_eq(&self.field, &other.field)
-    }
-}
-
-impl From<RayArrays> for CameraKind {
-    fn from(recipe: RayArrays) -> CameraKind {
-        CameraKind::new("raymap", recipe)
-    }
-}
-
-impl From<Raymap> for CameraKind {
-    fn from(recipe: Raymap) -> CameraKind {
-        CameraKind::new("raymap", recipe)
     }
 }
 

@@ -3,12 +3,13 @@
 //! Hou, Wei, Shum and Guo 2006, sections 3.1 and 3.2; Yu, Yu and McMillan 2009, section 5.2; for curved eyes Brosz et al. 2007, section
 //! 6.1.
 
+use super::read_part;
 use crate::camera::Camera;
 use crate::camera::optics::facet_error::error_px;
 use crate::camera::optics::shape::{COUNT_MAX, Shape};
 use crate::camera::optics::{Atlas, Bounce, Facets, Law, Optics, Surface};
 use crate::camera::recipe::{Built, Recipe, SceneUse, Setting};
-use crate::camera::spec::{CameraSpec, PartReader};
+use crate::camera::spec::CameraSpec;
 use crate::camera::values::{length, number_if};
 use crate::geometry::bvh::Aabb;
 use crate::geometry::load::load_mesh;
@@ -93,21 +94,21 @@ const ATLAS_MAX: u64 = 4096;
 const RAYS: u64 = 16;
 const RAYS_MAX: u64 = 256;
 
-pub fn read(table: &Table, read_part: PartReader) -> Result<Arc<dyn Recipe>> {
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&SHARED[..], &["mirror"]].concat())?;
     let mirror = table.need("mirror", "{ shape = \"sphere\", radius = 1 }")?;
-    read_optical((table, read_part), &mirror, Bounce::Reflect)
+    read_optical(table, &mirror, Bounce::Reflect)
 }
 
-pub fn read_refraction(table: &Table, read_part: PartReader) -> Result<Arc<dyn Recipe>> {
+pub fn read_refraction(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&SHARED[..], &["lens", "ior", "fresnel"]].concat())?;
     let key = table.need("ior", "1.5")?;
     let ior = number_if(&key, |ior| ior > 0.0, "is no index of refraction; give one above 0")?;
     let lens = table.need("lens", "{ shape = \"sphere\", radius = 1 }")?;
-    read_optical((table, read_part), &lens, Bounce::Refract { ior })
+    read_optical(table, &lens, Bounce::Refract { ior })
 }
 
-fn read_optical((table, read_part): (&Table, PartReader), surface: &Field, bounce: Bounce) -> Result<Arc<dyn Recipe>> {
+fn read_optical(table: &Table, surface: &Field, bounce: Bounce) -> Result<Arc<dyn Recipe>> {
     let eye = table.need("eye", "{ kind = \"pinhole\", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }")?;
     if let Some(range) = eye.table()?.get("t_range") {
         return Err(range.error("belongs beside the kind, not in the eye; move it there"));

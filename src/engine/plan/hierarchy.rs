@@ -411,7 +411,10 @@ mod tests {
             size: None,
             camera_keys: Arc::default(),
             camera: crate::camera::spec::CameraSpec {
-                kind: Orthographic { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, height: 1.0 }.into(),
+                kind: crate::camera::spec::CameraKind::new(
+                    "orthographic",
+                    Orthographic { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, height: 1.0 },
+                ),
                 t_range: [0.0, 1.0],
             },
             caustics: None,

@@ -89,7 +89,7 @@ fn reads_every_key() {
     assert_eq!(scene.lights, [Light::distant(DVec3::new(-1.0, -2.0, -1.0))]);
     assert_eq!(scene.camera.t_range, [-1.0, f64::INFINITY]);
     let (eye, target, up) = (DVec3::new(0.0, 1.0, 5.0), DVec3::ZERO, DVec3::Y);
-    assert_eq!(scene.camera.kind, CameraKind::from(Pinhole { eye, target, up, vfov: 40.0 }));
+    assert_eq!(scene.camera.kind, CameraKind::new("pinhole", Pinhole { eye, target, up, vfov: 40.0 }));
     assert_eq!(scene.output.color, Some("dir/out.png".into()));
     assert_eq!(scene.output.exr, Some("dir/out.exr".into()));
     assert_eq!(scene.dir, Path::new("dir"));
@@ -274,7 +274,7 @@ fn mesh_camera_reads_alike_inline_and_from_a_file() {
     assert_eq!((from_file.triangles[0], from_file.normalize), ([0, 1, 2], true));
     let inline = format!(r#"{{"camera": {{"kind": "mesh", "normalize": true, {}}}"#, &PIECES[1..]);
     let scene = read_named(&inline, Format::Json, "scene.json", &[]).unwrap();
-    assert_eq!(scene.camera.kind, CameraKind::from(from_file));
+    assert_eq!(scene.camera.kind, CameraKind::new("mesh", from_file));
 }
 
 #[test]

@@ -21,7 +21,7 @@ fn straight_projectors_between_planes_are_a_glc() {
         let corners = [q[0], q[1], q[2], q[1] + q[2] - q[0]].map(text).join(", ");
         format!("{{ kind = 'bilinear', corners = [{corners}] }}")
     };
-    let glc = |near, far| camera(CameraKind::from(Glc { near, far }), SIZE, FORWARD);
+    let glc = |near, far| camera(CameraKind::new("glc", Glc { near, far }), SIZE, FORWARD);
     let same = |found: &Camera, expected: &Camera| {
         assert!(
             matches!(&found.layers[..], [Rays::Pieces(p)] if p.pieces.len() == 1 && p.pieces[0].corners_px.is_none())

@@ -24,6 +24,7 @@ mod xml;
 
 use crate::camera::calibration::{Intrinsics, Model};
 use crate::input::{Error, Loading, Result};
+pub use colmap::{has_images, poses};
 use document::Document;
 use glam::{DMat2, DMat3, DQuat, DVec2, DVec3};
 use std::path::Path;
@@ -55,6 +56,13 @@ pub struct Placed {
 }
 
 impl Placed {
+    /// Inverts a pose from the world to the camera; `None` if it is not finite.
+    fn of_inverse(rotation: DQuat, translation: DVec3) -> Option<Placed> {
+        let rotation = rotation.inverse();
+        let eye = -(rotation * translation);
+        (eye.is_finite() && rotation.is_finite()).then_some(Placed { eye, rotation })
+    }
+
     /// Converts the rows of a matrix from the camera's frame to the world's.
     fn of_rows(rows: &[[f64; 4]; 3]) -> std::result::Result<Placed, String> {
         let column = |k: usize| DVec3::new(rows[0][k], rows[1][k], rows[2][k]);
@@ -69,7 +77,7 @@ impl Placed {
 }
 
 /// All cameras and images of a file.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Contents {
     /// Each camera with its number for `index`, or with the reason why it cannot be used.
     pub cameras: Vec<(u64, std::result::Result<Calibration, String>)>,
@@ -256,24 +264,11 @@ pub fn images(model: &Path, loading: &Loading) -> Result<Vec<String>> {
     Ok(images.into_iter().map(|image| image.name).collect())
 }
 
-/// The poses of the images of a folder that COLMAP wrote, in the order of their names.
-///
-/// # Errors
-/// The errors of [`images`].
-pub fn poses(model: &Path, loading: &Loading) -> Result<Vec<Placed>> {
-    colmap::poses(model, loading)
-}
-
 /// The poses of the images in a file's text, in its order; `None` for formats without images.
 pub fn poses_of_text(text: &str) -> Option<std::result::Result<Vec<Placed>, String>> {
     let images = parse(text).ok()?.1.images;
     let placed = |image: Image| image.placed.map_err(|why| format!("image {:?}: {why}", image.name));
     (!images.is_empty()).then(|| images.into_iter().map(placed).collect())
-}
-
-/// Tells whether the path is a folder that COLMAP wrote, or its file of images.
-pub fn has_images(path: &Path) -> bool {
-    colmap::has_images(path)
 }
 
 /// The intrinsics of a camera without skew, its principal point in OpenCV's pixels; checked.

@@ -16,7 +16,7 @@ fn mesh(rng: &mut Rng, weights: bool, ray: impl Fn(DVec2, &mut Rng) -> (DVec3, D
     }
     let cells = (0..rows).flat_map(|j| (0..columns).map(move |i| (j * (columns + 1) + i) as u32));
     let triangles = cells.flat_map(|k| [[k, k + 1, k + 10], [k + 11, k + 1, k + 10]]).collect();
-    let kind = CameraKind::from(MeshCameraSpec { vertices, triangles, normalize: false });
+    let kind = CameraKind::new("mesh", MeshCameraSpec { vertices, triangles, normalize: false });
     Camera::new(&CameraSpec { kind, t_range: [f64::NEG_INFINITY, f64::INFINITY] }, Some((90, 70))).unwrap()
 }
 

@@ -1,16 +1,14 @@
 //! AliceVision's and Meshroom's `.sfm` as JSON, whose numbers are texts. The principal point is an offset from the middle of the image, half
 //! its size from the corner of the first pixel. Poses are from the world to the camera, rotations column by column.
 
-use super::document::{Document, Tree};
+use super::document::{Document, Result, Tree};
 use super::{Calibration, Contents, Image, Placed, intrinsics};
 use crate::camera::calibration::{Coefficients, Model, Projection};
 use glam::DVec2;
 use std::collections::HashMap;
 
-type Result<T> = std::result::Result<T, String>;
-
 pub fn is_file(document: &Document) -> bool {
-    let first = document.tree().and_then(|root| root.get("intrinsics")?.items().first());
+    let first = document.tree().get("intrinsics").and_then(|intrinsics| intrinsics.items().first());
     first.is_some_and(|intrinsic| intrinsic.get("intrinsicId").is_some())
 }
 
@@ -21,8 +19,7 @@ fn id<'a>(tree: &'a Tree, key: &str) -> Option<&'a str> {
 
 /// The cameras by their places in the file.
 pub fn contents(document: &Document) -> Result<Contents> {
-    let Some(root) = document.tree() else { return Err("not AliceVision's".into()) };
-    let list = |key: &str| root.get(key).map_or(&[][..], Tree::items);
+    let list = |key: &str| document.tree().get(key).map_or(&[][..], Tree::items);
     // of files since 1.2 the principal point is an offset
     let version: Vec<f64> = list("version").iter().filter_map(Tree::number).collect();
     let is_offset = version.is_empty() || version[..] >= [1.0, 2.0][..];
@@ -68,10 +65,10 @@ fn camera(tree: &Tree, is_offset: bool) -> Result<Calibration> {
     };
     let camera = tree.need_text("type")?;
     let kind = tree.get("distortionType").and_then(Tree::text).filter(|kind| *kind != "none");
-    let plain = |projection| Model { projection, distortions: vec![Coefficients::radial(&k)] };
+    let perspective = Model { projection: Projection::Perspective, distortions: vec![Coefficients::radial(&k)] };
     let model = match (camera, kind.unwrap_or(camera), k.len()) {
-        ("pinhole", "pinhole", 0) => plain(Projection::Perspective),
-        (_, "radial1" | "radialk1", 1) | (_, "radial3" | "radialk3", 3) => plain(Projection::Perspective),
+        ("pinhole", "pinhole", 0) => perspective,
+        (_, "radial1" | "radialk1", 1) | (_, "radial3" | "radialk3", 3) => perspective,
         (_, "brown", 5) => Model::brown(&[k[0], k[1], k[3], k[4], k[2]]),
         (_, "fisheye4", 4) => Model::fisheye(&k),
         (_, "fisheye1", 1) => Model::field_of_view(k[0]),

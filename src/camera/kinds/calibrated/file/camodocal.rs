@@ -1,21 +1,18 @@
 //! camodocal's YAML, which VINS-Fusion and KITTI-360 have: `model_type` MEI, KANNALA_BRANDT, PINHOLE, PINHOLE_FULL or SCARAMUZZA, in
 //! either case. The first pixel has its centre at (0, 0).
 
-use super::document::{Document, Tree};
+use super::document::{Document, Result, Tree};
 use super::{Calibration, Contents, intrinsics, ocam};
 use crate::camera::calibration::{Coefficients, Model, Projection};
 use glam::{DMat2, DVec2};
 
-type Result<T> = std::result::Result<T, String>;
-
 pub fn is_file(document: &Document) -> bool {
     let is_parameters = |(key, value): (&str, &Tree)| key.ends_with("_parameters") && value.is_table();
-    document.tree().is_some_and(|tree| tree.get("model_type").is_some() && tree.entries().any(is_parameters))
+    document.tree().get("model_type").is_some() && document.tree().entries().any(is_parameters)
 }
 
 pub fn contents(document: &Document) -> Result<Contents> {
-    let Some(tree) = document.tree() else { return Err("not camodocal's".into()) };
-    Contents::of_one(camera(tree))
+    Contents::of_one(camera(document.tree()))
 }
 
 fn camera(tree: &Tree) -> Result<Calibration> {

@@ -81,12 +81,8 @@ pub fn contents(path: &Path, loading: &Loading) -> Result<Contents> {
 
 impl Image {
     fn placed(&self) -> std::result::Result<Placed, String> {
-        let rotation = self.rotation.inverse();
-        let eye = -(rotation * self.translation);
-        match eye.is_finite() && rotation.is_finite() {
-            true => Ok(Placed { eye, rotation }),
-            false => Err(format!("image {:?}: its pose is not finite, or its quaternion is 0", self.name)),
-        }
+        let none = || format!("image {:?}: its pose is not finite, or its quaternion is 0", self.name);
+        Placed::of_inverse(self.rotation, self.translation).ok_or_else(none)
     }
 }
 
@@ -308,7 +304,6 @@ fn calibration(camera: &Camera) -> std::result::Result<Calibration, String> {
         _ if is_simple => (DVec2::splat(p[0]), DVec2::new(p[1], p[2]), &p[3..]),
         _ => (DVec2::new(p[0], p[1]), DVec2::new(p[2], p[3]), &p[4..]),
     };
-    let plain = |projection| Model { projection, distortions: Vec::new() };
     let model = match name.as_str() {
         "SIMPLE_PINHOLE" | "PINHOLE" => Model::brown(&[]),
         "SIMPLE_RADIAL" | "RADIAL" | "OPENCV" | "FULL_OPENCV" => Model::brown(k),
@@ -316,9 +311,9 @@ fn calibration(camera: &Camera) -> std::result::Result<Calibration, String> {
             Model::fisheye(k)
         }
         "FOV" => Model::field_of_view(k[0]),
-        "SIMPLE_DIVISION" | "DIVISION" => plain(Projection::Division { k: k[0] }),
-        "EUCM" => plain(Projection::EnhancedUnified { alpha: k[0], beta: k[1] }),
-        "EQUIRECTANGULAR" => plain(Projection::Equirectangular),
+        "SIMPLE_DIVISION" | "DIVISION" => Model::plain(Projection::Division { k: k[0] }),
+        "EUCM" => Model::plain(Projection::EnhancedUnified { alpha: k[0], beta: k[1] }),
+        "EQUIRECTANGULAR" => Model::plain(Projection::Equirectangular),
         "THIN_PRISM_FISHEYE" => {
             let distortion = Coefficients {
                 tangential: [k[2], k[3]],

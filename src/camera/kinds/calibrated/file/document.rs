@@ -5,7 +5,7 @@ use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess
 use std::cell::Cell;
 use std::fmt;
 
-type Result<T> = std::result::Result<T, String>;
+pub type Result<T> = std::result::Result<T, String>;
 
 /// A calibration file's text, parsed.
 pub enum Document<'a> {
@@ -56,18 +56,14 @@ impl<'a> Document<'a> {
         }
     }
 
-    pub fn tree(&self) -> Option<&Tree> {
-        match self {
-            Document::Tree(tree) => Some(tree),
-            _ => None,
-        }
+    /// The tree, without any key for XML and other text.
+    pub fn tree(&self) -> &Tree {
+        static NOTHING: Tree = Tree::Null;
+        if let Document::Tree(tree) = self { tree } else { &NOTHING }
     }
 
     pub fn text(&self) -> Option<&'a str> {
-        match self {
-            Document::Text(text, _) => Some(text),
-            _ => None,
-        }
+        if let Document::Text(text, _) = self { Some(text) } else { None }
     }
 
     /// The root of an XML document, if it has this name.
@@ -298,21 +294,13 @@ impl Tree {
     /// # Errors
     /// A key's value is no finite number.
     pub fn numbers_or_0<const N: usize>(&self, keys: [&str; N]) -> Result<[f64; N]> {
-        let mut all = [0.0; N];
-        for (number, key) in all.iter_mut().zip(keys) {
-            *number = self.number_or(key, 0.0)?;
-        }
-        Ok(all)
+        each(keys, |key| self.number_or(key, 0.0))
     }
 
     /// # Errors
     /// A key is missing, or its value is no finite number.
     pub fn need_each<const N: usize>(&self, keys: [&str; N]) -> Result<[f64; N]> {
-        let mut all = [0.0; N];
-        for (number, key) in all.iter_mut().zip(keys) {
-            *number = self.need_number(key)?;
-        }
-        Ok(all)
+        each(keys, |key| self.need_number(key))
     }
 
     /// # Errors
@@ -341,6 +329,15 @@ impl Tree {
     pub fn need_size(&self, keys: [&str; 2]) -> Result<[u64; 2]> {
         whole(self.need_each(keys)?).map_err(|why| format!("{} and {}: {why}", keys[0], keys[1]))
     }
+}
+
+/// The numbers of some keys, up to the first error.
+pub fn each<const N: usize>(keys: [&str; N], number: impl Fn(&str) -> Result<f64>) -> Result<[f64; N]> {
+    let mut all = [0.0; N];
+    for (value, key) in all.iter_mut().zip(keys) {
+        *value = number(key)?;
+    }
+    Ok(all)
 }
 
 /// A size that is written as numbers, which may have a decimal point.

@@ -1,20 +1,17 @@
 //! Lens profiles of gyroflow: OpenCV's fisheye or its other model. The first pixel has its centre at (0, 0), and gyroflow puts the principal
 //! point at half the size unless a profile is `asymmetrical`.
 
-use super::document::{Document, Tree};
+use super::document::{Document, Result, Tree};
 use super::{Calibration, Contents, intrinsics};
 use crate::camera::calibration::Model;
 use glam::DVec2;
 
-type Result<T> = std::result::Result<T, String>;
-
 pub fn is_file(document: &Document) -> bool {
-    document.tree().is_some_and(|tree| tree.at(&["fisheye_params", "camera_matrix"]).is_some())
+    document.tree().at(&["fisheye_params", "camera_matrix"]).is_some()
 }
 
 pub fn contents(document: &Document) -> Result<Contents> {
-    let Some(tree) = document.tree() else { return Err("not a lens profile".into()) };
-    Contents::of_one(camera(tree))
+    Contents::of_one(camera(document.tree()))
 }
 
 fn camera(tree: &Tree) -> Result<Calibration> {

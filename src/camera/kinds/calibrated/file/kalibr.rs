@@ -1,18 +1,16 @@
 //! Kalibr's `camchain.yaml`: `cam0`, `cam1` and on, each with a projection and a distortion; and EuRoC's `sensor.yaml`, which has the same
 //! models. Their pixels are OpenCV's: the first has its centre at (0, 0).
 
-use super::document::{Document, Tree, whole};
+use super::document::{Document, Result, Tree, whole};
 use super::{Calibration, Contents, intrinsics, ocam};
 use crate::arrays::MapEach;
 use crate::camera::calibration::{Coefficients, Model, Projection};
 use glam::{DMat2, DVec2};
 
-type Result<T> = std::result::Result<T, String>;
-
 /// A table with a camera `camN`.
 pub fn is_chain(document: &Document) -> bool {
     let is_camera = |(key, camera): (&str, &Tree)| number(key).is_some() && camera.get("camera_model").is_some();
-    document.tree().is_some_and(|tree| tree.entries().any(is_camera))
+    document.tree().entries().any(is_camera)
 }
 
 /// N of `camN`.
@@ -21,8 +19,7 @@ pub fn number(key: &str) -> Option<u64> {
 }
 
 pub fn chain(document: &Document) -> Result<Contents> {
-    let entries = document.tree().into_iter().flat_map(Tree::entries);
-    let cameras = entries.filter_map(|(key, camera)| Some((number(key)?, camera)));
+    let cameras = document.tree().entries().filter_map(|(key, camera)| Some((number(key)?, camera)));
     Ok(Contents::of_cameras(cameras.map(|(n, camera)| (n, of_chain(camera))).collect()))
 }
 
@@ -37,11 +34,11 @@ fn of_chain(camera: &Tree) -> Result<Calibration> {
 
 /// EuRoC's keys, which a file of OpenCV's has otherwise.
 pub fn is_sensor(document: &Document) -> bool {
-    document.tree().is_some_and(|tree| tree.has(&["intrinsics", "resolution"]))
+    document.tree().has(&["intrinsics", "resolution"])
 }
 
 pub fn sensor(document: &Document) -> Result<Contents> {
-    let Some(tree) = document.tree() else { return Err("not a sensor.yaml".into()) };
+    let tree = document.tree();
     let text = |key: &str, default| tree.get(key).map_or(Ok(default), |_| tree.need_text(key));
     let k = ["distortion_coefficients", "distortion_coeffs"].into_iter().find(|key| tree.get(key).is_some());
     let k = k.map_or(Ok(Vec::new()), |key| tree.need_numbers(key))?;
@@ -86,7 +83,7 @@ pub fn calibration(size: [u64; 2], camera: &str, numbers: &[f64], distortion: &s
         (other, _) => return Err(format!("camera_model: {other:?} is not known; use pinhole, omni, eucm or ds")),
     };
     let model = match (distortion, projection, k.len()) {
-        ("none", projection, 0) => Model { projection, distortions: Vec::new() },
+        ("none", projection, 0) => Model::plain(projection),
         ("radtan" | "radial-tangential" | "plumb_bob", projection, 4) => {
             Model { projection, distortions: vec![Coefficients::of_opencv(k)] }
         }

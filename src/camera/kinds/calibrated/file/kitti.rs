@@ -1,11 +1,9 @@
 //! KITTI's and KITTI-360's calibrations of rectified cameras: `P_rect_0N` and `S_rect_0N`. The first pixel has its centre at (0, 0).
 
-use super::document::{Document, Tree, whole};
+use super::document::{Document, Result, Tree, whole};
 use super::{Calibration, Contents, intrinsics};
 use crate::camera::calibration::Model;
 use glam::DVec2;
-
-type Result<T> = std::result::Result<T, String>;
 
 /// N of `P_rect_N`, which YAML reads as a text of numbers.
 fn number(key: &str) -> Option<u64> {
@@ -13,11 +11,11 @@ fn number(key: &str) -> Option<u64> {
 }
 
 pub fn is_file(document: &Document) -> bool {
-    document.tree().is_some_and(|tree| tree.entries().any(|(key, _)| number(key).is_some()))
+    document.tree().entries().any(|(key, _)| number(key).is_some())
 }
 
 pub fn contents(document: &Document) -> Result<Contents> {
-    let Some(tree) = document.tree() else { return Err("not KITTI's".into()) };
+    let tree = document.tree();
     let cameras = tree.entries().filter_map(|(key, _)| Some((number(key)?, camera(tree, key))));
     Ok(Contents::of_cameras(cameras.collect()))
 }

@@ -1,13 +1,11 @@
 //! Agisoft Metashape's `cameras.xml`, and its calibrations alone. The principal point is an offset from the middle of the image, half its
 //! size from the corner of the first pixel. Poses are from the camera to its chunk.
 
-use super::document::{Document, whole};
+use super::document::{Document, Result, whole};
 use super::{Calibration, Contents, Image, Placed, intrinsics};
 use crate::camera::calibration::{Coefficients, Intrinsics, Model, Projection};
 use glam::{DMat2, DVec2};
 use roxmltree::Node;
-
-type Result<T> = std::result::Result<T, String>;
 
 pub fn is_file(document: &Document) -> bool {
     document.root("calibration").is_some_and(|root| child(root, "f").is_some()) || sensors(document).next().is_some()
@@ -32,7 +30,7 @@ pub fn contents(document: &Document) -> Result<Contents> {
         let kind = child(root, "projection").and_then(|node| node.text()).unwrap_or("frame");
         return Contents::of_one(camera(root, kind, None));
     }
-    let mut all = Contents { cameras: Vec::new(), images: Vec::new() };
+    let mut all = Contents::default();
     for sensor in sensors(document) {
         let Some(id) = id(sensor, "id") else { continue };
         if all.cameras.iter().any(|(other, _)| *other == id) {

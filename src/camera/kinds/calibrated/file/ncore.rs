@@ -1,12 +1,10 @@
 //! Camera models of NVIDIA's ncore, as JSON: f-theta, whose first pixel has its centre at (0, 0), and OpenCV's two models, whose first pixel
 //! has its centre at (0.5, 0.5).
 
-use super::document::{Document, Tree, whole};
+use super::document::{Document, Result, Tree, whole};
 use super::{Calibration, Contents, intrinsics, rig};
 use crate::camera::calibration::{Coefficients, Model, Projection};
 use glam::DVec2;
-
-type Result<T> = std::result::Result<T, String>;
 
 /// The key that says which model a table has.
 const TYPE: &str = "camera_model_type";
@@ -17,12 +15,12 @@ fn cameras(root: &Tree) -> impl Iterator<Item = &Tree> {
 }
 
 pub fn is_file(document: &Document) -> bool {
-    document.tree().is_some_and(|root| cameras(root).next().is_some())
+    cameras(document.tree()).next().is_some()
 }
 
 /// The cameras by their places in the file.
 pub fn contents(document: &Document) -> Result<Contents> {
-    let all = document.tree().into_iter().flat_map(cameras).enumerate();
+    let all = cameras(document.tree()).enumerate();
     Ok(Contents::of_cameras(all.map(|(n, tree)| (n as u64, camera(tree))).collect()))
 }
 

@@ -1,12 +1,10 @@
 //! OCamCalib's `calib_results.txt` (Scaramuzza): the height over the sensor as a polynomial of the radius in pixels. The first pixel has its
 //! centre at (0, 0); the file counts rows before columns.
 
-use super::document::{Document, whole};
+use super::document::{Document, Result, whole};
 use super::{Calibration, Contents, intrinsics};
 use crate::camera::calibration::{Intrinsics, Model, Projection};
 use glam::{DMat2, DVec2};
-
-type Result<T> = std::result::Result<T, String>;
 
 pub fn is_file(document: &Document) -> bool {
     document.text().is_some_and(|text| text.starts_with('#') && text.contains("polynomial coefficients for the DIRECT"))
@@ -58,5 +56,5 @@ pub fn camera(size: [u64; 2], scale: DMat2, centre: DVec2, polynomial: &[f64]) -
     }
     let c = polynomial.iter().map(|a| -a).collect();
     let intrinsics = Intrinsics { scale, ..intrinsics(size, DVec2::ONE, centre)? };
-    Ok(Calibration::new(intrinsics, Model { projection: Projection::HeightOfRadius { c }, distortions: Vec::new() }))
+    Ok(Calibration::new(intrinsics, Model::plain(Projection::HeightOfRadius { c })))
 }

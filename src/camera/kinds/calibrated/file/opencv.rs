@@ -1,14 +1,12 @@
 //! Calibration files of OpenCV and ROS: `FileStorage` as YAML, XML or JSON, in the spellings of its versions; ROS's `camera_info` as YAML,
 //! which has the same keys, and as the text of a message. The first pixel has its centre at (0, 0).
 
-use super::document::{Document, Tree, whole};
+use super::document::{Document, Result, Tree, whole};
 use super::{Calibration, Contents, xml};
 use crate::camera::calibration::{Coefficients, Intrinsics, Model, Projection};
 use crate::input::{Error, Loading};
 use glam::DVec2;
 use std::path::Path;
-
-type Result<T> = std::result::Result<T, String>;
 
 /// A file's camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,7 +108,7 @@ fn find<'a>(root: &'a Tree, spellings: &[&str]) -> Option<(&'a str, &'a Tree)> {
 
 pub fn is_file(document: &Document) -> bool {
     let has_keys = |tree: &Tree| find(tree, &MATRIX).is_some() || find(tree, &["imagewidth"]).is_some();
-    document.root("opencv_storage").is_some() || document.tree().is_some_and(has_keys)
+    document.root("opencv_storage").is_some() || has_keys(document.tree())
 }
 
 pub fn contents(document: &Document) -> Result<Contents> {

@@ -1,14 +1,12 @@
 //! OpenSfM's `camera_models.json` and `reconstruction.json`, and ODM's `cameras.json`. Lengths are relative to the larger side of the image,
 //! whose middle is half its size from the corner of the first pixel. Poses are from the world to the camera.
 
-use super::document::{Document, Tree};
+use super::document::{Document, Result, Tree};
 use super::{Calibration, Contents, Image, Placed, intrinsics};
 use crate::camera::calibration::{Coefficients, Model, Projection};
 use glam::{DQuat, DVec2, DVec3};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
-
-type Result<T> = std::result::Result<T, String>;
 
 const TYPE: &str = "projection_type";
 
@@ -23,13 +21,13 @@ fn cameras(part: &Tree) -> impl Iterator<Item = (&str, &Tree)> {
 }
 
 pub fn is_file(document: &Document) -> bool {
-    document.tree().is_some_and(|root| reconstructions(root).next().is_some())
+    reconstructions(document.tree()).next().is_some()
 }
 
 /// The cameras by their places in the file.
 pub fn contents(document: &Document) -> Result<Contents> {
-    let mut all = Contents { cameras: Vec::new(), images: Vec::new() };
-    for part in document.tree().into_iter().flat_map(reconstructions) {
+    let mut all = Contents::default();
+    for part in reconstructions(document.tree()) {
         let mut numbers = HashMap::new();
         for (name, tree) in cameras(part) {
             numbers.insert(name, all.cameras.len() as u64);
@@ -46,14 +44,9 @@ pub fn contents(document: &Document) -> Result<Contents> {
 }
 
 fn placed(shot: &Tree) -> Result<Placed> {
-    let [rotation, translation] =
-        [DVec3::from(shot.need_list::<3>("rotation")?), DVec3::from(shot.need_list::<3>("translation")?)];
-    let rotation = DQuat::from_scaled_axis(rotation).inverse();
-    let eye = -(rotation * translation);
-    if !(eye.is_finite() && rotation.is_finite()) {
-        return Err("its pose is out of range".into());
-    }
-    Ok(Placed { eye, rotation })
+    let rotation = DQuat::from_scaled_axis(DVec3::from(shot.need_list::<3>("rotation")?));
+    let translation = DVec3::from(shot.need_list::<3>("translation")?);
+    Placed::of_inverse(rotation, translation).ok_or("its pose is out of range".into())
 }
 
 fn camera(tree: &Tree) -> Result<Calibration> {
@@ -63,7 +56,7 @@ fn camera(tree: &Tree) -> Result<Calibration> {
     let centre = |offset: DVec2| 0.5 * pixels + unit * offset - 0.5;
     let kind = tree.need_text(TYPE)?;
     if matches!(kind, "spherical" | "equirectangular") {
-        let model = Model { projection: Projection::Equirectangular, distortions: Vec::new() };
+        let model = Model::plain(Projection::Equirectangular);
         let scale = DVec2::splat(unit / TAU);
         return Ok(Calibration::new(intrinsics(size, scale, centre(DVec2::ZERO))?, model));
     }

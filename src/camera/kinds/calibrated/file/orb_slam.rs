@@ -1,13 +1,11 @@
 //! Settings of ORB-SLAM2 and 3 (`Camera.fx` or `Camera1.fx`), and of stella_vslam and OpenVSLAM (`Camera:` with `fx` below it). The first
 //! pixel has its centre at (0, 0).
 
-use super::document::{Document, Tree, whole};
+use super::document::{Document, Result, Tree, each, whole};
 use super::{Calibration, Contents, intrinsics};
 use crate::camera::calibration::{Model, Projection};
 use glam::DVec2;
 use std::f64::consts::TAU;
-
-type Result<T> = std::result::Result<T, String>;
 
 /// The keys of a camera, with its name in front or below it.
 #[derive(Clone, Copy)]
@@ -32,11 +30,7 @@ impl<'a> Keys<'a> {
 
     /// Numbers of absent keys are 0.
     fn numbers<const N: usize>(&self, keys: [&str; N]) -> Result<[f64; N]> {
-        let mut all = [0.0; N];
-        for (number, key) in all.iter_mut().zip(keys) {
-            *number = self.optional(key)?.unwrap_or(0.0);
-        }
-        Ok(all)
+        each(keys, |key| Ok(self.optional(key)?.unwrap_or(0.0)))
     }
 }
 
@@ -49,13 +43,13 @@ fn cameras(root: &Tree) -> impl Iterator<Item = (u64, Keys<'_>)> {
 }
 
 pub fn is_file(document: &Document) -> bool {
-    document.tree().is_some_and(|root| cameras(root).next().is_some())
+    cameras(document.tree()).next().is_some()
 }
 
 /// The cameras of a stereo pair are 0 and 1.
 pub fn contents(document: &Document) -> Result<Contents> {
-    let all = document.tree().into_iter().flat_map(|root| cameras(root).map(move |(n, keys)| (n, camera(root, keys))));
-    Ok(Contents::of_cameras(all.collect()))
+    let root = document.tree();
+    Ok(Contents::of_cameras(cameras(root).map(|(n, keys)| (n, camera(root, keys))).collect()))
 }
 
 fn camera(root: &Tree, keys: Keys) -> Result<Calibration> {
@@ -72,18 +66,12 @@ fn camera(root: &Tree, keys: Keys) -> Result<Calibration> {
         // the images are undistorted
         "Rectified" => Model::brown(&[]),
         "KannalaBrandt8" | "fisheye" => Model::fisheye(&keys.numbers(["k1", "k2", "k3", "k4"])?),
-        "radial_division" => {
-            let k = keys.number("distortion")?;
-            Model { projection: Projection::Division { k }, distortions: Vec::new() }
-        }
+        "radial_division" => Model::plain(Projection::Division { k: keys.number("distortion")? }),
         "equirectangular" => {
             // one turn over the width, half a turn over the height
             let pixels = DVec2::new(size[0] as f64, size[1] as f64);
             let intrinsics = intrinsics(size, pixels / DVec2::new(TAU, 0.5 * TAU), 0.5 * pixels)?;
-            return Ok(Calibration::new(
-                intrinsics,
-                Model { projection: Projection::Equirectangular, distortions: Vec::new() },
-            ));
+            return Ok(Calibration::new(intrinsics, Model::plain(Projection::Equirectangular)));
         }
         other => {
             return Err(format!(

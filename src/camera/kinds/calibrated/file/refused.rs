@@ -9,7 +9,7 @@ struct Known {
 }
 
 fn has(document: &Document, keys: &[&str]) -> bool {
-    document.tree().is_some_and(|tree| tree.has(keys))
+    document.tree().has(keys)
 }
 
 fn root_is(document: &Document, name: &str) -> bool {

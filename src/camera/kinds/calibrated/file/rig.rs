@@ -1,20 +1,18 @@
 //! f-theta cameras of the rig files of NVIDIA's DRIVE (`rig.json`). Their pixels are OpenCV's: the first has its centre at (0, 0).
 
-use super::document::{Document, Tree, whole};
+use super::document::{Document, Result, Tree, whole};
 use super::{Calibration, Contents, intrinsics};
 use crate::camera::calibration::{Intrinsics, Model, Projection};
 use glam::{DMat2, DVec2};
 
-type Result<T> = std::result::Result<T, String>;
-
 /// JSON with `rig.sensors`.
 pub fn is_rig(document: &Document) -> bool {
-    document.tree().is_some_and(|tree| tree.at(&["rig", "sensors"]).is_some())
+    document.tree().at(&["rig", "sensors"]).is_some()
 }
 
 /// The cameras of `rig.sensors`, by their places there: their `properties`.
 pub fn contents(document: &Document) -> Result<Contents> {
-    let sensors = document.tree().and_then(|tree| tree.at(&["rig", "sensors"])).map_or(&[][..], Tree::items);
+    let sensors = document.tree().at(&["rig", "sensors"]).map_or(&[][..], Tree::items);
     let cameras = sensors.iter().enumerate().filter_map(|(n, sensor)| Some((n as u64, sensor.get("properties")?)));
     let cameras = cameras.filter(|(_, p)| p.get("Model").and_then(Tree::text) == Some("ftheta"));
     let read = |p| camera(p).map_err(|why| format!("properties: {why}"));
@@ -38,7 +36,7 @@ pub fn f_theta(size: [u64; 2], centre: DVec2, projection: Projection, [c, d, e]:
         return Err(format!("linear terms c, d, e: c - d e = {determinant}; it must be over 0"));
     }
     let intrinsics = Intrinsics { scale, ..intrinsics(size, DVec2::ONE, centre)? };
-    Ok(Calibration::new(intrinsics, Model { projection, distortions: Vec::new() }))
+    Ok(Calibration::new(intrinsics, Model::plain(projection)))
 }
 
 /// Most terms of a polynomial; DRIVE's have 4 to 6.

@@ -1,11 +1,9 @@
 //! The `.ini` files of ROS's older camera drivers. The first pixel has its centre at (0, 0).
 
-use super::document::{Document, whole};
+use super::document::{Document, Result, whole};
 use super::{Calibration, Contents, intrinsics};
 use crate::camera::calibration::Model;
 use glam::DVec2;
-
-type Result<T> = std::result::Result<T, String>;
 
 fn lines<'a>(document: &Document<'a>) -> impl Iterator<Item = &'a str> {
     let lines = document.text().into_iter().flat_map(str::lines).map(str::trim);

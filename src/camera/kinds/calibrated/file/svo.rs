@@ -1,11 +1,9 @@
 //! Cameras of SVO and maplab (a list `cameras`), and of vikit (`cam_model`). The first pixel has its centre at (0, 0).
 
-use super::document::{Document, Tree};
+use super::document::{Document, Result, Tree};
 use super::{Calibration, Contents, intrinsics, kalibr, ocam};
 use crate::camera::calibration::Model;
 use glam::{DMat2, DVec2};
-
-type Result<T> = std::result::Result<T, String>;
 
 /// The cameras of vikit, by number: one at the root, or `camN`.
 fn vikit(root: &Tree) -> Vec<(u64, &Tree)> {
@@ -22,11 +20,11 @@ fn listed(root: &Tree) -> Vec<&Tree> {
 }
 
 pub fn is_file(document: &Document) -> bool {
-    document.tree().is_some_and(|root| !vikit(root).is_empty() || !listed(root).is_empty())
+    !vikit(document.tree()).is_empty() || !listed(document.tree()).is_empty()
 }
 
 pub fn contents(document: &Document) -> Result<Contents> {
-    let Some(root) = document.tree() else { return Err("not SVO's".into()) };
+    let root = document.tree();
     let listed = listed(root).into_iter().enumerate().map(|(n, camera)| (n as u64, of_list(camera)));
     let vikit = vikit(root).into_iter().map(|(n, camera)| (n, of_vikit(camera)));
     Ok(Contents::of_cameras(listed.chain(vikit).collect()))

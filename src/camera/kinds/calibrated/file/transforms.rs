@@ -1,27 +1,25 @@
 //! `transforms.json` of nerfstudio, instant-ngp and others: the lens of all frames or of each, and the pose of each. The first pixel has its
 //! centre at (0.5, 0.5); poses are from the camera to the world, in OpenGL's axes.
 
-use super::document::{Document, Tree, whole};
+use super::document::{Document, Result, Tree, whole};
 use super::{Calibration, Contents, Image, Placed, intrinsics};
 use crate::arrays::MapEach;
 use crate::camera::calibration::{Coefficients, Model, Projection};
 use glam::DVec2;
 use std::f64::consts::PI;
 
-type Result<T> = std::result::Result<T, String>;
-
 const MATRIX: &str = "transform_matrix";
 
 pub fn is_file(document: &Document) -> bool {
-    let Some(frames) = document.tree().and_then(|tree| tree.get("frames")) else { return false };
-    frames.items().first().is_some_and(|frame| frame.get(MATRIX).is_some())
+    let first = document.tree().get("frames").and_then(|frames| frames.items().first());
+    first.is_some_and(|frame| frame.get(MATRIX).is_some())
 }
 
 /// Cameras are numbered from 0 in the order of the frames that first have them.
 pub fn contents(document: &Document) -> Result<Contents> {
-    let Some(root) = document.tree() else { return Err("not a transforms.json".into()) };
+    let root = document.tree();
     let frames = ["frames", "test_frames"].into_iter().filter_map(|key| root.get(key)).flat_map(Tree::items);
-    let mut all = Contents { cameras: Vec::new(), images: Vec::new() };
+    let mut all = Contents::default();
     for (n, frame) in frames.enumerate() {
         let camera = camera(root, frame);
         if all.cameras.last().is_none_or(|(_, last)| *last != camera) {

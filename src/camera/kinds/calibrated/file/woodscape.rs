@@ -1,22 +1,17 @@
 //! Calibrations of WoodScape and SynWoodScape: the radius in pixels as a polynomial of the angle, even powers too. The middle of the image
 //! is half its size from the corner of the first pixel.
 
-use super::document::{Document, Tree};
+use super::document::{Document, Result, Tree};
 use super::{Calibration, Contents, intrinsics};
 use crate::camera::calibration::{Model, Projection};
 use glam::DVec2;
 
-type Result<T> = std::result::Result<T, String>;
-
 pub fn is_file(document: &Document) -> bool {
-    document.tree().is_some_and(|tree| tree.at(&["intrinsic", "cx_offset"]).is_some())
+    document.tree().at(&["intrinsic", "cx_offset"]).is_some()
 }
 
 pub fn contents(document: &Document) -> Result<Contents> {
-    let Some(intrinsic) = document.tree().and_then(|tree| tree.get("intrinsic")) else {
-        return Err("not WoodScape's".into());
-    };
-    Contents::of_one(camera(intrinsic).map_err(|why| format!("intrinsic: {why}")))
+    Contents::of_one(camera(document.tree().need("intrinsic")?).map_err(|why| format!("intrinsic: {why}")))
 }
 
 fn camera(tree: &Tree) -> Result<Calibration> {
@@ -28,6 +23,6 @@ fn camera(tree: &Tree) -> Result<Calibration> {
     let c = tree.need_each(["k1", "k2", "k3", "k4"])?.to_vec();
     let aspect = DVec2::new(1.0, tree.number_or("aspect_ratio", 1.0)?);
     let centre = 0.5 * DVec2::new(size[0] as f64, size[1] as f64) + offset - 0.5;
-    let model = Model { projection: Projection::RadiusOfAngle { c }, distortions: Vec::new() };
+    let model = Model::plain(Projection::RadiusOfAngle { c });
     Ok(Calibration::new(intrinsics(size, aspect, centre)?, model))
 }
