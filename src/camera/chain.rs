@@ -4,6 +4,7 @@
 use super::recipe::{Built, Recipe, Setting};
 use super::{LAYERS_MAX, Pieces, Rays, mesh};
 use crate::camera::mesh::spec::{MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera};
+use crate::camera::values::of_part;
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use crate::parallel;
@@ -43,10 +44,8 @@ impl Recipe for Chain {
         for (k, spec) in self.layers.iter().enumerate() {
             let mut of_layer = Vec::new();
             // the pieces say "camera.KEY: ...", of the table that they are read from
-            let pieces = mesh::compile(spec, (width, height), &mut of_layer, setting.limits()).map_err(|e| {
-                let message = e.to_string();
-                Error::input(format!("camera.layers.{k}{}", message.strip_prefix("camera").unwrap_or(&message)))
-            })?;
+            let pieces = mesh::compile(spec, (width, height), &mut of_layer, setting.limits())
+                .map_err(|e| Error::input(of_part(format_args!("camera.layers.{k}"), &e)))?;
             notes.extend(of_layer.into_iter().map(|note| format!("layer {k}: {note}")));
             layers.push(pieces);
         }

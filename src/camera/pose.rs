@@ -2,6 +2,7 @@
 
 use super::view::{View, view};
 use crate::arrays::MapEach;
+use crate::camera::values::word;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
@@ -106,11 +107,8 @@ fn refuse(field: Option<Field>, beside: &str) -> Result<()> {
 
 /// True for OpenCV's axes: y down, z forward.
 fn read_convention(field: &Field) -> Result<bool> {
-    match field.text()? {
-        "opengl" => Ok(false),
-        "opencv" => Ok(true),
-        _ => Err(field.error("use \"opengl\" (x right, y up, z backward) or \"opencv\" (x right, y down, z forward)")),
-    }
+    let wrong = "use \"opengl\" (x right, y up, z backward) or \"opencv\" (x right, y down, z forward)";
+    word(field, &[("opengl", false), ("opencv", true)], wrong)
 }
 
 /// Largest error of a matrix entry that was printed with four decimals, as Blender's console prints them.

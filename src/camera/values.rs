@@ -1,7 +1,7 @@
 //! Values that several kinds of camera read alike.
 
-use crate::input::Result;
 use crate::input::reader::Field;
+use crate::input::{Error, Result};
 use glam::DVec3;
 use std::fmt::Display;
 
@@ -9,6 +9,18 @@ use std::fmt::Display;
 pub fn number_if(field: &Field, is_good: impl Fn(f64) -> bool, wrong: impl Display) -> Result<f64> {
     let value = field.number()?;
     if is_good(value) { Ok(value) } else { Err(field.error(format_args!("{value} {wrong}"))) }
+}
+
+/// The message of an error of a camera that is a part of another one and has this key there: "camera.KEY: ..." becomes that key of the part.
+pub fn of_part(key: impl Display, error: &Error) -> String {
+    let message = error.to_string();
+    format!("{key}{}", message.strip_prefix("camera").unwrap_or(&message))
+}
+
+/// What one of some words stands for; `wrong` is the error for any other text.
+pub fn word<T: Copy>(field: &Field, words: &[(&str, T)], wrong: &str) -> Result<T> {
+    let text = field.text()?;
+    words.iter().find(|word| word.0 == text).map(|word| word.1).ok_or_else(|| field.error(wrong))
 }
 
 /// A length above 0.

@@ -153,7 +153,7 @@ fn pieces_interpolate_by_weights() {
     .enumerate()
     {
         let spec = mesh_spec(k as u64, 5, 4, shape);
-        let camera = camera(spec.clone(), SIZE, FORWARD);
+        let camera = camera(CameraKind::new("mesh", spec.clone()), SIZE, FORWARD);
         for (i, j) in pixels() {
             let (piece, bundle) = camera.pixel(0, i, j).unwrap();
             let v = spec.triangles[piece as usize].map(|k| spec.vertices[k as usize]);

@@ -103,7 +103,7 @@ pub fn mesh_spec(seed: u64, columns: u32, rows: u32, shape: MeshShape) -> MeshCa
 
 /// The camera of [`mesh_spec`].
 pub fn mesh_camera(seed: u64, columns: u32, rows: u32, shape: MeshShape) -> CameraKind {
-    mesh_spec(seed, columns, rows, shape).into()
+    CameraKind::new("mesh", mesh_spec(seed, columns, rows, shape))
 }
 
 /// A ray map of `width` x `height` over a wavy lens; every 17th pixel has no ray.

@@ -253,7 +253,7 @@ pub fn random_case(seed: u64) -> Case {
     let eye = offset + 2.0 * rng.vector();
     let camera = match rng.below(5) {
         0 => common::camera(any_glc, size, range),
-        1 | 2 => common::camera(pieces, size, range),
+        1 | 2 => common::camera(CameraKind::new("mesh", pieces), size, range),
         3 => common::camera(cameras::pinhole(eye, offset, 20.0 + 120.0 * rng.unit()), size, range),
         _ => cameras::raymap(size.0, size.1, range),
     };

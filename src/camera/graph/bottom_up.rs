@@ -9,7 +9,7 @@ use super::{Graph, Net};
 use crate::arrays::MapEach;
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::values::number_if;
+use crate::camera::values::{number_if, of_part};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
@@ -37,12 +37,7 @@ const SHARED: [&str; 8] = ["kind", "views", "weights", "near", "far", "root", "m
 /// Reads the keys of help/bottom_up.txt.
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&SHARED[..], &JoinOptions::KEYS, &["lateral", "foreground"]].concat())?;
-    let foreground = table.or("foreground", false, Field::boolean)?;
-    for key in ["cut", "longitudinal", "join"] {
-        if let (Some(field), false) = (table.get(key), foreground) {
-            return Err(field.error(format_args!("{key} is of the segments before the views; add foreground = true")));
-        }
-    }
+    let foreground = read_foreground(table, "views")?;
     let lateral = table.optional("lateral", |f| f.integer(1, 1000))?;
     Ok(Arc::new(BottomUp { lateral, foreground, ..read_shared(table, JoinOptions::read(table)?)? }))
 }
@@ -85,6 +80,17 @@ fn read_weights(field: &Field) -> Result<[f64; 3]> {
     let weights: [f64; 3] = field.numbers("three shares, as [left view, between, right view]")?;
     let usable = weights.iter().all(|w| *w > 0.0);
     if usable { Ok(weights) } else { Err(field.error("every share must be above 0")) }
+}
+
+/// Whether there are segments before the views or regions; without them some keys say nothing.
+pub(super) fn read_foreground(table: &Table, parts: &str) -> Result<bool> {
+    let foreground = table.or("foreground", false, Field::boolean)?;
+    for key in ["cut", "longitudinal", "join"] {
+        if let (Some(field), false) = (table.get(key), foreground) {
+            return Err(field.error(format_args!("{key} is of the segments before the {parts}; add foreground = true")));
+        }
+    }
+    Ok(foreground)
 }
 
 /// A number over `least`, or `least` itself where that is 0.
@@ -137,7 +143,8 @@ impl BottomUp {
         }
         let centres = [left / 2.0, w - right / 2.0].map_each(|x| DVec2::new(x, h / 2.0));
         let view = |k: usize| {
-            View::new(&self.views[k], height, centres[k]).map_err(|e| Error::input(in_view(k, &e.to_string())))
+            View::new(&self.views[k], height, centres[k])
+                .map_err(|e| Error::input(of_part(format_args!("camera.views.{k}"), &e)))
         };
         let views = [view(0)?, view(1)?];
         let pinhole = self.root.unwrap_or_else(|| self.default_root(&views, &centres));
@@ -285,11 +292,6 @@ impl Leaves {
         self.net.triangles = (0..columns - 1).flat_map(quad).collect();
         (self.net, self.ends)
     }
-}
-
-/// An error of a view, naming it.
-fn in_view(k: usize, message: &str) -> String {
-    format!("camera.views.{k}{}", message.strip_prefix("camera").unwrap_or(message))
 }
 
 /// A point as text.

@@ -6,7 +6,7 @@ use super::super::{LAYERS_MAX, Pieces, Rays, mesh};
 use super::{Graph, Leg, Net};
 use crate::arrays::MapEach;
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
-use crate::camera::values::number_if;
+use crate::camera::values::{number_if, word};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Limits, Result};
 use glam::{DVec2, DVec3};
@@ -34,10 +34,8 @@ impl JoinOptions {
 
     pub fn read(table: &Table) -> Result<JoinOptions> {
         let parts = table.optional("longitudinal", |f| f.integer(1, LAYERS_MAX as u64))?;
-        let curved = table.or("join", false, |field| match field.text()? {
-            "straight" => Ok(false),
-            "bezier" => Ok(true),
-            _ => Err(field.error("use join = \"straight\" or \"bezier\"")),
+        let curved = table.or("join", false, |field| {
+            word(field, &[("straight", false), ("bezier", true)], "use join = \"straight\" or \"bezier\"")
         })?;
         if curved && parts.is_some_and(|n| n > 1) {
             return Err(table.error("longitudinal cuts straight segments; leave it out with join = \"bezier\""));

@@ -2,7 +2,7 @@
 //! Fig. 1 and 6). The root is a pinhole, or the six faces of a cube around its eye (section 4.3).
 
 use super::Net;
-use super::bottom_up::{least, place};
+use super::bottom_up::{least, place, read_foreground};
 use super::connect::JoinOptions;
 use super::legs::{self, Depths};
 use super::outline::{self, Outline};
@@ -14,7 +14,7 @@ use crate::arrays::MapEach;
 use crate::camera::boxes::around;
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::values::length;
+use crate::camera::values::{length, of_part, word};
 use crate::input::limits::CORNERS;
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
@@ -58,23 +58,15 @@ enum Viewpoint {
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let own = ["kind", "vfov", "layout", "regions", "band", "near", "far", "foreground", "cut"];
     table.allow(&[&own[..], &POSE, &JoinOptions::KEYS].concat())?;
-    let layout = table.or("layout", Layout::Plain, |field| match field.text()? {
-        "plain" => Ok(Layout::Plain),
-        "cross" => Ok(Layout::Cross),
-        "strip" => Ok(Layout::Strip),
-        _ => Err(field.error("use layout = \"plain\", \"cross\" or \"strip\"")),
-    })?;
+    let layouts = [("plain", Layout::Plain), ("cross", Layout::Cross), ("strip", Layout::Strip)];
+    let wrong = "use layout = \"plain\", \"cross\" or \"strip\"";
+    let layout = table.or("layout", Layout::Plain, |field| word(field, &layouts, wrong))?;
     let root = match (layout, table.get("vfov")) {
         (Layout::Plain, _) => Pinhole::read(table)?,
         (_, Some(vfov)) => return Err(vfov.error("a cube's faces are 90 degrees high; leave vfov out")),
         _ => Pinhole { pose: Pose::read(table)?, vfov: 90.0 },
     };
-    let foreground = table.or("foreground", false, Field::boolean)?;
-    for key in ["cut", "longitudinal", "join"] {
-        if let (Some(field), false) = (table.get(key), foreground) {
-            return Err(field.error(format_args!("{key} is of the segments before the regions; add foreground = true")));
-        }
-    }
+    let foreground = read_foreground(table, "regions")?;
     let regions = table.need("regions", "[{ rect = [0.1, 0.2, 0.4, 0.6], eye = [0, 9, 0] }]")?;
     let regions = regions.items("a list of regions")?.map(|region| read_region(&region)).collect::<Result<_>>()?;
     let near = table.or("near", 0.0, |f| least(f, 0.0))?;
@@ -226,9 +218,8 @@ impl TopDown {
             // a whole number of pixels from the plain view's centre, so that their grids are one
             let centre = root.centre_px + (region_centre - root.centre_px).round();
             let view = View::new(&pinhole, root.height, centre).map_err(|e| {
-                let message = e.to_string();
-                let rest = message.strip_prefix("camera").unwrap_or(&message);
-                Error::input(format!("camera.regions.{k}{rest} (the region looks at {})", place(pose.target)))
+                let message = of_part(format_args!("camera.regions.{k}"), &e);
+                Error::input(format!("{message} (the region looks at {})", place(pose.target)))
             })?;
             patches.push(Patch { view, root: at, inner, outer });
         }

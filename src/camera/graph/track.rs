@@ -22,7 +22,7 @@ use crate::arrays::MapEach;
 use crate::camera::Rays;
 use crate::camera::pose::KEYS as POSE;
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::values::number_if;
+use crate::camera::values::{number_if, word};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
@@ -32,8 +32,8 @@ use std::sync::Arc;
 struct Track {
     pinhole: Pinhole,
     targets: Vec<Target>,
-    /// Directions (right, up) in which rays may be shifted; empty: any of eight.
-    bend: Vec<(f64, f64)>,
+    /// The direction (right, up) in which rays may be shifted; `None`: any of eight.
+    bend: Option<(f64, f64)>,
     far: Option<f64>,
     /// Pairs of triangles in a layer, at most.
     segments: Option<usize>,
@@ -53,14 +53,15 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     if count > TARGETS_MAX {
         return Err(field.error(format_args!("{count} targets; use {TARGETS_MAX} at most")));
     }
-    let bend = table.or("bend", Vec::new(), |field| match field.text()? {
-        "auto" => Ok(Vec::new()),
-        "up" => Ok(vec![(0.0, 1.0)]),
-        "down" => Ok(vec![(0.0, -1.0)]),
-        "left" => Ok(vec![(-1.0, 0.0)]),
-        "right" => Ok(vec![(1.0, 0.0)]),
-        _ => Err(field.error("use bend = \"auto\", \"up\", \"down\", \"left\" or \"right\"")),
-    })?;
+    let bends = [
+        ("auto", None),
+        ("up", Some((0.0, 1.0))),
+        ("down", Some((0.0, -1.0))),
+        ("left", Some((-1.0, 0.0))),
+        ("right", Some((1.0, 0.0))),
+    ];
+    let wrong = "use bend = \"auto\", \"up\", \"down\", \"left\" or \"right\"";
+    let bend = table.or("bend", None, |field| word(field, &bends, wrong))?;
     Ok(Arc::new(Track {
         pinhole: Pinhole::read(table)?,
         targets: targets.map(|t| read_target(&t)).collect::<Result<_>>()?,
@@ -153,7 +154,7 @@ impl Track {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let all =
             [(0., 1.), (-1., 0.), (1., 0.), (-half, half), (half, half), (0., -1.), (-half, -half), (half, -half)];
-        let chosen = if self.bend.is_empty() { &all[..] } else { &self.bend };
+        let chosen = self.bend.as_ref().map_or(&all[..], std::slice::from_ref);
         chosen.iter().map(|(x, y)| *x * right - *y * down).collect()
     }
 

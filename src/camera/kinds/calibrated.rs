@@ -18,6 +18,7 @@ use crate::camera::calibration::{Calibrated, Intrinsics, Model, Shutter};
 use crate::camera::exposure::{LineOrder, Lines};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
+use crate::camera::values::word;
 use crate::camera::{Ray, RayMap};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
@@ -66,11 +67,8 @@ pub fn read_opencv(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&["kind", "t_range", "file", "model"], &SHUTTER[..], &POSE, &KEYS].concat())?;
     let file = table.need("file", "\"camera.yml\"")?;
     let found = file::opencv::read(&file.path()?, file.loading())?;
-    let named = table.optional("model", |field| match field.text()? {
-        "brown" => Ok(false),
-        "fisheye" => Ok(true),
-        _ => Err(field.error("use \"brown\" or \"fisheye\"")),
-    })?;
+    let models = [("brown", false), ("fisheye", true)];
+    let named = table.optional("model", |field| word(field, &models, "use \"brown\" or \"fisheye\""))?;
     if let (Some(field), Some(line)) = (table.get("model"), named.and_then(|fisheye| found.contradicts(fisheye))) {
         return Err(field.error(format_args!("the file says {line}; leave model out, or correct the file")));
     }

@@ -11,6 +11,7 @@ use crate::camera::bundle::Bundle;
 use crate::camera::pieces::{Piece, Pieces, side};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
+use crate::camera::values::word;
 use crate::image::read_pairs;
 use crate::input::limits::CELLS;
 use crate::input::reader::{Field, Table};
@@ -41,11 +42,8 @@ struct Offsets {
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let own = ["vfov", "file", "offsets", "scale", "mode"];
     table.allow(&[&["kind", "t_range"], &POSE[..], &own, &KEYS].concat())?;
-    let bilinear = table.or("mode", false, |field| match field.text()? {
-        "affine" => Ok(false),
-        "bilinear" => Ok(true),
-        _ => Err(field.error("use \"affine\" or \"bilinear\"")),
-    })?;
+    let modes = [("affine", false), ("bilinear", true)];
+    let bilinear = table.or("mode", false, |field| word(field, &modes, "use \"affine\" or \"bilinear\""))?;
     if let (Some(pieces), false) = (table.get("pieces"), bilinear) {
         return Err(pieces.error("the affine mode has pieces of its own; leave this out or use mode = \"bilinear\""));
     }

@@ -10,7 +10,7 @@ use crate::camera::notes::Notes;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::region::Region;
 use crate::camera::spec::CameraSpec;
-use crate::camera::values::number_if;
+use crate::camera::values::{number_if, word};
 use crate::camera::{Camera, Rays};
 use crate::image::size::check_size;
 use crate::input::reader::{self, Table};
@@ -70,10 +70,8 @@ impl Member {
             camera: read_part(&table.need("camera", "{ kind = \"pinhole\", ... }")?)?,
             feather: table.or("feather", 0.0, |field| read_feather(field, &region))?,
             region,
-            framed_by_region: table.or("frame", false, |field| match field.text()? {
-                "image" => Ok(false),
-                "region" => Ok(true),
-                _ => Err(field.error("use \"image\" or \"region\"")),
+            framed_by_region: table.or("frame", false, |field| {
+                word(field, &[("image", false), ("region", true)], "use \"image\" or \"region\"")
             })?,
             priority: table.or("priority", 0, read_priority)?,
             objects: table.or("objects", None, |field| read_objects(field).map(Some))?,

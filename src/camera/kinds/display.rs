@@ -1,8 +1,6 @@
 //! `display`: what a viewer sees through a curved screen, or a projector throws on it, given as a mesh with texture
 //! coordinates.
 
-use crate::camera::Rays;
-use crate::camera::mesh::compile;
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::geometry::obj::{Textured, load_textured};
@@ -37,10 +35,7 @@ fn through(eye: DVec3, screen: &Textured) -> MeshCameraSpec {
 
 impl Recipe for Display {
     fn build(&self, setting: &Setting) -> Result<Built> {
-        let (w, h) = setting.size()?;
-        let mut notes = Vec::new();
-        let pieces = compile(&self.mesh, (w, h), &mut notes, setting.limits());
-        let pieces = pieces.map_err(|e| e.at("camera.mesh as a camera of kind mesh"))?;
-        Ok(Built { notes: notes.into(), ..Built::new((w, h), Rays::Pieces(pieces)) })
+        setting.size()?;
+        self.mesh.build(setting).map_err(|e| e.at("camera.mesh as a camera of kind mesh"))
     }
 }

@@ -3,6 +3,7 @@
 use super::{Lens, POSE, Pose, Posed};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
+use crate::camera::values::word;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
@@ -24,13 +25,13 @@ enum Mapping {
 
 impl Mapping {
     fn read(field: &Field) -> Result<Mapping> {
-        match field.text()? {
-            "equidistant" => Ok(Mapping::Equidistant),
-            "equisolid" => Ok(Mapping::Equisolid),
-            "stereographic" => Ok(Mapping::Stereographic),
-            "orthographic" => Ok(Mapping::Orthographic),
-            _ => Err(field.error("use \"equidistant\", \"equisolid\", \"stereographic\" or \"orthographic\"")),
-        }
+        let all = [
+            ("equidistant", Mapping::Equidistant),
+            ("equisolid", Mapping::Equisolid),
+            ("stereographic", Mapping::Stereographic),
+            ("orthographic", Mapping::Orthographic),
+        ];
+        word(field, &all, "use \"equidistant\", \"equisolid\", \"stereographic\" or \"orthographic\"")
     }
 
     fn radius(self, theta: f64) -> f64 {
@@ -82,11 +83,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         let to = if reached { "to" } else { "to under" };
         return Err(fov.error(format_args!("{degrees} degrees; this mapping shows from over 0 {to} {widest}")));
     }
-    let circular = table.or("frame", true, |field| match field.text()? {
-        "circular" => Ok(true),
-        "full" => Ok(false),
-        _ => Err(field.error("use \"circular\" or \"full\"")),
-    })?;
+    let frames = [("circular", true), ("full", false)];
+    let circular = table.or("frame", true, |field| word(field, &frames, "use \"circular\" or \"full\""))?;
     let (pose, fov, tessellation) = (Pose::read(table)?, degrees.to_radians(), Tessellation::read(table)?);
     Ok(Arc::new(Fisheye { pose, mapping, fov, circular, tessellation }))
 }

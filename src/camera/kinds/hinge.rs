@@ -7,7 +7,7 @@ use super::{POSE, Pose};
 use crate::arrays::MapEach;
 use crate::camera::mesh::triangle;
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::values::{angle_within, half_tangent, length, number_if};
+use crate::camera::values::{angle_within, half_tangent, length, number_if, word};
 use crate::camera::{Pieces, Ray, Rays};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
@@ -46,11 +46,7 @@ fn read_column(field: &Field) -> Result<f64> {
 }
 
 fn read_side(field: &Field) -> Result<f64> {
-    match field.text()? {
-        "right" => Ok(1.0),
-        "left" => Ok(-1.0),
-        _ => Err(field.error("is \"right\" or \"left\", the side of the hinge that turns")),
-    }
+    word(field, &[("right", 1.0), ("left", -1.0)], "is \"right\" or \"left\", the side of the hinge that turns")
 }
 
 impl Recipe for Hinge {

@@ -6,7 +6,7 @@ use super::{POSE, Pose};
 use crate::arrays::MapEach;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};
-use crate::camera::values::{direction, half_tangent, length};
+use crate::camera::values::{direction, half_tangent, length, word};
 use crate::camera::view::view;
 use crate::camera::{Ray, RayMap};
 use crate::input::Result;
@@ -57,11 +57,8 @@ fn read_keys(table: &Table) -> Result<Path> {
     if keys.len() < 2 {
         return Err(field.error("a path needs two cameras at least"));
     }
-    let smooth = table.or("interpolation", false, |f| match f.text()? {
-        "linear" => Ok(false),
-        "catmull-rom" => Ok(true),
-        _ => Err(f.error("is \"linear\" or \"catmull-rom\"")),
-    })?;
+    let ways = [("linear", false), ("catmull-rom", true)];
+    let smooth = table.or("interpolation", false, |f| word(f, &ways, "is \"linear\" or \"catmull-rom\""))?;
     Ok(Path::Keys { keys, smooth, closed: table.or("closed", false, Field::boolean)? })
 }
 

@@ -14,7 +14,7 @@ use crate::camera::projector::Volume;
 use crate::camera::projector::surface::{Plane, Pulled, Surface};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::Tessellation;
-use crate::camera::values::number_if;
+use crate::camera::values::{number_if, word};
 use crate::input::Result;
 use crate::input::reader::Table;
 use glam::DVec2;
@@ -39,11 +39,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     if viewer.near == 0.0 {
         return Err(table.error("near is 0; the rays must start to bend in front of the eye"));
     }
-    let bezier = table.or("join", false, |field| match field.text()? {
-        "linear" => Ok(false),
-        "bezier" => Ok(true),
-        _ => Err(field.error("must be \"linear\" or \"bezier\"")),
-    })?;
+    let joins = [("linear", false), ("bezier", true)];
+    let bezier = table.or("join", false, |field| word(field, &joins, "must be \"linear\" or \"bezier\""))?;
     let end = table.or("end", 2.0 * viewer.far, |field| {
         number_if(field, |end| end > viewer.far, format_args!("must be beyond far {}", viewer.far))
     })?;

@@ -6,7 +6,7 @@
 use super::{Lens, Posed};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{self, Tessellation};
-use crate::camera::values::{direction, length, number_if};
+use crate::camera::values::{direction, length, number_if, word};
 use crate::camera::view::{View, view};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
@@ -60,11 +60,7 @@ fn read_sweep(field: &Field) -> Result<f64> {
 }
 
 fn read_look(field: &Field) -> Result<f64> {
-    match field.text()? {
-        "inward" => Ok(1.0),
-        "outward" => Ok(-1.0),
-        _ => Err(field.error("is \"inward\", at what the eye goes round, or \"outward\"")),
-    }
+    word(field, &[("inward", 1.0), ("outward", -1.0)], "is \"inward\", at what the eye goes round, or \"outward\"")
 }
 
 impl Recipe for Panorama {
