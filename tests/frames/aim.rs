@@ -4,6 +4,7 @@ use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout};
+use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::planned::Planned;
 use anamorph::internals::engine::sequence::Sequence;
@@ -45,7 +46,7 @@ fn pairs() -> [(&'static str, [Camera; 2]); 4] {
     let pieces = [0.0, 0.2].map(|by| {
         let mut spec = mesh_spec(1, 3, 2, MeshShape::default());
         spec.vertices.iter_mut().for_each(|v| v.far.x += by);
-        camera(spec, SIZE, FORWARD)
+        camera(CameraKind::new("mesh", spec), SIZE, FORWARD)
     });
     // in front of the ball, and within it
     let fields = [FORWARD, [0.45, f64::INFINITY]].map(|t_range| raymap(SIZE.0, SIZE.1, t_range));

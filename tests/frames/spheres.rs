@@ -7,6 +7,7 @@ use anamorph::internals::camera::Camera;
 use anamorph::internals::camera::exposure::{Exposure, LineOrder, Lines, Readout};
 use anamorph::internals::camera::kinds::glc::Glc;
 use anamorph::internals::camera::kinds::orthographic::Orthographic;
+use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Arithmetic, RunOptions};
 use anamorph::internals::geometry::mesh::Mesh;
@@ -73,7 +74,7 @@ fn an_orthographic_image_is_a_disc_of_known_depth() {
     let (centre, radius) = (DVec3::new(0.3, -0.2, -1.0), 1.4);
     let scene = scene(balls(&[(centre, radius)]));
     let kind = Orthographic { eye: DVec3::new(0.0, 0.0, 5.0), target: DVec3::ZERO, up: DVec3::Y, height: 4.0 };
-    let camera = camera(kind, SIZE, FORWARD);
+    let camera = camera(CameraKind::new("orthographic", kind), SIZE, FORWARD);
     let place = |x: f64, y: f64| DVec2::new(2.0 * x * 80.0 / 60.0, 2.0 * y);
     for frame in frames(&scene, &camera) {
         let off = |x: f64, y: f64| place(x, y) - centre.truncate();
@@ -121,7 +122,7 @@ fn a_pushbroom_sees_slices() {
     let (width, height) = (2.2, 0.9);
     let near = [DVec3::new(-width, 0.0, 0.0), DVec3::new(width, 0.0, 0.0), DVec3::new(-width, 0.0, 0.0)];
     let far = [DVec3::new(-width, height, -1.0), DVec3::new(width, height, -1.0), DVec3::new(-width, -height, -1.0)];
-    let camera = camera(Glc { near, far }, SIZE, FORWARD);
+    let camera = camera(CameraKind::new("glc", Glc { near, far }), SIZE, FORWARD);
     for frame in frames(&scene, &camera) {
         assert_silhouette(&frame, 1e-12, |x, y| {
             let slice = radius * radius - (width * x - centre.x).powi(2);
@@ -138,7 +139,8 @@ fn a_cross_slit_sees_what_its_two_slits_do() {
     let scene = scene(balls(&[(centre, radius)]));
     let at = |x: f64, y: f64| (DVec3::new(x, 0.0, 0.0), DVec3::new(0.0, 0.6 * y, -2.0));
     let corners = [at(-1.0, 1.0), at(1.0, 1.0), at(-1.0, -1.0)];
-    let camera = camera(Glc { near: corners.map(|c| c.0), far: corners.map(|c| c.1) }, SIZE, FORWARD);
+    let glc = Glc { near: corners.map(|c| c.0), far: corners.map(|c| c.1) };
+    let camera = camera(CameraKind::new("glc", glc), SIZE, FORWARD);
     for frame in frames(&scene, &camera) {
         assert_silhouette(&frame, 1e-12, |x, y| {
             let (p, q) = at(x, y);
@@ -235,7 +237,7 @@ fn spheres_are_cut_by_the_range_of_t() {
     let scene = scene(balls(&[(DVec3::ZERO, 1.0)]));
     let kind = Orthographic { eye: DVec3::new(0.0, 0.0, 5.0), target: DVec3::ZERO, up: DVec3::Y, height: 3.0 };
     for (range, z) in [([0.0, 4.5], 4.0), ([4.5, 9.0], 6.0), ([4.0, 6.0], 4.0), ([6.0, 6.0], 6.0)] {
-        let camera = camera(kind.clone(), SIZE, range);
+        let camera = camera(CameraKind::new("orthographic", kind.clone()), SIZE, range);
         // through the middle
         let place = (SIZE.1 / 2 * SIZE.0 + SIZE.0 / 2) as usize;
         for frame in frames(&scene, &camera) {
