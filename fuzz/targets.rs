@@ -201,8 +201,10 @@ pub fn frame(data: &[u8]) {
         return;
     }
     let corner = |k: usize, z: f64| points[k] + DVec3::new(0.0, 0.0, z);
-    let kind =
-        CameraKind::from(Glc { near: [0, 1, 2].map(|k| corner(k, 2.0)), far: [3, 4, 5].map(|k| corner(k, -2.0)) });
+    let kind = CameraKind::new(
+        "glc",
+        Glc { near: [0, 1, 2].map(|k| corner(k, 2.0)), far: [3, 4, 5].map(|k| corner(k, -2.0)) },
+    );
     let spec = CameraSpec { kind, t_range: [f64::NEG_INFINITY, f64::INFINITY] };
     let Ok(camera) = Camera::new(&spec, Some(SIZE)) else { return };
     let corners = points[6..].len() / 3 * 3;

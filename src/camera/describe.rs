@@ -5,6 +5,7 @@ use crate::camera::glc::{Class, classify};
 use crate::camera::{Bundle, Camera, Rays};
 use glam::DVec3;
 use serde::{Serialize, Serializer};
+use serde_json::Value;
 use std::fmt;
 
 /// Summary of a compiled camera.
@@ -13,7 +14,9 @@ pub struct Description {
     pub kind: &'static str,
     pub width: u32,
     pub height: u32,
-    pub t_range: [Bound; 2],
+    /// Infinities are "inf" and "-inf" in JSON.
+    #[serde(serialize_with = "serialize_range")]
+    pub t_range: [f64; 2],
     /// In all layers; 0 if each pixel has its own ray or curve.
     pub pieces: usize,
     /// One, or those of a chain, first to last.
@@ -40,10 +43,6 @@ pub struct Layer {
     pub bundle: Option<BundleRecord>,
 }
 
-/// An end of t; infinities are "inf" and "-inf" in JSON.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bound(pub f64);
-
 /// Number of pieces of one class.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ClassCount {
@@ -69,7 +68,7 @@ impl Description {
             kind: camera.kind,
             width: camera.width,
             height: camera.height,
-            t_range: camera.t_range.map_each(Bound),
+            t_range: camera.t_range,
             pieces: camera.piece_count(),
             layers: camera.layers.iter().map(Layer::of).collect(),
             moves: camera.moving.is_some(),
@@ -132,16 +131,9 @@ fn shortened(t: f64) -> f64 {
     format!("{t:.10e}").parse().unwrap_or(t) + 0.0
 }
 
-impl fmt::Display for Bound {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}", self.0)
-    }
-}
-
-impl Serialize for Bound {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if self.0.is_finite() { serializer.serialize_f64(self.0) } else { serializer.collect_str(&self.0) }
-    }
+fn serialize_range<S: Serializer>(range: &[f64; 2], serializer: S) -> Result<S::Ok, S::Error> {
+    let end = |t: f64| if t.is_finite() { Value::from(t) } else { Value::from(t.to_string()) };
+    range.map_each(end).serialize(serializer)
 }
 
 impl fmt::Display for Description {

@@ -5,7 +5,6 @@
 
 use super::bundle::Bundle;
 use glam::{DMat2, DVec2, DVec3};
-use serde::Serialize;
 
 /// The bundle between two planes `q[0] + a q[1] + b q[2]`; `None` where they are the same.
 pub(super) fn of_planes(near: &[DVec3; 3], far: &[DVec3; 3], width: u32, height: u32) -> Option<Bundle> {
@@ -17,8 +16,7 @@ pub(super) fn of_planes(near: &[DVec3; 3], far: &[DVec3; 3], width: u32, height:
 
 /// The class of a GLC by the roots of its characteristic equation `det((1-t) A + t B) = 0`, with `A`, `B`
 /// the 2x2 maps from `(a, b)` to the parallel near and far planes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Class {
     Pinhole,
     Orthographic,

@@ -15,14 +15,9 @@ pub trait Lens: Any + std::fmt::Debug + Equal + Send + Sync {
     /// Returns the direction at image coordinates (a, b); `None`: no ray.
     fn direction(&self, a: f64, b: f64) -> Option<DVec3>;
 
-    /// Returns where the ray starts, relative to the eye.
-    fn origin(&self, _a: f64, _b: f64) -> DVec3 {
-        DVec3::ZERO
-    }
-
-    /// Returns whether all rays start in the eye.
-    fn is_central(&self) -> bool {
-        true
+    /// Returns where the ray starts, relative to the eye; `None`, for all rays alike: in the eye.
+    fn origin(&self, _a: f64, _b: f64) -> Option<DVec3> {
+        None
     }
 }
 
@@ -37,7 +32,7 @@ pub struct Posed {
 impl RayMap for Posed {
     fn ray(&self, a: f64, b: f64) -> Option<Ray> {
         let direction = self.lens.direction(a, b)?;
-        Some(self.turned(Ray { origin: self.lens.origin(a, b), direction }))
+        Some(self.turned(Ray { origin: self.lens.origin(a, b).unwrap_or(DVec3::ZERO), direction }))
     }
 
     fn viewer(&self) -> Option<Posed> {
@@ -124,7 +119,7 @@ impl LensRays {
             lens.origin(place.x, place.y)
         };
         let pixels = 0..u64::from(size.0) * u64::from(size.1);
-        let origins = if lens.is_central() { Vec::new() } else { parallel::map(pixels.clone(), origin) };
+        let origins = parallel::flat_map(pixels.clone(), origin);
         let direction = |k: u64| {
             let place = place(k);
             let has_origin = origins.get(k as usize).is_none_or(|origin| origin.is_finite());
@@ -172,12 +167,8 @@ mod tests {
             (a < 0.5).then(|| DVec3::new(a, b, self.0))
         }
 
-        fn origin(&self, a: f64, b: f64) -> DVec3 {
-            self.0 * DVec3::new(a, -b, 0.0)
-        }
-
-        fn is_central(&self) -> bool {
-            self.0 == 0.0
+        fn origin(&self, a: f64, b: f64) -> Option<DVec3> {
+            (self.0 != 0.0).then(|| self.0 * DVec3::new(a, -b, 0.0))
         }
     }
 

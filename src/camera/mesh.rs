@@ -12,6 +12,7 @@ use crate::input::{Error, Limits, Result};
 use crate::parallel;
 use glam::{DVec2, DVec3};
 pub(super) use overlap::first_overlap;
+use std::collections::HashMap;
 
 /// Compiles every image triangle to one piece.
 ///
@@ -61,6 +62,20 @@ fn piece(spec: &MeshCameraSpec, index: usize, triangle: &[u32; 3], size: DVec2) 
     let h = affine(w.map_each(|w| DVec3::new(w, 0.0, 0.0))).map_each(|v| v.x);
     let bundle = Bundle { p: weighted(v.map_each(|v| v.near)), d: weighted(direction), h };
     Ok(Piece { bundle, centre_px: (corners[0] + corners[1] + corners[2]) / 3.0, corners_px: Some(corners) })
+}
+
+/// The places of corners, each once, and the number of each corner's place.
+pub(super) fn welded(corners: impl Iterator<Item = DVec3>) -> (Vec<DVec3>, Vec<u32>) {
+    let (mut number_of, mut places) = (HashMap::new(), Vec::new());
+    let number = |p: DVec3| {
+        // -0 is 0
+        *number_of.entry((p + 0.0).to_array().map_each(f64::to_bits)).or_insert_with(|| {
+            places.push(p);
+            places.len() as u32 - 1
+        })
+    };
+    let numbers = corners.map(number).collect();
+    (places, numbers)
 }
 
 /// The piece over an image triangle (px) of some area whose corners have the rays `rays`: P and D are affine between.

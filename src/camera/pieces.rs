@@ -3,7 +3,7 @@
 //! Borders are decided in f64 with one canonical order of every edge's end points, so two pieces that share
 //! an edge see the same number: a pixel exactly on a border lies in both, and the lowest-numbered piece owns it.
 
-use super::boxes::{Boxes, around_triangle};
+use super::boxes::{Boxes, around, around_triangle};
 use super::bundle::Bundle;
 use super::lens::Held;
 use super::stack::Stack;
@@ -394,12 +394,8 @@ fn tiles_near(piece: &Piece, tiles_x: u32, tiles_y: u32) -> impl Iterator<Item =
         let first = ((lo - TILE_REACH_PX) / side_px).floor().clamp(0.0, n as f64) as u32;
         first..(((hi + TILE_REACH_PX) / side_px).floor() + 1.0).clamp(first as f64, n as f64) as u32
     };
-    let ys = corners.map_each(|q| q.y);
-    let rows = range(
-        ys.iter().fold(f64::INFINITY, |m, y| m.min(*y)),
-        ys.iter().fold(f64::NEG_INFINITY, |m, y| m.max(*y)),
-        tiles_y,
-    );
+    let (lo, hi) = around(&corners);
+    let rows = range(lo.y, hi.y, tiles_y);
     rows.flat_map(move |y| {
         // a long oblique piece reaches few tiles of its box
         let top = y as f64 * side_px - TILE_REACH_PX;

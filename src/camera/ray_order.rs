@@ -3,6 +3,8 @@
 //! Neighbouring pixels of a lenslet display or of a scanner's shot list look in all directions, so bounds on the rays of a tile cull
 //! nothing. Sorted by their rays, they fill tiles as narrow as any camera's. The frame is put back in order after read-back.
 
+use super::project::beam::Beam;
+use super::project::tree::morton;
 use super::{Camera, Field, Rays};
 use crate::arrays::MapEach;
 use crate::camera::TILE;
@@ -42,11 +44,9 @@ fn order(field: &Field, centre: DVec3) -> Vec<u32> {
     // where a ray starts, and the vector from there to the distance of the scene's centre: a tile bounds these separately, so
     // that its rays must be near each other in both
     let parts = |k: u32| ray(k).map(|(p, d)| [p, far * d.normalize()]);
-    let none = ([DVec3::INFINITY; 2], [DVec3::NEG_INFINITY; 2]);
-    let join = |a: ([DVec3; 2], [DVec3; 2]), b: ([DVec3; 2], [DVec3; 2])| {
-        ([0, 1].map_each(|k| a.0[k].min(b.0[k])), [0, 1].map_each(|k| a.1[k].max(b.1[k])))
-    };
-    let (lo, hi) = parallel::reduce(0..count, |k| parts(k).map(|p| (p, p)), join).unwrap_or(none);
+    let about = |k: u32| parts(k).map(|[p, d]| Beam::about(p, d, 0.0, 0.0));
+    let all = parallel::reduce(0..count, about, |a, b| a.joined(&b)).unwrap_or(Beam::NONE);
+    let [lo, hi] = [0, 1].map_each(|end| [all.p[end], all.d[end]]);
     let size = [0, 1].map_each(|k| (hi[k] - lo[k]).max_element()).into_iter().fold(f64::MIN_POSITIVE, f64::max);
     let unit = f64::from((1 << KEY_BITS) - 1) / size;
     // pixels without a ray go last
@@ -111,11 +111,8 @@ fn has_incoherent_rays(field: &Field) -> bool {
 /// All pixels, tile by tile, and the tiles in squares of squares.
 fn tile_by_tile(width: u32, height: u32) -> Vec<u32> {
     let tiles = (0..height.div_ceil(TILE)).flat_map(|y| (0..width.div_ceil(TILE)).map(move |x| (x, y)));
-    let bit = |v: u32, k: u32| u64::from(v >> k & 1);
-    let place =
-        |(x, y): &(u32, u32)| (0..u32::BITS / 2).fold(0, |m, k| m | bit(*x, k) << (2 * k) | bit(*y, k) << (2 * k + 1));
     let mut tiles: Vec<(u32, u32)> = tiles.collect();
-    tiles.sort_by_key(place);
+    tiles.sort_by_key(|&(x, y)| morton(x.into(), y.into()));
     let pixels = |(x, y): (u32, u32)| {
         let inside = move |(i, j): &(u32, u32)| *i < width && *j < height;
         let all = (0..TILE * TILE).map(move |k| (x * TILE + k % TILE, y * TILE + k / TILE));

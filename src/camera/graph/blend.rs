@@ -1,5 +1,6 @@
 //! The rays of a view about several targets: one net over the image, and how the targets' shifts are blended on it.
 
+use super::outline;
 use super::path::{CURVE_PARTS, Detour, SightLines};
 use super::view::View;
 use super::{Bend, Graph, Leg, Net};
@@ -163,13 +164,7 @@ fn net(view: &View, seen: &[Seen], size: (u32, u32)) -> (Net, Vec<Vec<f64>>) {
 impl Graph {
     /// The points that the ray at an image place runs through, curves as some straight parts.
     pub fn line(&self, place_px: DVec2, bend: Bend) -> Option<Vec<DVec3>> {
-        let corners = |t: &[u32; 3]| t.map_each(|k| self.net.places_px[k as usize]);
-        let weights = |t: &[u32; 3]| {
-            let [a, b, c] = corners(t);
-            let area = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);
-            let whole = area(a, b, c);
-            [area(place_px, b, c) / whole, area(a, place_px, c) / whole, area(a, b, place_px) / whole]
-        };
+        let weights = |t: &[u32; 3]| outline::weights(t.map_each(|k| self.net.places_px[k as usize]), place_px);
         let least = |t: &[u32; 3]| weights(t).into_iter().fold(f64::INFINITY, f64::min);
         let triangle = self.net.triangles.iter().max_by(|a, b| least(a).total_cmp(&least(b)))?;
         let w = weights(triangle);

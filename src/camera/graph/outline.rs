@@ -18,6 +18,12 @@ pub fn area2(outline: &[DVec2]) -> f64 {
     outline.windows(2).map(|s| (s[0] - from).perp_dot(s[1] - from)).sum()
 }
 
+/// The weights of a triangle's corners at a place.
+pub fn weights([a, b, c]: [DVec2; 3], q: DVec2) -> [f64; 3] {
+    let area = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);
+    [area(q, b, c), area(a, q, c), area(a, b, q)].map_each(|w| w / area(a, b, c))
+}
+
 /// The outline with every side moved outwards by `by`, corner for corner; `None` where a corner is too sharp for that.
 pub fn widened(outline: &[DVec2], by: f64) -> Option<Outline> {
     let n = outline.len();

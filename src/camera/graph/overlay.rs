@@ -72,9 +72,7 @@ impl Profile {
     /// The mix at a place of a triangle.
     fn mix(&self, triangle: usize, q: DVec2) -> Mix {
         let t = self.triangles[triangle];
-        let [a, b, c] = t.map_each(|k| self.places_px[k]);
-        let area = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);
-        let weights = [area(q, b, c), area(a, q, c), area(a, b, q)].map_each(|w| w / area(a, b, c));
+        let weights = outline::weights(t.map_each(|k| self.places_px[k]), q);
         let mix = (0..3).filter(|k| t[*k] >= self.first_corner).map(|k| (self.places_px[t[k]], weights[k])).collect();
         if share(&mix) > 0.0 { mix } else { Mix::new() }
     }

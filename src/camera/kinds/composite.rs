@@ -18,6 +18,7 @@ use crate::input::{Error, Result};
 use crate::parallel;
 use glam::DVec2;
 use parts::{Part, Parts};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 #[derive(Debug, PartialEq)]
@@ -275,19 +276,12 @@ impl Composite {
 
     /// Notes on cameras that show at no pixel's centre.
     fn hidden(&self, parts: &Parts, (width, height): (u32, u32)) -> Vec<String> {
-        let count = parts.parts.len();
-        let joined = |mut a: Vec<bool>, b: Vec<bool>| {
-            a.iter_mut().zip(b).for_each(|(a, b)| *a |= b);
-            a
+        let of_row = |j: u32| -> BTreeSet<usize> {
+            (0..width).filter_map(|i| parts.owner(DVec2::new(i.into(), j.into()) + 0.5)).collect()
         };
-        let of_row = |j: u32| {
-            let mut shown = vec![false; count];
-            let place = |i: u32| DVec2::new(f64::from(i), f64::from(j)) + 0.5;
-            (0..width).filter_map(|i| parts.owner(place(i))).for_each(|k| shown[k] = true);
-            shown
-        };
-        let shown = parallel::reduce(0..height, |j| Some(of_row(j)), joined).unwrap_or_else(|| vec![false; count]);
-        let mut hidden: Vec<usize> = self.order().into_iter().zip(shown).filter(|(_, s)| !s).map(|(k, _)| k).collect();
+        let shown: BTreeSet<usize> = parallel::map(0..height, of_row).into_iter().flatten().collect();
+        let order = self.order().into_iter().enumerate();
+        let mut hidden: Vec<usize> = order.filter(|(place, _)| !shown.contains(place)).map(|(_, k)| k).collect();
         hidden.sort_unstable();
         let note = |k: usize| {
             format!("camera {k} shows nowhere: its region holds no pixel's centre, or others come before it")

@@ -190,12 +190,8 @@ impl Lens for Beams {
         Some(DVec3::new(elevation.cos() * sin, elevation.sin(), elevation.cos() * cos))
     }
 
-    fn origin(&self, a: f64, _b: f64) -> DVec3 {
-        self.part(a) * self.travel
-    }
-
-    fn is_central(&self) -> bool {
-        self.travel == DVec3::ZERO
+    fn origin(&self, a: f64, _b: f64) -> Option<DVec3> {
+        (self.travel != DVec3::ZERO).then(|| self.part(a) * self.travel)
     }
 }
 

@@ -94,14 +94,10 @@ impl Lens for Lenslets {
         Some(DVec3::new(slope.x, -slope.y, 1.0))
     }
 
-    fn origin(&self, a: f64, b: f64) -> DVec3 {
+    fn origin(&self, a: f64, b: f64) -> Option<DVec3> {
         let lenslet = self.lenslet(DVec2::new(a, b) * self.lenslets);
         let at = ((lenslet + 0.5) / self.lenslets - 0.5) * self.size;
-        DVec3::new(at.x, -at.y, 0.0)
-    }
-
-    fn is_central(&self) -> bool {
-        false
+        Some(DVec3::new(at.x, -at.y, 0.0))
     }
 }
 

@@ -51,13 +51,9 @@ impl Lens for Circle {
         Some(DVec3::new(level * sin, up, level * cos))
     }
 
-    fn origin(&self, a: f64, b: f64) -> DVec3 {
+    fn origin(&self, a: f64, b: f64) -> Option<DVec3> {
         let side = if b < 0.5 { -1.0 } else { 1.0 };
         let (sin, cos) = ((a - 0.5) * TAU).sin_cos();
-        DVec3::new(side * self.radius * cos, 0.0, -side * self.radius * sin)
-    }
-
-    fn is_central(&self) -> bool {
-        self.radius == 0.0
+        (self.radius != 0.0).then(|| DVec3::new(side * self.radius * cos, 0.0, -side * self.radius * sin))
     }
 }

@@ -81,12 +81,8 @@ impl Lens for Ring {
         Some(-inward * self.out(a) + (height * (0.5 - b) - elevation) * DVec3::Y)
     }
 
-    fn origin(&self, a: f64, _b: f64) -> DVec3 {
-        self.out(a) + self.elevation * DVec3::Y
-    }
-
-    fn is_central(&self) -> bool {
-        false
+    fn origin(&self, a: f64, _b: f64) -> Option<DVec3> {
+        Some(self.out(a) + self.elevation * DVec3::Y)
     }
 }
 

@@ -4,7 +4,7 @@
 //! right-angled triangle of one size in the image (their joint texture atlas), so that the packing wastes nothing.
 
 use crate::arrays::MapEach;
-use crate::camera::mesh::triangle;
+use crate::camera::mesh::{triangle, welded};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::values::{direction, length};
 use crate::camera::{Pieces, Ray, Rays};
@@ -57,7 +57,9 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     field.limits().check(CAMERAS, mesh.triangles.len() as u64).map_err(|e| field.error(e))?;
     let columns = table.optional("columns", |f| f.integer(1, mesh.triangles.len().div_ceil(2).max(1) as u64))?;
     let columns = columns.map(|n| n as usize);
-    let (vertices, triangles) = welded(&mesh.positions, &mesh.triangles);
+    let (vertices, numbers) = welded(mesh.triangles.iter().flatten().map(|i| mesh.positions[*i as usize]));
+    let corners = numbers.chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
+    let triangles: Vec<[u32; 3]> = corners.filter(|[a, b, c]| a != b && b != c && c != a).collect();
     if triangles.is_empty() {
         return Err(field.error("the mesh has no triangle with three corners; give one around the middle"));
     }
@@ -73,21 +75,6 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         field.error(format_args!("the mesh has no normal at {v}: triangles without area or back to back; mend it"))
     })?;
     Ok(Arc::new(Surround { vertices, triangles, inward, up, columns, notes }))
-}
-
-/// Vertices at the same position made one, and triangles without three corners left out.
-fn welded(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let (mut number_of, mut vertices) = (HashMap::new(), Vec::new());
-    let mut number = |p: DVec3| {
-        // -0 is 0
-        *number_of.entry((p + 0.0).to_array().map_each(f64::to_bits)).or_insert_with(|| {
-            vertices.push(p);
-            vertices.len() as u32 - 1
-        })
-    };
-    let corners: Vec<[u32; 3]> = triangles.iter().map(|t| t.map_each(|i| number(positions[i as usize]))).collect();
-    let kept = corners.into_iter().filter(|[a, b, c]| a != b && b != c && c != a).collect();
-    (vertices, kept)
 }
 
 /// Edges that no other triangle has the other way round.

@@ -1,6 +1,7 @@
 //! A surface of flat triangles with normals at their corners.
 
 use crate::arrays::MapEach;
+use crate::camera::mesh::welded;
 use crate::geometry::mesh::{Material, Mesh, NO_NORMAL};
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -70,34 +71,28 @@ impl Facets {
 
     /// Fills in the normals of corners without one.
     fn add_mean_normals(&mut self) -> Result<()> {
-        let mut of_place = std::collections::HashMap::new();
-        // -0 is 0
-        let place = |p: DVec3| (p + 0.0).to_array().map_each(f64::to_bits);
-        for t in &self.triangles {
+        let (places, numbers) = welded(self.triangles.iter().flatten().map(|k| self.positions[*k as usize]));
+        let mut sums = vec![DVec3::ZERO; places.len()];
+        for (t, numbers) in self.triangles.iter().zip(numbers.chunks_exact(3)) {
             let corners = t.map_each(|k| self.positions[k as usize]);
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
             for k in 0..3 {
                 let (p, a, b) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
-                *of_place.entry(place(p)).or_insert(DVec3::ZERO) += normal * (a - p).angle_between(b - p);
+                sums[numbers[k] as usize] += normal * (a - p).angle_between(b - p);
             }
         }
-        let first = self.normals.len() as u32;
-        let mut index_of = std::collections::HashMap::new();
-        for (t, normals) in self.triangles.iter().zip(&mut self.corner_normals) {
-            for (vertex, normal) in t.iter().zip(normals).filter(|(_, n)| **n == NO_NORMAL) {
-                let p = self.positions[*vertex as usize];
-                let next = first + index_of.len() as u32;
-                *normal = *index_of.entry(place(p)).or_insert(next);
-                if *normal == next && self.normals.len() as u32 == next {
-                    let mean = of_place[&place(p)].try_normalize();
-                    let mean = mean.ok_or_else(|| {
-                        Error::input(format!(
-                            "the mesh has no normal at {p}: its triangles there are back to back; mend it"
-                        ))
-                    })?;
-                    self.normals.push(mean);
-                }
+        let mut normal_of = vec![NO_NORMAL; places.len()];
+        let corners = self.corner_normals.iter_mut().flatten().zip(numbers);
+        for (normal, number) in corners.filter(|(normal, _)| **normal == NO_NORMAL) {
+            let (known, p) = (&mut normal_of[number as usize], places[number as usize]);
+            if *known == NO_NORMAL {
+                let why = "its triangles there are back to back; mend it";
+                let mean = sums[number as usize].try_normalize();
+                let mean = mean.ok_or_else(|| Error::input(format!("the mesh has no normal at {p}: {why}")))?;
+                *known = self.normals.len() as u32;
+                self.normals.push(mean);
             }
+            *normal = *known;
         }
         Ok(())
     }

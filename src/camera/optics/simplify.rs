@@ -1,11 +1,11 @@
 //! Simplification of a mesh mirror to fewer facets.
 
-use super::facets::{Facet, Facets};
+use super::facets::Facets;
 use crate::arrays::MapEach;
+use crate::camera::mesh::welded;
 use crate::input::Result;
 use glam::DVec3;
 use meshopt::{SimplifyOptions, simplify_decoder};
-use std::collections::HashMap;
 
 /// How far simplified facets may lie from the surface, relative to its size: the count decides.
 const ANY_ERROR: f32 = f32::MAX;
@@ -13,20 +13,10 @@ const ANY_ERROR: f32 = f32::MAX;
 impl Facets {
     /// At most `count` facets, by collapsing edges. Vertices that are left keep their place; a vertex's normal is the mean of its corners' own.
     pub(super) fn simplified(&self, count: usize) -> Result<Facets> {
-        let (mut number_of, mut positions, mut sums) = (HashMap::new(), Vec::new(), Vec::<DVec3>::new());
-        let mut indices = Vec::new();
-        for k in 0..self.triangles.len() {
-            let Facet { corners, normals } = self.facet(k);
-            for (p, n) in corners.into_iter().zip(normals) {
-                // -0 is 0
-                let number = *number_of.entry((p + 0.0).to_array().map_each(f64::to_bits)).or_insert_with(|| {
-                    positions.push(p);
-                    sums.push(DVec3::ZERO);
-                    positions.len() as u32 - 1
-                });
-                sums[number as usize] += n;
-                indices.push(number);
-            }
+        let (positions, indices) = welded(self.triangles.iter().flatten().map(|k| self.positions[*k as usize]));
+        let mut sums = vec![DVec3::ZERO; positions.len()];
+        for (number, n) in indices.iter().zip(self.corner_normals.iter().flatten()) {
+            sums[*number as usize] += self.normals[*n as usize];
         }
         let centre = positions.iter().sum::<DVec3>() / positions.len() as f64;
         let places: Vec<[f32; 3]> = positions.iter().map(|p| (*p - centre).as_vec3().to_array()).collect();

@@ -6,7 +6,7 @@
 
 use super::beam::Beam;
 use super::newton::{self, Volume};
-use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
+use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples, squares};
 use super::tree::{KEY_BITS, Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
 use crate::arrays::MapEach;
@@ -327,10 +327,7 @@ pub fn tiles(curves: &Curves) -> UVec2 {
 
 /// The corners of a tile's pixels, px.
 fn pixels(curves: &Curves, tile: u32) -> impl Iterator<Item = DVec2> + use<> {
-    let columns = tiles(curves).x;
-    let [x, y] = [(tile % columns, curves.width), (tile / columns, curves.height)]
-        .map_each(|(k, end)| k * TILE..(k * TILE + TILE).min(end));
-    y.flat_map(move |j| x.clone().map(move |i| DVec2::new(i.into(), j.into())))
+    squares(tile, TILE, [curves.width, curves.height])
 }
 
 /// The curves of a tile's pixels: its net, and its leaves.

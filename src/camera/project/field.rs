@@ -6,7 +6,7 @@
 
 use super::beam::Beam;
 use super::newton::{self, Volume};
-use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
+use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples, squares};
 use super::tree::{Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
 use crate::arrays::MapEach;
@@ -109,11 +109,8 @@ impl<'a> Search<'a> {
 
     /// The corners of a leaf's cells, px.
     fn squares(&self, leaf: u32) -> impl Iterator<Item = DVec2> + use<> {
-        let columns = self.cells[0].div_ceil(self.side);
-        let (side, cells, start) = (self.side, self.cells, self.start);
-        let [x, y] = [(leaf % columns, cells[0]), (leaf / columns, cells[1])]
-            .map_each(|(k, end)| k * side..(k * side + side).min(end));
-        y.flat_map(move |j| x.clone().map(move |i| start + DVec2::new(i.into(), j.into())))
+        let start = self.start;
+        squares(leaf, self.side, self.cells).map(move |at| start + at)
     }
 
     /// What the rays of a leaf's cells do; `None` where there are none.

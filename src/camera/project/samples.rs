@@ -21,6 +21,14 @@ pub fn corners(at: DVec2, side: f64) -> [DVec2; 4] {
     [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map_each(|c| at + side * c)
 }
 
+/// The corners of the unit squares in a block of `side` by `side` of them, where blocks are numbered row by row over `cells` squares.
+pub fn squares(block: u32, side: u32, cells: [u32; 2]) -> impl Iterator<Item = DVec2> {
+    let columns = cells[0].div_ceil(side);
+    let [x, y] = [(block % columns, cells[0]), (block / columns, cells[1])]
+        .map_each(|(k, end)| k * side..(k * side + side).min(end));
+    y.flat_map(move |j| x.clone().map(move |i| DVec2::new(i.into(), j.into())))
+}
+
 /// Just inside the corners, and the middle.
 pub fn samples(at: DVec2, side: f64) -> [DVec2; 5] {
     let [a, b, c, d] = corners(at + INSET * side, (1.0 - 2.0 * INSET) * side);

@@ -108,11 +108,15 @@ fn push(nodes: &mut Vec<Node>, leaves: &[Leaf], bits: u32) -> Beam {
     beam
 }
 
-/// The key of a place in an image of `size`, both in px: bits of its column and row interleaved (Morton 1966).
+/// The key of a place in an image of `size`, both in px: [`morton`] of its column and row.
 pub fn place_key(place: DVec2, size: DVec2) -> u64 {
     let steps = f64::from(1u32 << KEY_BITS);
     let along = |share: f64| (share * steps).clamp(0.0, steps - 1.0) as u64;
-    let (x, y) = (along(place.x / size.x.max(size.y)), along(place.y / size.x.max(size.y)));
+    morton(along(place.x / size.x.max(size.y)), along(place.y / size.x.max(size.y)))
+}
+
+/// The lowest bits of a column and a row interleaved (Morton 1966).
+pub fn morton(x: u64, y: u64) -> u64 {
     (0..KEY_BITS).fold(0, |key, k| key | (x >> k & 1) << (2 * k) | (y >> k & 1) << (2 * k + 1))
 }
 

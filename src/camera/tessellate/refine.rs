@@ -10,7 +10,7 @@ use super::grid::{Bends, Cells, balanced, bends, even, strips};
 use crate::arrays::MapEach;
 use crate::input::limits::PIECES;
 use crate::parallel;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// Pieces this wide and high, px, are split no further: a remaining error there is a jump, or the rim of the rays.
 pub const PIECE_MIN_PX: f64 = 0.25;
@@ -52,7 +52,7 @@ fn refine_triangles(judge: &Judge, error_px: f64) -> Cells {
     let grid = Cells::between(judge, &even(judge.size.x, columns), &even(judge.size.y, rows), (1, 1));
     let mut mesh = Mesh::new(grid);
     loop {
-        let new = std::mem::take(&mut mesh.new);
+        let new: Vec<u32> = std::mem::take(&mut mesh.new).into_iter().collect();
         let verdicts: Vec<Verdict> = parallel::map(&new, |&t| mesh.verdict(judge, t));
         for (&t, verdict) in new.iter().zip(verdicts) {
             mesh.cells.verdicts[t as usize] = verdict;
@@ -64,13 +64,10 @@ fn refine_triangles(judge: &Judge, error_px: f64) -> Cells {
                 break;
             }
             // it may have been split with a neighbour already
-            if !mesh.is_new[t as usize] {
+            if !mesh.new.contains(&t) {
                 mesh.split(judge, t);
             }
         }
-        // numbers in order, each once
-        mesh.new = (0..mesh.is_new.len() as u32).filter(|&t| mesh.is_new[t as usize]).collect();
-        mesh.is_new.iter_mut().for_each(|n| *n = false);
         if mesh.new.is_empty() {
             return mesh.cells;
         }
@@ -83,8 +80,7 @@ struct Mesh {
     /// The triangles at an edge, its places ascending.
     beyond: HashMap<(u32, u32), [Option<u32>; 2]>,
     /// Triangles without a verdict.
-    new: Vec<u32>,
-    is_new: Vec<bool>,
+    new: BTreeSet<u32>,
 }
 
 fn edge(a: u32, b: u32) -> (u32, u32) {
@@ -99,9 +95,8 @@ impl Mesh {
     fn new(mut cells: Cells) -> Mesh {
         let n = cells.triangles.len();
         cells.verdicts = vec![Verdict::NONE; n];
-        let new: Vec<u32> = (0..n as u32).collect();
-        let mut mesh = Mesh { cells, beyond: HashMap::new(), new: new.clone(), is_new: vec![false; n] };
-        new.into_iter().for_each(|t| mesh.join(t));
+        let mut mesh = Mesh { cells, beyond: HashMap::new(), new: (0..n as u32).collect() };
+        (0..n as u32).for_each(|t| mesh.join(t));
         mesh
     }
 
@@ -169,8 +164,7 @@ impl Mesh {
         let other = self.cells.triangles.len() as u32;
         self.cells.triangles.push([m, c, a]);
         self.cells.verdicts.push(self.cells.verdicts[t as usize]);
-        self.is_new.push(true);
-        self.is_new[t as usize] = true;
+        self.new.extend([t, other]);
         self.join(t);
         self.join(other);
     }

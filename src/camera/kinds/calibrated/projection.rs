@@ -29,17 +29,13 @@ impl Projection {
                 in_range("xi", xi, xi > -1.0 && xi <= 1.0, "in (-1, 1]")
             }
             Projection::Division { k } => in_range("k", k, k.is_finite(), "finite"),
-            Projection::AngleOfRadius { ref c } | Projection::RadiusOfAngle { ref c } => {
+            Projection::AngleOfRadius { ref c }
+            | Projection::RadiusOfAngle { ref c }
+            | Projection::HeightOfRadius { ref c } => {
+                let is_height = matches!(self, Projection::HeightOfRadius { .. });
+                let start = if is_height { "under 0 at the middle" } else { "start with 0 and a number over 0" };
                 let is_good = c.first().is_some_and(|c| *c > 0.0) && c.iter().all(|c| c.is_finite());
-                if is_good {
-                    Ok(())
-                } else {
-                    Err("polynomial: must be finite, and start with 0 and a number over 0".into())
-                }
-            }
-            Projection::HeightOfRadius { ref c } => {
-                let is_good = c.first().is_some_and(|c| *c > 0.0) && c.iter().all(|c| c.is_finite());
-                if is_good { Ok(()) } else { Err("polynomial: must be finite, and under 0 at the middle".into()) }
+                if is_good { Ok(()) } else { Err(format!("polynomial: must be finite, and {start}")) }
             }
             Projection::Perspective | Projection::Equidistant | Projection::Equirectangular => Ok(()),
         }
