@@ -7,7 +7,6 @@ use crate::camera::exposure::Sample;
 use crate::geometry::load::Object;
 use crate::input::{Error, Result};
 use glam::DVec2;
-use std::fmt::Write;
 use std::sync::Arc;
 
 /// The cameras of a composite.
@@ -126,11 +125,7 @@ impl Composition {
         for (k, member) in self.members.iter().enumerate() {
             let unknown = |p: &&String| !objects.iter().any(|object| matches(p, &object.name));
             if let Some(pattern) = member.objects.iter().flatten().find(unknown) {
-                let mut known = String::new();
-                for object in objects.iter().take(NAMES_LISTED) {
-                    // writing to a String cannot fail
-                    let _ = write!(known, " \"{}\"", object.name);
-                }
+                let known: String = objects.iter().take(NAMES_LISTED).map(|o| format!(" \"{}\"", o.name)).collect();
                 let known = if known.is_empty() { "the scene has none".into() } else { format!("objects:{known}") };
                 return Err(Error::input(format!(
                     "camera.cameras.{k}.objects: no object is named \"{pattern}\"; {known}"

@@ -78,6 +78,15 @@ pub(super) fn welded(corners: impl Iterator<Item = DVec3>) -> (Vec<DVec3>, Vec<u
     (places, numbers)
 }
 
+/// The corners of a triangle of a joint image: right-angled halves of cells, two a cell, row by row. The first is the right angle, and
+/// they are counter-clockwise as seen in the picture, whose y goes down.
+pub(super) fn half_cell(triangle: usize, columns: usize, cell: DVec2) -> [DVec2; 3] {
+    let corner = DVec2::new((triangle / 2 % columns) as f64, (triangle / 2 / columns) as f64);
+    let is_upper = triangle.is_multiple_of(2);
+    let shape = if is_upper { [(0., 0.), (0., 1.), (1., 0.)] } else { [(1., 1.), (1., 0.), (0., 1.)] };
+    shape.map_each(|(x, y)| (corner + DVec2::new(x, y)) * cell)
+}
+
 /// The piece over an image triangle (px) of some area whose corners have the rays `rays`: P and D are affine between.
 pub(crate) fn triangle(corners: [DVec2; 3], rays: [Ray; 3]) -> Piece {
     let p = interpolated(&corners, rays.map_each(|r| r.origin));

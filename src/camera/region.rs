@@ -59,9 +59,7 @@ impl Region {
             Region::Mask(mask) => mask.bounds,
         }
     }
-}
 
-impl Region {
     /// How far a place lies inside of the border, px; negative outside. Of masks at most `most`.
     pub fn depth_px(&self, place_px: DVec2, size: DVec2, most: f64) -> f64 {
         let to_border = match self {
@@ -103,8 +101,8 @@ fn to_sides(corners: &[DVec2], place: DVec2) -> f64 {
 
 fn read_rectangle(table: &Table) -> Result<Region> {
     table.allow(&["kind", "from", "to"])?;
-    let corner = |key: &str, example: &str| Ok(DVec2::from(read_place(&table.need(key, example)?)?));
-    let (from, to) = (corner("from", "[0, 0]")?, corner("to", "[0.5, 0.5]")?);
+    let from = read_place(&table.need("from", "[0, 0]")?)?;
+    let to = read_place(&table.need("to", "[0.5, 0.5]")?)?;
     if from.cmpge(to).any() {
         return Err(table.error("the rectangle has no area; from is its upper left corner, to its lower right one"));
     }
@@ -119,7 +117,7 @@ fn read_polygon(table: &Table) -> Result<Region> {
     if !(3..=CORNERS_MAX).contains(&count) {
         return Err(field.error(format_args!("{count} points; a polygon has 3 to {CORNERS_MAX}; or use a mask")));
     }
-    let corners: Vec<DVec2> = items.map(|item| read_place(&item).map(DVec2::from)).collect::<Result<_>>()?;
+    let corners: Vec<DVec2> = items.map(|item| read_place(&item)).collect::<Result<_>>()?;
     let bounds = corners.iter().fold([corners[0]; 2], |[low, high], q| [low.min(*q), high.max(*q)]);
     if bounds[0].cmpge(bounds[1]).any() {
         return Err(field.error("the polygon has no area; its points must not lie on one line"));
@@ -130,12 +128,12 @@ fn read_polygon(table: &Table) -> Result<Region> {
 /// Farthest coordinate of a region: far outside of the image nothing is seen.
 const FARTHEST: f64 = 1000.0;
 
-fn read_place(field: &Field) -> Result<[f64; 2]> {
-    let place = field.numbers("an image place, as [a, b]")?;
+fn read_place(field: &Field) -> Result<DVec2> {
+    let place: [f64; 2] = field.numbers("an image place, as [a, b]")?;
     match place.iter().find(|x| x.abs() > FARTHEST) {
         Some(x) => Err(field
             .error(format_args!("{x} is too far outside of the image, from [0, 0] to [1, 1]; use {FARTHEST} at most"))),
-        None => Ok(place),
+        None => Ok(place.into()),
     }
 }
 

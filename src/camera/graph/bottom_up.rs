@@ -7,6 +7,7 @@ use super::view::{Pinhole, View, beyond};
 use super::volume::Volume;
 use super::{Graph, Net};
 use crate::arrays::MapEach;
+use crate::camera::Ray;
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::values::{number_if, of_part};
@@ -190,22 +191,20 @@ impl BottomUp {
         let angle = border(h / 2.0)[0].angle_between(border(h / 2.0)[1]);
         let strips = self.lateral.unwrap_or(((angle / STRIP_ANGLE).ceil() as u64).max(1));
         let mut leaves = Leaves::new(self.near, layout.far);
-        leaves.column(0.0, h, |y| left.ray(DVec2::new(0.0, y)).into());
+        leaves.column(0.0, h, |y| left.ray(DVec2::new(0.0, y)));
         for k in 0..=strips {
             let s = k as f64 / strips as f64;
             leaves.column(x1 + s * (x2 - x1), h, |y| {
                 let [d1, d2] = border(y);
-                let d = if k == 0 {
-                    d1
-                } else if k == strips {
-                    d2
-                } else {
-                    d1.slerp(d2, s)
+                let direction = match k {
+                    0 => d1,
+                    _ if k == strips => d2,
+                    _ => d1.slerp(d2, s),
                 };
-                (left.eye().lerp(right.eye(), s), d)
+                Ray { origin: left.eye().lerp(right.eye(), s), direction }
             });
         }
-        leaves.column(w, h, |y| right.ray(DVec2::new(w, y)).into());
+        leaves.column(w, h, |y| right.ray(DVec2::new(w, y)));
         leaves.joined()
     }
 
@@ -216,7 +215,7 @@ impl BottomUp {
         let mut leaves = Leaves::new(self.near, layout.far);
         for (view, from, to) in [(layout.views[0], 0.0, x1), (layout.root, x1, x2), (layout.views[1], x2, w)] {
             for x in [from, to] {
-                leaves.column(x, h, |y| view.ray(DVec2::new(x, y)).into());
+                leaves.column(x, h, |y| view.ray(DVec2::new(x, y)));
             }
         }
         let (mut net, ends) = leaves.joined();
@@ -264,21 +263,15 @@ struct Leaves {
     ends: [Vec<DVec3>; 2],
 }
 
-impl From<super::super::Ray> for (DVec3, DVec3) {
-    fn from(ray: super::super::Ray) -> (DVec3, DVec3) {
-        (ray.origin, ray.direction)
-    }
-}
-
 impl Leaves {
     fn new(near: f64, far: f64) -> Leaves {
         Leaves { net: Net::default(), depths: [near, far], ends: [Vec::new(), Vec::new()] }
     }
 
-    /// Adds the rays, (eye, direction of depth 1), at the top and the bottom of a column.
-    fn column(&mut self, x: f64, height: f64, ray: impl Fn(f64) -> (DVec3, DVec3)) {
+    /// Adds the rays, their directions of depth 1, at the top and the bottom of a column.
+    fn column(&mut self, x: f64, height: f64, ray: impl Fn(f64) -> Ray) {
         for y in [0.0, height] {
-            let (eye, d) = ray(y);
+            let Ray { origin: eye, direction: d } = ray(y);
             self.net.places_px.push(DVec2::new(x, y));
             self.ends[0].push(eye + self.depths[0] * d);
             self.ends[1].push(eye + self.depths[1] * d);

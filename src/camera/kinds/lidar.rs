@@ -3,7 +3,8 @@
 use super::{Lens, POSE, Pose, Posed};
 use crate::camera::exposure::{LineOrder, Lines};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::camera::{Ray, RayMap, Rays};
+use crate::camera::tessellate::Tessellation;
+use crate::camera::{Ray, RayMap};
 use crate::image::read_npy_rows;
 use crate::image::size::check_size;
 use crate::input::reader::{Field, Table};
@@ -93,14 +94,9 @@ impl Recipe for List {
         }
         // checked to be far under 2^32
         let size = (w as u32, h as u32);
-        field(size, Pixels { size, rays: self.rays.clone() })
+        let map = Pixels { size, rays: self.rays.clone() };
+        Tessellation::Exact.build(Arc::new(map), &setting.of_size(Some(size)))
     }
-}
-
-/// One pixel per ray, row by row; the ray is constant over the pixel, because neighbours are unrelated.
-fn field(size: (u32, u32), map: impl RayMap + 'static) -> Result<Built> {
-    let field = crate::camera::Field::of_map(size.0, size.1, Arc::new(map))?;
-    Ok(Built::new(size, Rays::Field(field)))
 }
 
 /// The index of the pixel at an image coordinate, of so many.
@@ -117,6 +113,7 @@ fn hash_of(rays: &[Ray]) -> u64 {
     hasher.finish()
 }
 
+/// One pixel per ray, row by row; the ray is constant over the pixel, because neighbours are unrelated.
 struct Pixels {
     size: (u32, u32),
     rays: Arc<[Ray]>,
@@ -156,7 +153,7 @@ impl Recipe for Scanner {
         let view = self.pose.view()?;
         let travel = DVec3::new(self.travel.dot(view.right), self.travel.dot(view.up), self.travel.dot(view.forward));
         let lens = Arc::new(Beams { travel, ..self.beams.clone() });
-        field(size, Posed { eye: self.pose.eye, view, lens })
+        Tessellation::Exact.build(Arc::new(Posed { eye: self.pose.eye, view, lens }), &setting.of_size(Some(size)))
     }
 
     fn lines(&self) -> Option<Lines> {

@@ -4,7 +4,7 @@
 //! right-angled triangle of one size in the image (their joint texture atlas), so that the packing wastes nothing.
 
 use crate::arrays::MapEach;
-use crate::camera::mesh::{triangle, welded};
+use crate::camera::mesh::{half_cell, triangle, welded};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::values::{direction, length};
 use crate::camera::{Pieces, Ray, Rays};
@@ -131,13 +131,9 @@ impl Recipe for Surround {
         let rows = cells.div_ceil(columns);
         let cell = DVec2::new(w as f64 / columns as f64, h as f64 / rows as f64);
         let piece = |(k, t): (usize, &[u32; 3])| {
-            let upper = k % 2 == 0;
-            let corner = DVec2::new((k / 2 % columns) as f64, (k / 2 / columns) as f64);
-            // counter-clockwise as seen in the picture, whose y goes down
-            let shape = if upper { [(0., 0.), (0., 1.), (1., 0.)] } else { [(1., 1.), (1., 0.), (0., 1.)] };
-            let place = shape.map_each(|(x, y)| (corner + DVec2::new(x, y)) * cell);
+            let place = half_cell(k, columns, cell);
             let ray = |i: u32| Ray { origin: self.vertices[i as usize], direction: self.inward[i as usize] };
-            triangle(place, self.rotated(t, upper).map_each(ray))
+            triangle(place, self.rotated(t, k % 2 == 0).map_each(ray))
         };
         let pieces = parallel::map(0..self.triangles.len(), |k| piece((k, &self.triangles[k])));
         let built = Built::new((w, h), Rays::Pieces(Pieces::new(pieces, w, h)));

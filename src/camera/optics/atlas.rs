@@ -6,12 +6,12 @@
 use super::bounce::{Split, at_facet};
 use super::{Atlas, Branch, Facet, Facets, Law, Optics};
 use crate::arrays::MapEach;
-use crate::camera::mesh::triangle;
+use crate::camera::mesh::{half_cell, triangle};
 use crate::camera::{Camera, Field, Pieces, Ray, Rays};
 use crate::image::size::check_size;
 use crate::input::{Error, Result};
 use crate::parallel;
-use glam::{DVec2, DVec3, UVec2};
+use glam::{DVec2, DVec3};
 
 /// Where facets lie in an atlas: two a square cell, the even one in the upper left half, row by row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,11 +35,7 @@ impl Layout {
 
     /// The corners of a facet's triangle, texels: the right angle, below it and beside it; of odd facets rotated by 180 degrees.
     pub fn corners(&self, facet: usize) -> [DVec2; 3] {
-        let (cell, side) = (facet as u32 / 2, f64::from(self.side));
-        let corner = UVec2::new(cell % self.columns, cell / self.columns).as_dvec2() * side;
-        let shape =
-            if facet.is_multiple_of(2) { [(0., 0.), (0., 1.), (1., 0.)] } else { [(1., 1.), (1., 0.), (0., 1.)] };
-        shape.map_each(|(x, y)| corner + side * DVec2::new(x, y))
+        half_cell(facet, self.columns as usize, DVec2::splat(self.side.into()))
     }
 }
 
