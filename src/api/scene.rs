@@ -130,7 +130,7 @@ impl Scene {
     /// As [`Scene::parse`].
     pub fn parse_within(toml: &str, folder: impl AsRef<Path>, limits: Limits) -> Result<Scene> {
         let loading = Loading::new(limits);
-        let file = file::parse_text(toml, folder.as_ref(), &loading)?;
+        let file = file::of_text(toml, &folder.as_ref().join("scene"), 0.0, &loading)?;
         Ok(Scene::of(crate::scene::Scene::from_file(file, &loading)?, true))
     }
 

@@ -178,6 +178,11 @@ const PLACING: [&str; 15] = [
     "emissive",
 ];
 
+/// The keys of meshes from files, of terrain from height images, and of all built-in meshes.
+const OF_FILES: [&str; 4] = ["objects", "outside_files", "animation", "animation_time"];
+const OF_HEIGHTS: [&str; 2] = ["height_scale", "cell"];
+const OF_BUILTINS: [&str; 8] = ["level", "sides", "steps", "size", "divisions", "seed", "blocks", "triangles"];
+
 const BUILTINS: [&str; 11] =
     ["teapot", "icosphere", "box", "cylinder", "stairs", "cow", "walker", "plane", "city", "terrain", "soup"];
 
@@ -276,7 +281,6 @@ fn read_animation(table: &Table) -> Result<Option<AnimationSpec>> {
 
 /// `true` for those of its file, `false` for none, a file's name, or a table.
 fn read_texture(field: &Field) -> Result<TextureSpec> {
-    let image = |file: PathBuf| TextureSpec::Image { file, repeat: DVec2::ONE, cutoff: None };
     match &field.node().value {
         Value::Bool(true) => Ok(TextureSpec::OfFile),
         Value::Bool(false) => Ok(TextureSpec::LeftOut),
@@ -289,7 +293,7 @@ fn read_texture(field: &Field) -> Result<TextureSpec> {
                 cutoff: table.optional("cutoff", read_share)?,
             })
         }
-        _ => Ok(image(field.path()?)),
+        _ => Ok(TextureSpec::Image { file: field.path()?, repeat: DVec2::ONE, cutoff: None }),
     }
 }
 
@@ -303,11 +307,10 @@ fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
         (Some(file), None) => {
             let path = file.path()?;
             if !is_height_image(&path) {
-                let of_files = ["objects", "outside_files", "animation", "animation_time"];
-                allow(table, "file", &[&of_files[..], more].concat())?;
+                allow(table, "file", &[&OF_FILES[..], more].concat())?;
                 return Ok(MeshSource::File(path));
             }
-            allow(table, "file", &[&["height_scale", "cell"], more].concat())?;
+            allow(table, "file", &[&OF_HEIGHTS, more].concat())?;
             Ok(MeshSource::Heights(HeightSpec {
                 file: path,
                 height_scale: table.or("height_scale", 1.0, Field::number)?,
@@ -317,27 +320,7 @@ fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
         (None, Some(builtin)) => Ok(MeshSource::Builtin(read_builtin(table, &builtin, more)?)),
         (None, None) => {
             // A misspelt `file` is found here, before its absence is.
-            allow(
-                table,
-                "file",
-                &[
-                    "builtin",
-                    "objects",
-                    "outside_files",
-                    "animation",
-                    "animation_time",
-                    "height_scale",
-                    "cell",
-                    "level",
-                    "sides",
-                    "steps",
-                    "size",
-                    "divisions",
-                    "seed",
-                    "blocks",
-                    "triangles",
-                ],
-            )?;
+            allow(table, "file", &[&["builtin"], &OF_FILES[..], &OF_HEIGHTS, &OF_BUILTINS].concat())?;
             Err(table.error("a mesh needs file = \"NAME.obj\" or builtin = \"city\""))
         }
     }
@@ -424,10 +407,7 @@ fn read_cell(field: &Field) -> Result<DVec2> {
 
 /// From 0 to 1.
 fn read_share(field: &Field) -> Result<f32> {
-    match field.number()? {
-        value if (0.0..=1.0).contains(&value) => Ok(value as f32),
-        value => Err(field.error(format_args!("{value} does not lie in [0, 1]"))),
-    }
+    Ok(field.number_if(|value| (0.0..=1.0).contains(&value), "does not lie in [0, 1]")? as f32)
 }
 
 /// One number for all colours, or a colour.

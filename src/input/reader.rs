@@ -126,9 +126,24 @@ impl<'a> Field<'a> {
 
     /// A number that is one in f32 too.
     pub fn above_zero(&self) -> Result<f64> {
+        let is_number = |value| (f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX)).contains(&value);
+        self.number_if(is_number, "is out of range; use a number above 0, from 1e-37 to 1e38")
+    }
+
+    /// A finite number that `suits`. The error of another is the number with `wrong` behind it.
+    pub fn number_if(&self, suits: impl Fn(f64) -> bool, wrong: impl std::fmt::Display) -> Result<f64> {
         match self.number()? {
-            value if value >= f64::from(f32::MIN_POSITIVE) && value <= f64::from(f32::MAX) => Ok(value),
-            value => Err(self.error(format_args!("{value} is out of range; use a number above 0, from 1e-37 to 1e38"))),
+            value if suits(value) => Ok(value),
+            value => Err(self.error(format_args!("{value} {wrong}"))),
+        }
+    }
+
+    /// One of two values, by its name.
+    pub fn choice<T>(&self, [(a, first), (b, second)]: [(&str, T); 2]) -> Result<T> {
+        match self.text()? {
+            text if text == a => Ok(first),
+            text if text == b => Ok(second),
+            _ => Err(self.error(format_args!("use {a:?} or {b:?}"))),
         }
     }
 

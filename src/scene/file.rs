@@ -139,14 +139,6 @@ pub fn load(path: &Path, overrides: &[String], frame: f64, loading: &Loading) ->
     read_scene(&read_text(path, loading)?, format, &source(path, loading), overrides, frame)
 }
 
-/// Reads the text of a scene file in TOML; relative paths start from `folder`.
-///
-/// # Errors
-/// As [`load`].
-pub fn parse_text(text: &str, folder: &Path, loading: &Loading) -> Result<SceneFile> {
-    of_text(text, &folder.join("scene"), 0.0, loading)
-}
-
 /// Reads the text of a scene file in TOML as if it were that of the file `path`.
 ///
 /// # Errors
@@ -362,10 +354,8 @@ fn read_image(field: &Field) -> Result<ImageSpec> {
     let exposure = table.or("exposure", 0.0, read_exposure)?;
     let curve = table.or("tone", Curve::default(), read_curve)?;
     let within = |key, default: f64, [least, most]: [f64; 2]| {
-        table.or(key, default, |f| match f.number()? {
-            value if (least..=most).contains(&value) => Ok(value),
-            value => Err(f.error(format_args!("{value} is out of range; use {least} to {most}"))),
-        })
+        let wrong = format_args!("is out of range; use {least} to {most}");
+        table.or(key, default, |f| f.number_if(|value| (least..=most).contains(&value), wrong))
     };
     let shutter = within("shutter", 0.0, [0.0, SHUTTER_MAX])?;
     let frame_rate = within("frame_rate", 1.0, [1.0 / FRAME_RATE_MAX, FRAME_RATE_MAX])?;
@@ -395,11 +385,8 @@ fn read_depth_range(field: &Field) -> Result<[f64; 2]> {
 const EXPOSURE_MAX: f64 = 64.0;
 
 fn read_exposure(field: &Field) -> Result<f64> {
-    let stops = field.number()?;
-    if stops.abs() <= EXPOSURE_MAX {
-        return Ok(stops);
-    }
-    Err(field.error(format_args!("{stops} stops; use -{EXPOSURE_MAX} to {EXPOSURE_MAX}")))
+    let wrong = format_args!("stops; use -{EXPOSURE_MAX} to {EXPOSURE_MAX}");
+    field.number_if(|stops| stops.abs() <= EXPOSURE_MAX, wrong)
 }
 
 fn read_curve(field: &Field) -> Result<Curve> {
@@ -455,10 +442,8 @@ fn read_occlusion(field: &Field) -> Result<AmbientOcclusion> {
 fn read_sky(field: &Field) -> Result<SkySpec> {
     let table = field.table()?;
     table.allow(&["file", "strength", "rotate", "background"])?;
-    let strength = |f: &Field| match f.number()? {
-        value if (0.0..=f64::from(f32::MAX)).contains(&value) => Ok(value),
-        value => Err(f.error(format_args!("{value} is no strength; use 0 and above"))),
-    };
+    let is_strength = |value| (0.0..=f64::from(f32::MAX)).contains(&value);
+    let strength = |f: &Field| f.number_if(is_strength, "is no strength; use 0 and above");
     Ok(SkySpec {
         file: table.need("file", "\"sky.hdr\"")?.path()?,
         strength: table.or("strength", 1.0, strength)?,

@@ -7,7 +7,7 @@ use crate::camera::spec::CameraSpec;
 use crate::camera::{Camera, Field as RaysOfPixels, Rays};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::texture::{Texture, Wrap};
-use crate::input::reader::{Field, Table};
+use crate::input::reader::Field;
 use crate::input::{Error, Result};
 use crate::parallel;
 use std::path::PathBuf;
@@ -95,7 +95,10 @@ impl ProjectorLight {
             _ if camera.optics.is_some() => "reflects or refracts its rays",
             [Rays::Curves(_)] => "has curved rays",
             [_] if !camera.t_range[0].is_finite() => "has rays without a start: its t_range begins at -inf",
-            [_] => return Ok(ProjectorLight { camera, picture: clamped(picture), throw }),
+            [_] => {
+                let picture = Texture { wrap: [Wrap::Clamp; 2], cutoff: None, ..picture };
+                return Ok(ProjectorLight { camera, picture, throw });
+            }
             _ => "has rays of several layers",
         };
         Err(Error::input(format!("camera: {kind} {why}; a picture is thrown along straight rays that start somewhere")))
@@ -128,10 +131,6 @@ pub(super) fn check_reach(camera: &Camera, mesh: &Mesh) -> Result<()> {
 fn row_reach(field: &RaysOfPixels, j: u32) -> Option<f64> {
     let reach = |i: u32| field.ray(i, j).map(|(origin, _)| origin.length());
     (0..field.width).filter_map(reach).reduce(f64::max)
-}
-
-fn clamped(picture: Texture) -> Texture {
-    Texture { wrap: [Wrap::Clamp; 2], cutoff: None, ..picture }
 }
 
 /// Each is looked up at every pixel.
@@ -179,7 +178,11 @@ pub(super) fn read_projector(field: &Field) -> Result<ProjectorSpec> {
         return Err(other.error(format_args!("mode {name:?} does not use it; it has {}", mine.join(", "))));
     }
     let default = Throw { mode, ..Throw::default() };
-    let within = |key, default: f64, most: f64| within(&table, key, default, most);
+    let within = |key, default: f64, most: f64| {
+        let limit = if most == f64::from(f32::MAX) { "and above".into() } else { format!("to {most}") };
+        let wrong = format_args!("is out of range; use 0 {limit}");
+        table.or(key, default, |f| f.number_if(|value| (0.0..=most).contains(&value), wrong))
+    };
     Ok(ProjectorSpec {
         image,
         camera: read_camera(&camera)?,
@@ -195,14 +198,6 @@ pub(super) fn read_projector(field: &Field) -> Result<ProjectorSpec> {
             occlusion: table.or("occlusion", default.occlusion, Field::boolean)?,
             ..default
         },
-    })
-}
-
-fn within(table: &Table, key: &str, default: f64, most: f64) -> Result<f64> {
-    table.or(key, default, |f| match f.number()? {
-        value if (0.0..=most).contains(&value) => Ok(value),
-        value if most == f64::from(f32::MAX) => Err(f.error(format_args!("{value} is out of range; use 0 and above"))),
-        value => Err(f.error(format_args!("{value} is out of range; use 0 to {most}"))),
     })
 }
 

@@ -45,11 +45,12 @@ pub(crate) fn read_caustics(field: &Field) -> Result<CausticsSpec> {
         let n = receivers.len();
         return Err(key.error(format_args!("{n} receivers; there may be 1 to {RECEIVERS_MAX}")));
     }
+    let methods = [("flux", Method::Flux), ("solid_angle", Method::SolidAngle)];
     Ok(CausticsSpec {
         light: read_camera(&light)?,
         map: table.or("map", MAP, |f| read_sides(f, MAP_MAX))?,
-        flux: table.or("flux", 1.0, read_flux)?,
-        method: table.or("method", Method::Flux, read_method)?,
+        flux: table.or("flux", 1.0, |f| f.number_if(|flux| flux > 0.0, "is no flux; give a number above 0"))?,
+        method: table.or("method", Method::Flux, |f| f.choice(methods))?,
         receivers,
     })
 }
@@ -77,19 +78,4 @@ fn read_receiver(field: &Field) -> Result<Receiver> {
 fn read_sides(field: &Field, most: u64) -> Result<[u32; 2]> {
     let [a, b] = field.array::<2>("two whole numbers, as [256, 256]")?;
     Ok([a.integer(1, most)? as u32, b.integer(1, most)? as u32])
-}
-
-fn read_flux(field: &Field) -> Result<f64> {
-    match field.number()? {
-        flux if flux > 0.0 => Ok(flux),
-        flux => Err(field.error(format_args!("{flux} is no flux; give a number above 0"))),
-    }
-}
-
-fn read_method(field: &Field) -> Result<Method> {
-    match field.text()? {
-        "flux" => Ok(Method::Flux),
-        "solid_angle" => Ok(Method::SolidAngle),
-        _ => Err(field.error("use \"flux\" or \"solid_angle\"")),
-    }
 }

@@ -35,10 +35,8 @@ fn read_line(field: &Field, keys: &[&str]) -> Result<Line> {
 
 fn read_outline(field: &Field) -> Result<Outline> {
     let line = read_line(field, &["width", "color", "depth", "crease"])?;
-    let crease = |f: &Field| match f.number()? {
-        value if (0.0..=180.0).contains(&value) => Ok(value),
-        value => Err(f.error(format_args!("{value} is no angle between normals; use 0 to 180 degrees"))),
-    };
+    let wrong = "is no angle between normals; use 0 to 180 degrees";
+    let crease = |f: &Field| f.number_if(|angle| (0.0..=180.0).contains(&angle), wrong);
     let given = if field.is_table() { field.table()?.optional("crease", crease)? } else { None };
     Ok(Outline { line, crease: given.unwrap_or(40.0) })
 }
@@ -59,8 +57,6 @@ fn read_hatching(field: &Field) -> Result<Hatching> {
 }
 
 fn read_width(field: &Field) -> Result<f64> {
-    match field.number()? {
-        value if value > 0.0 && value <= WIDTH_MAX => Ok(value),
-        value => Err(field.error(format_args!("{value} is no width; use pixels above 0, {WIDTH_MAX} at most"))),
-    }
+    let wrong = format_args!("is no width; use pixels above 0, {WIDTH_MAX} at most");
+    field.number_if(|width| width > 0.0 && width <= WIDTH_MAX, wrong)
 }
