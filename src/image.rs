@@ -26,10 +26,8 @@ pub use file::whole::{check_writable, clear_up, is_full, write_text};
 pub use file::whole::{open_to_append, write_lines};
 #[cfg(feature = "cli")]
 pub use npy::put_npy;
-pub use npy::{
-    Grid, read_npy_affines, read_npy_columns, read_npy_grid, read_npy_rows, read_npy_volume, write_npy, write_npy_f64,
-};
-pub use number::NumberType;
+pub use npy::{Grid, read_npy_affines, read_npy_columns, read_npy_grid, read_npy_rows, read_npy_volume, write_npy};
+pub use number::{Format as NumberFormat, NumberType};
 pub use ply::write_ply;
 #[cfg(any(feature = "cli", feature = "view"))]
 pub use png::png_bytes;

@@ -205,7 +205,7 @@ pub mod gpu {
 pub mod image {
     pub use crate::image::{
         png_bytes, read_exr, read_exr_texts, read_npy_rows, read_pairs, read_points, read_text_points, read_vectors,
-        rgb8, srgb8, toned8, write_exr, write_npy_f64, write_png, write_text,
+        rgb8, srgb8, toned8, write_exr, write_npy as write_npy_f64, write_png, write_text,
     };
     pub mod compare {
         pub use crate::image::compare::{Comparison, Quantiles, compare};

@@ -7,25 +7,9 @@ use std::path::Path;
 use glam::DAffine3;
 
 use crate::image::file::whole::write_whole;
-use crate::image::number::NumberType;
+use crate::image::number::{Format, NumberType};
 use crate::image::size::check_size;
 use crate::input::{Error, Limits, Loading, Result};
-
-/// Writes `data` in C order as little-endian f64.
-///
-/// # Errors
-/// [`Error::Work`] if `data` does not fill `shape`, [`Error::Write`] if `path` cannot be written.
-pub fn write_npy_f64(path: &Path, shape: &[u64], data: &[f64]) -> Result<()> {
-    let count = shape.iter().try_fold(1u64, |count, side| count.checked_mul(*side));
-    if count != Some(data.len() as u64) {
-        return Err(Error::work(format!("{}: {} numbers do not fill {shape:?}", path.display(), data.len())));
-    }
-    write_whole(path, |file| {
-        let mut writer = BufWriter::new(file);
-        put_npy(&mut writer, shape, data)?;
-        writer.flush()
-    })
-}
 
 /// A number of an array that is written.
 pub trait NpyNumber {
@@ -48,18 +32,18 @@ macro_rules! npy_number {
 }
 npy_number!(f32 "<f4", f64 "<f8", u32 "<u4");
 
-/// Writes numbers of another type, in C order.
+/// Writes numbers in C order.
 ///
 /// # Errors
-/// Those of [`write_npy_f64`].
-pub fn write_npy<T: NpyNumber>(path: &Path, shape: &[usize], data: &[T]) -> Result<()> {
-    if shape.iter().product::<usize>() != data.len() {
+/// [`Error::Work`] if `data` does not fill `shape`, [`Error::Write`] if `path` cannot be written.
+pub fn write_npy<T: NpyNumber>(path: &Path, shape: &[u64], data: &[T]) -> Result<()> {
+    let count = shape.iter().try_fold(1u64, |count, side| count.checked_mul(*side));
+    if count != Some(data.len() as u64) {
         return Err(Error::work(format!("{}: {} numbers do not fill {shape:?}", path.display(), data.len())));
     }
-    let shape: Vec<u64> = shape.iter().map(|side| *side as u64).collect();
     write_whole(path, |file| {
         let mut writer = BufWriter::new(file);
-        put_npy(&mut writer, &shape, data)?;
+        put_npy(&mut writer, shape, data)?;
         writer.flush()
     })
 }
@@ -93,24 +77,28 @@ struct Header {
 /// Why an array of whole numbers is not read where there should be others.
 const WHOLE: &str = "they must be f4 or f8 (float32 or float64), or, of a volume, whole numbers of up to 4 bytes";
 
-/// Reads an f32 or f64 array in C order, shape H x W x `each`, as (width, height, `each` W H numbers).
+/// Reads an f32 or f64 array in C order, shape H x W x `N`, as width, height, and row by row `N` numbers each.
 ///
 /// # Errors
 /// What is wrong, without the file's name.
-pub(super) fn read_npy_vectors(
+pub(super) fn read_npy_vectors<const N: usize>(
     file: File,
-    each: u64,
     limits: Limits,
-) -> std::result::Result<(u32, u32, Vec<f64>), String> {
+) -> std::result::Result<(u32, u32, Vec<[f64; N]>), String> {
     let (shape, numbers) = read_array(file, limits, |shape| match *shape {
-        [height, width, depth] if depth == each => {
+        [height, width, each] if each == N as u64 => {
             check_size(width, height).map_err(|e| e.to_string())?;
             Ok(width * height * each)
         }
-        _ => Err(format!("the array's shape is {shape:?}; it must be height x width x {each}")),
+        _ => Err(format!("the array's shape is {shape:?}; it must be height x width x {N}")),
     })?;
     // Both sides are far under 2^32 by the check above.
-    Ok((shape[1] as u32, shape[0] as u32, numbers))
+    Ok((shape[1] as u32, shape[0] as u32, in_rows(&numbers)))
+}
+
+/// Numbers as rows of `N`.
+fn in_rows<const N: usize>(numbers: &[f64]) -> Vec<[f64; N]> {
+    numbers.as_chunks().0.to_vec()
 }
 
 /// Most rows of [`read_npy_rows`]: their numbers' bytes cannot overflow.
@@ -121,7 +109,8 @@ const MAX_ROWS: u64 = 1 << 32;
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or cut short.
 pub fn read_npy_rows<const C: usize>(path: &Path, loading: &Loading) -> Result<Vec<[f64; C]>> {
-    rows_of(open(path, loading)?, loading.limits()).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+    let (_, numbers) = read_npy_columns(path, &[C as u64], |_| Ok(()), loading)?;
+    Ok(in_rows(&numbers))
 }
 
 /// Reads an f32 or f64 array in C order, shape N x C, of which C is one of `columns`: C, and the numbers row by row. `check` refuses a number of
@@ -142,10 +131,9 @@ pub fn read_npy_columns(
             Err(format!("the array's shape is {shape:?}; it must be {known}"))
         }
     };
-    let read = read_array(open(path, loading)?, loading.limits(), count)
-        .map_err(|why| Error::input(format!("{}: {why}", path.display())));
+    let (shape, numbers) = of_file(path, loading, |file, limits| read_array(file, limits, count))?;
     // one of `columns` by the check above
-    read.map(|(shape, numbers)| (shape[1] as usize, numbers))
+    Ok((shape[1] as usize, numbers))
 }
 
 /// Numbers in a list, or in rows.
@@ -165,11 +153,9 @@ pub fn read_npy_grid(path: &Path, loading: &Loading) -> Result<Grid> {
         [height, width] => check_size(width, height).map(|()| width * height).map_err(|e| e.to_string()),
         _ => Err(format!("the array's shape is {shape:?}; it must be N, or height x width")),
     };
-    let read = read_array(open(path, loading)?, loading.limits(), count)
-        .map_err(|why| Error::input(format!("{}: {why}", path.display())));
+    let (shape, numbers) = of_file(path, loading, |file, limits| read_array(file, limits, count))?;
     // both sides are far under 2^32 by the check above
-    let size = |shape: &[u64]| shape.get(1).map(|width| (*width as u32, shape[0] as u32));
-    read.map(|(shape, numbers)| Grid { size: size(&shape), numbers })
+    Ok(Grid { size: shape.get(1).map(|width| (*width as u32, shape[0] as u32)), numbers })
 }
 
 /// Reads an array of any [`NumberType`] in C order of three sides, 2 to `side_max` each, as f32.
@@ -177,28 +163,16 @@ pub fn read_npy_grid(path: &Path, loading: &Loading) -> Result<Grid> {
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, or it ends early.
 pub fn read_npy_volume(path: &Path, side_max: u64, loading: &Loading) -> Result<([u64; 3], Vec<f32>)> {
-    let file = open(path, loading)?;
-    volume_of(file, side_max, loading.limits()).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+    of_file(path, loading, |file, limits| volume_of(file, side_max, limits))
 }
 
 fn volume_of(file: File, side_max: u64, limits: Limits) -> std::result::Result<([u64; 3], Vec<f32>), String> {
-    let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
-    let mut reader = BufReader::with_capacity(1 << 16, file);
-    let (header, header_bytes) = read_header(&mut reader)?;
-    let shape = match header.shape[..] {
-        [z, y, x] if [z, y, x].iter().all(|side| (2..=side_max).contains(side)) => [z, y, x],
-        _ => {
-            let shape = &header.shape;
-            return Err(format!("the array's shape is {shape:?}; it must have three sides of 2 to {side_max}"));
-        }
+    let count = |Header { shape, .. }: &Header| match shape[..] {
+        [z, y, x] if [z, y, x].iter().all(|side| (2..=side_max).contains(side)) => Ok(z * y * x),
+        _ => Err(format!("the array's shape is {shape:?}; it must have three sides of 2 to {side_max}")),
     };
-    let count = shape.iter().product::<u64>();
-    check_length(&header, count, bytes_in_file, header_bytes)?;
-    limits
-        .check_memory(4 * count, format_args!("a volume of {count} numbers"), "use a coarser one")
-        .map_err(|e| e.to_string())?;
-    let number = |bytes: &[u8]| header.number.read(bytes, header.big_endian) as f32;
-    Ok((shape, read_numbers(&mut reader, header.number.size(), count as usize, number)?))
+    let (shape, numbers) = read_any(file, limits, count, ["a volume", "use a coarser one"], |number| number as f32)?;
+    Ok(([shape[0], shape[1], shape[2]], numbers))
 }
 
 /// Reads matrices, row by row, from an f32 or f64 array in C order of shape N x 3 x 4, or N x 4 x 4 with the last row 0, 0, 0, 1.
@@ -206,11 +180,17 @@ fn volume_of(file: File, side_max: u64, limits: Limits) -> std::result::Result<(
 /// # Errors
 /// [`Error::Missing`] or [`Error::Read`] if the file cannot be read; [`Error::Input`] naming it: another shape or type, it ends early, or a fourth row is another.
 pub fn read_npy_affines(path: &Path, loading: &Loading) -> Result<Vec<DAffine3>> {
-    affines_of(open(path, loading)?, loading.limits()).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+    of_file(path, loading, affines_of)
 }
 
-pub(super) fn open(path: &Path, loading: &Loading) -> Result<File> {
-    loading.open(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))
+/// The value that `read` makes of a file, and errors that name it.
+pub(super) fn of_file<T>(
+    path: &Path,
+    loading: &Loading,
+    read: impl FnOnce(File, Limits) -> std::result::Result<T, String>,
+) -> Result<T> {
+    let file = loading.open(path).map_err(|e| Error::unreadable(path, format_args!("{e}; check the path")))?;
+    read(file, loading.limits()).map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
 fn affines_of(file: File, limits: Limits) -> std::result::Result<Vec<DAffine3>, String> {
@@ -228,34 +208,36 @@ fn affines_of(file: File, limits: Limits) -> std::result::Result<Vec<DAffine3>, 
     numbers.chunks_exact(4 * shape[1] as usize).enumerate().map(matrix).collect()
 }
 
-/// As [`read_npy_rows`], without the file's name.
-pub(super) fn rows_of<const C: usize>(file: File, limits: Limits) -> std::result::Result<Vec<[f64; C]>, String> {
-    let count = |shape: &[u64]| match *shape {
-        [rows, columns] if columns == C as u64 && rows <= MAX_ROWS => Ok(rows * columns),
-        _ => Err(format!("the array's shape is {shape:?}; it must be N x {C}")),
-    };
-    let (_, numbers) = read_array(file, limits, count)?;
-    Ok(numbers.chunks_exact(C).map(|row| std::array::from_fn(|k| row[k])).collect())
-}
-
-/// The shape of an array and its numbers, as many as `count` makes of the shape.
+/// The shape of an array of f32 or f64 and its numbers, as many as `count` makes of the shape.
 fn read_array(
     file: File,
     limits: Limits,
     count: impl FnOnce(&[u64]) -> std::result::Result<u64, String>,
 ) -> std::result::Result<(Vec<u64>, Vec<f64>), String> {
+    let count = |header: &Header| match header.number.is_whole() {
+        true => Err(format!("the numbers are whole, of {} bytes; {WHOLE}", header.number.size())),
+        false => count(&header.shape),
+    };
+    read_any(file, limits, count, ["an array", "use a smaller one"], |number| number)
+}
+
+/// The shape of an array and its numbers, as many as `count` makes of the header, each after `of`. `what` and `advice` are for the error of too
+/// little memory.
+fn read_any<T>(
+    file: File,
+    limits: Limits,
+    count: impl FnOnce(&Header) -> std::result::Result<u64, String>,
+    [what, advice]: [&str; 2],
+    of: impl Fn(f64) -> T,
+) -> std::result::Result<(Vec<u64>, Vec<T>), String> {
     let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
     let mut reader = BufReader::with_capacity(1 << 16, file);
     let (header, header_bytes) = read_header(&mut reader)?;
-    if header.number.is_whole() {
-        return Err(format!("the numbers are whole, of {} bytes; {WHOLE}", header.number.size()));
-    }
-    let count = count(&header.shape)?;
+    let count = count(&header)?;
     check_length(&header, count, bytes_in_file, header_bytes)?;
-    // each becomes an f64
-    let memory = limits.check_memory(8 * count, format_args!("an array of {count} numbers"), "use a smaller one");
-    memory.map_err(|e| e.to_string())?;
-    let number = |bytes: &[u8]| header.number.read(bytes, header.big_endian);
+    let memory = size_of::<T>() as u64 * count;
+    limits.check_memory(memory, format_args!("{what} of {count} numbers"), advice).map_err(|e| e.to_string())?;
+    let number = |bytes: &[u8]| of(header.number.read(bytes, header.big_endian));
     let numbers = read_numbers(&mut reader, header.number.size(), count as usize, number)?;
     Ok((header.shape, numbers))
 }
@@ -326,23 +308,14 @@ fn parse_header(text: &str) -> std::result::Result<Header, String> {
     let dtype = descr.trim_start_matches(['\'', '"']).split(['\'', '"', ',', ']']).next().unwrap_or_default();
     let native_big = cfg!(target_endian = "big");
     let (order, kind) = dtype.split_at_checked(1).unwrap_or_default();
-    let number = match kind {
-        "f4" => NumberType::F32,
-        "f8" => NumberType::F64,
-        "u1" => NumberType::U8,
-        "i1" => NumberType::I8,
-        "u2" => NumberType::U16,
-        "i2" => NumberType::I16,
-        "u4" => NumberType::U32,
-        "i4" => NumberType::I32,
-        _ => return Err(format!("the numbers are of type {dtype:?}; {WHOLE}")),
-    };
+    let other = || format!("the numbers are of type {dtype:?}; {WHOLE}");
+    let number = NumberType::named(kind, Format::Npy).ok_or_else(other)?;
     let big_endian = match order {
         "<" => false,
         ">" => true,
         "=" => native_big,
         "|" if number.size() == 1 => false,
-        _ => return Err(format!("the numbers are of type {dtype:?}; {WHOLE}")),
+        _ => return Err(other()),
     };
     if !value("fortran_order")?.starts_with("False") {
         return Err("the array is in Fortran order; save numpy.ascontiguousarray of it".into());
@@ -405,12 +378,12 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.npy");
         let data: Vec<f64> = vec![0.0, -0.0, f64::INFINITY, f64::NAN, 1e-310, 1.0 / 3.0];
-        write_npy_f64(&path, &[2, 1, 3], &data).unwrap();
+        write_npy(&path, &[2, 1, 3], &data).unwrap();
         let array = npyz::NpyFile::new(File::open(&path).unwrap()).unwrap();
         assert_eq!((array.shape(), array.order()), (&[2, 1, 3][..], npyz::Order::C));
         let back = array.into_vec::<f64>().unwrap();
         assert!(back.iter().zip(&data).all(|(a, b)| a.to_bits() == b.to_bits()));
-        assert!(matches!(write_npy_f64(&path, &[2, 3], &data[1..]), Err(Error::Work(_))));
+        assert!(matches!(write_npy(&path, &[2, 3], &data[1..]), Err(Error::Work(_))));
     }
 
     #[test]

@@ -12,18 +12,45 @@ pub enum NumberType {
     I32,
 }
 
+/// Files that name types of numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    Scene,
+    Npy,
+    Ply,
+    Nrrd,
+    MetaImage,
+}
+
 impl NumberType {
-    /// All of them, by the names of scene files.
-    pub const NAMED: [(&str, NumberType); 8] = [
-        ("f32", NumberType::F32),
-        ("f64", NumberType::F64),
-        ("u8", NumberType::U8),
-        ("i8", NumberType::I8),
-        ("u16", NumberType::U16),
-        ("i16", NumberType::I16),
-        ("u32", NumberType::U32),
-        ("i32", NumberType::I32),
+    /// All of them, with their names in each [`Format`], in its order; several names are parted by bars.
+    const NAMES: [(NumberType, [&str; 5]); 8] = [
+        (Self::F32, ["f32", "f4", "float|float32", "float", "MET_FLOAT"]),
+        (Self::F64, ["f64", "f8", "double|float64", "double", "MET_DOUBLE"]),
+        (Self::U8, ["u8", "u1", "uchar|uint8", "uchar|unsigned char|uint8|uint8_t", "MET_UCHAR"]),
+        (Self::I8, ["i8", "i1", "char|int8", "signed char|int8|int8_t", "MET_CHAR"]),
+        (
+            Self::U16,
+            ["u16", "u2", "ushort|uint16", "ushort|unsigned short|unsigned short int|uint16|uint16_t", "MET_USHORT"],
+        ),
+        (
+            Self::I16,
+            ["i16", "i2", "short|int16", "short|short int|signed short|signed short int|int16|int16_t", "MET_SHORT"],
+        ),
+        (Self::U32, ["u32", "u4", "uint|uint32", "uint|unsigned int|uint32|uint32_t", "MET_UINT"]),
+        (Self::I32, ["i32", "i4", "int|int32", "int|signed int|int32|int32_t", "MET_INT"]),
     ];
+
+    /// The type of this name.
+    pub fn named(name: &str, format: Format) -> Option<NumberType> {
+        let is_so_called = |names: &[&str; 5]| names[format as usize].split('|').any(|known| known == name);
+        Self::NAMES.iter().find(|(_, names)| is_so_called(names)).map(|(number, _)| *number)
+    }
+
+    /// The names of scene files.
+    pub fn names() -> [&'static str; 8] {
+        Self::NAMES.map(|(_, names)| names[Format::Scene as usize])
+    }
 
     pub fn is_whole(self) -> bool {
         !matches!(self, NumberType::F32 | NumberType::F64)
@@ -40,6 +67,7 @@ impl NumberType {
     }
 
     /// The number in so many bytes.
+    #[inline]
     pub fn read(self, bytes: &[u8], big_endian: bool) -> f64 {
         fn ordered<const N: usize>(bytes: &[u8], big_endian: bool) -> [u8; N] {
             let mut own = [0; N];

@@ -1,7 +1,7 @@
 //! Lists of 3-D points: .npy of shape N x 3, or text with one point per line.
 
 #[cfg(feature = "cli")]
-use super::npy::rows_of;
+use super::npy::read_npy_rows;
 use crate::input::{Error, Loading, Result};
 use glam::DVec3;
 use std::path::Path;
@@ -17,21 +17,17 @@ const MAX_TEXT: u64 = 1 << 33;
 #[cfg(feature = "cli")]
 pub fn read_points(path: &Path, loading: &Loading) -> Result<Vec<DVec3>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    let points = match extension.as_deref() {
-        Some("npy") => read_npy(path, loading),
-        Some("csv" | "txt" | "xyz") => read_text(path, loading).and_then(|text| text.only_points()),
-        _ => Err("points are read from .npy, .csv, .txt or .xyz files only".into()),
-    };
-    points.map_err(|why| Error::input(format!("{}: {why}", path.display())))
-}
-
-#[cfg(feature = "cli")]
-fn read_npy(path: &Path, loading: &Loading) -> std::result::Result<Vec<DVec3>, String> {
-    let file = loading.open(path).map_err(|e| format!("cannot be read: {e}; check the path"))?;
-    let points: Vec<DVec3> = rows_of::<3>(file, loading.limits())?.into_iter().map(DVec3::from_array).collect();
-    match points.iter().position(|p| !p.is_finite()) {
-        Some(index) => Err(format!("point {index} is not finite; leave it out")),
-        None => Ok(points),
+    let wrong = |why: String| Error::input(format!("{}: {why}", path.display()));
+    match extension.as_deref() {
+        Some("npy") => {
+            let points: Vec<DVec3> = read_npy_rows(path, loading)?.into_iter().map(DVec3::from_array).collect();
+            match points.iter().position(|p| !p.is_finite()) {
+                Some(index) => Err(wrong(format!("point {index} is not finite; leave it out"))),
+                None => Ok(points),
+            }
+        }
+        Some("csv" | "txt" | "xyz") => read_text(path, loading).and_then(|text| text.only_points()).map_err(wrong),
+        _ => Err(wrong("points are read from .npy, .csv, .txt or .xyz files only".into())),
     }
 }
 
@@ -110,7 +106,7 @@ fn read_text(path: &Path, loading: &Loading) -> std::result::Result<TextPoints, 
 
 #[cfg(test)]
 mod tests {
-    use super::super::write_npy_f64;
+    use super::super::write_npy;
     use super::*;
 
     fn read(name: &str, text: &str) -> Result<Vec<DVec3>> {
@@ -167,17 +163,17 @@ mod tests {
     fn arrays_of_three_columns() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("p.npy");
-        write_npy_f64(&path, &[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
+        write_npy(&path, &[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
         assert_eq!(
             read_points(&path, &Loading::default()).unwrap(),
             [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)]
         );
-        write_npy_f64(&path, &[1, 3], &[1.0, f64::NAN, 3.0]).unwrap();
+        write_npy(&path, &[1, 3], &[1.0, f64::NAN, 3.0]).unwrap();
         assert!(read_points(&path, &Loading::default()).unwrap_err().to_string().contains("point 0 is not finite"));
-        write_npy_f64(&path, &[3, 2], &[0.0; 6]).unwrap();
+        write_npy(&path, &[3, 2], &[0.0; 6]).unwrap();
         assert!(read_points(&path, &Loading::default()).unwrap_err().to_string().contains("must be N x 3"));
         let whole = std::fs::read(&path).unwrap();
-        write_npy_f64(&path, &[2, 3], &[0.0; 6]).unwrap();
+        write_npy(&path, &[2, 3], &[0.0; 6]).unwrap();
         std::fs::write(&path, &std::fs::read(&path).unwrap()[..whole.len() - 9]).unwrap();
         assert!(read_points(&path, &Loading::default()).unwrap_err().to_string().contains("ends early"));
     }

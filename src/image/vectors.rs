@@ -1,14 +1,13 @@
 //! One vector per pixel from a .npy or EXR file: a ray map's origins and directions, a table of places.
 
-use std::fs::File;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
 use super::exr::read_planes;
-use super::npy::read_npy_vectors;
+use super::npy::{of_file, read_npy_vectors};
 use crate::image::frame::Channel;
-use crate::input::{Error, Limits, Loading, Result};
+use crate::input::{Error, Loading, Result};
 
 /// Reads width, height and one vector per pixel, row by row from the top: .npy of f32 or f64 in C order
 /// with shape height x width x 3, or EXR with R G B = x y z. Values may be NaN or infinite.
@@ -35,10 +34,7 @@ fn read<const N: usize>(
 ) -> Result<(u32, u32, Vec<[f64; N]>)> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
-        Some("npy") => {
-            let read = read_npy(super::npy::open(path, loading)?, loading.limits());
-            read.map_err(|why| Error::input(format!("{}: {why}", path.display())))
-        }
+        Some("npy") => of_file(path, loading, read_npy_vectors),
         Some("exr") => {
             let (width, height, planes) = read_planes(path, channels, holds, loading)?;
             let at = |k: usize| planes.each_ref().map(|plane| f64::from(plane[k]));
@@ -48,16 +44,11 @@ fn read<const N: usize>(
     }
 }
 
-fn read_npy<const N: usize>(file: File, limits: Limits) -> std::result::Result<(u32, u32, Vec<[f64; N]>), String> {
-    let (width, height, numbers) = read_npy_vectors(file, N as u64, limits)?;
-    Ok((width, height, numbers.chunks_exact(N).map(|n| std::array::from_fn(|k| n[k])).collect()))
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::{write_exr, write_npy_f64};
+    use super::super::{write_exr, write_npy};
     use super::*;
     use crate::image::frame::{Channel, Frame, Plane};
 
@@ -66,7 +57,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("v.npy");
         let data: Vec<f64> = (0..4000 * 3).map(|i| 1.0 / f64::from(i)).collect();
-        write_npy_f64(&path, &[40, 100, 3], &data).unwrap();
+        write_npy(&path, &[40, 100, 3], &data).unwrap();
         let (width, height, vectors) = read_vectors(&path, &Loading::default()).unwrap();
         assert_eq!((width, height), (100, 40));
         assert_eq!(vectors.iter().flat_map(|v| v.to_array()).collect::<Vec<_>>(), data);
@@ -100,16 +91,16 @@ mod tests {
             assert!(error.exit_code() == 2 && error.to_string().contains(expected), "{error}");
         };
         fails("cannot be read");
-        write_npy_f64(&path, &[2, 2, 2], &[0.0; 8]).unwrap();
+        write_npy(&path, &[2, 2, 2], &[0.0; 8]).unwrap();
         fails("must be height x width x 3");
         assert_eq!(read_pairs(&path, &Loading::default()).unwrap(), (2, 2, vec![DVec2::ZERO; 4]));
-        write_npy_f64(&path, &[2, 6], &[0.0; 12]).unwrap();
+        write_npy(&path, &[2, 6], &[0.0; 12]).unwrap();
         fails("must be height x width x 3");
-        write_npy_f64(&path, &[0, 2, 3], &[]).unwrap();
+        write_npy(&path, &[0, 2, 3], &[0.0; 0]).unwrap();
         fails("has no pixels");
-        write_npy_f64(&path, &[1, 65_537, 3], &vec![0.0; 3 * 65_537]).unwrap();
+        write_npy(&path, &[1, 65_537, 3], &vec![0.0; 3 * 65_537]).unwrap();
         fails("over the limit of 65536 pixels a side");
-        write_npy_f64(&path, &[2, 2, 3], &[0.0; 12]).unwrap();
+        write_npy(&path, &[2, 2, 3], &[0.0; 12]).unwrap();
         let whole = std::fs::read(&path).unwrap();
         std::fs::write(&path, &whole[..whole.len() - 1]).unwrap();
         fails("ends early");
@@ -128,7 +119,7 @@ mod tests {
         fn damaged_arrays_never_panic(at in 0..200usize, put in any::<[u8; 3]>(), keep in 0..250usize) {
             let dir = tempfile::tempdir().unwrap();
             let path = dir.path().join("v.npy");
-            write_npy_f64(&path, &[2, 2, 3], &[1.0; 12]).unwrap();
+            write_npy(&path, &[2, 2, 3], &[1.0; 12]).unwrap();
             let mut bytes = std::fs::read(&path).unwrap();
             bytes[at..at + 3].copy_from_slice(&put);
             bytes.truncate(keep.max(at));

@@ -118,9 +118,10 @@ impl Named {
     /// [`Error::Write`] if one cannot be written.
     pub fn write(&self, gradients: &Gradients) -> Result<()> {
         for Array { name, shape, numbers } in &gradients.arrays {
+            let shape: Vec<u64> = shape.iter().map(|side| *side as u64).collect();
             match numbers {
-                Numbers::F32(numbers) => write_npy(&self.file(name), shape, numbers)?,
-                Numbers::U32(numbers) => write_npy(&self.file(name), shape, numbers)?,
+                Numbers::F32(numbers) => write_npy(&self.file(name), &shape, numbers)?,
+                Numbers::U32(numbers) => write_npy(&self.file(name), &shape, numbers)?,
             }
         }
         write_text(&self.list(), &described(gradients)?)

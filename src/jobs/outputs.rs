@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn files_that_this_program_wrote_are_recognised() {
-        use crate::image::{write_exr, write_npy_f64, write_ply, write_png};
+        use crate::image::{write_exr, write_npy, write_ply, write_png};
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("file");
         let frame = crate::image::frame::Frame {
@@ -270,7 +270,7 @@ mod tests {
         assert!(PICTURE.is_ours(&path));
         write_exr(&path, &frame, &[]).unwrap();
         assert!(EXR.is_ours(&path));
-        write_npy_f64(&path, &[1, 3], &[0.0; 3]).unwrap();
+        write_npy(&path, &[1, 3], &[0.0; 3]).unwrap();
         assert!(POINTS.is_ours(&path) && RAYS.is_ours(&path));
         write_ply(&path, &[]).unwrap();
         assert!(POINTS.is_ours(&path) && !RAYS.is_ours(&path));

@@ -4,7 +4,7 @@ use super::files::Files;
 use crate::camera::Camera;
 use crate::geometry::spheres::nearest_meetings;
 use crate::image::frame::{Channel, Frame, NO_ID};
-use crate::image::{write_npy_f64, write_ply};
+use crate::image::{write_npy, write_ply};
 use crate::input::{Error, Result};
 use crate::parallel;
 use crate::scene::Scene;
@@ -49,7 +49,7 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, frame: &Frame) -> Resu
         return write_ply(path, &hits);
     }
     let numbers: Vec<f64> = points.iter().flat_map(|p| p.map_or([f64::NAN; 3], |(at, _)| at.to_array())).collect();
-    write_npy_f64(path, &[ids.len() as u64, 3], &numbers)
+    write_npy(path, &[ids.len() as u64, 3], &numbers)
 }
 
 /// The intersection of the ray of pixel (i, j) with the triangle's plane, or the first one in range with the sphere.

@@ -4,7 +4,7 @@
 mod make;
 mod takes;
 
-use crate::image::{png_bytes, put_npy, write_npy_f64, write_png, write_text};
+use crate::image::{png_bytes, put_npy, write_npy, write_png, write_text};
 use crate::input::Result;
 use std::path::{Path, PathBuf};
 
@@ -72,7 +72,7 @@ impl Example {
         for (name, part) in self.parts() {
             match part {
                 Part::Text(text) => write_text(&folder.join(name), &text)?,
-                Part::Numbers { shape, numbers } => write_npy_f64(&folder.join(name), &shape, &numbers)?,
+                Part::Numbers { shape, numbers } => write_npy(&folder.join(name), &shape, &numbers)?,
                 Part::Picture { size: (width, height), srgb8 } => write_png(&folder.join(name), width, height, &srgb8)?,
             }
         }

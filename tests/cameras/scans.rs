@@ -79,7 +79,7 @@ fn a_list_is_laid_out_row_by_row() {
     write_npy_f64(&folder.path().join("rays.npy"), &[2, 3], &[0.0; 6]).unwrap();
     let wrong = camera_in(folder.path(), "kind = 'lidar'\nfile = 'rays.npy'", None).unwrap_err().to_string();
     assert!(wrong.contains("must be N x 6"), "{wrong}");
-    write_npy_f64(&folder.path().join("rays.npy"), &[0, 6], &[]).unwrap();
+    write_npy_f64(&folder.path().join("rays.npy"), &[0, 6], &[0.0; 0]).unwrap();
     assert!(camera_in(folder.path(), "kind = 'lidar'\nfile = 'rays.npy'", None).is_err());
 }
 

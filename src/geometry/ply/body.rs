@@ -83,8 +83,7 @@ impl Body {
 
     /// The rows that are in the window, from number `first` on, and the place behind them.
     fn parts<'a>(&'a self, element: &'a Element, mut first: usize, is_end: bool) -> (Vec<Part<'a>>, Place) {
-        let bytes = self.window.bytes();
-        let mut next = Rows::new(bytes, self.place);
+        let mut next = Rows::new(self.window.bytes(), self.place);
         let mut parts = Vec::new();
         loop {
             let (rows, mut count) = (next.clone(), 0);
@@ -93,7 +92,7 @@ impl Body {
                 count += 1;
             }
             if count == 0 {
-                return (parts, next.place(bytes));
+                return (parts, next.place);
             }
             parts.push(Part { rows, element, first, count });
             first += count;

@@ -5,6 +5,7 @@ use super::body::Part;
 use super::read::{Element, Row};
 use crate::arrays::MapEach;
 use crate::geometry::texture::linear_of_srgb;
+use crate::image::NumberType;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Attributes of consecutive vertices; lists of attributes that they do not have are empty.
@@ -31,7 +32,12 @@ impl Color {
         const NAMES: [[&str; 3]; 3] =
             [["red", "green", "blue"], ["r", "g", "b"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
         let properties = element.numbers(&NAMES)?;
-        Some(Color { properties, full: element.properties[properties[0]].kind.full_color() })
+        let full = match element.properties[properties[0]].kind {
+            NumberType::F32 | NumberType::F64 => 1.0,
+            NumberType::U16 => 65535.0,
+            _ => 255.0,
+        };
+        Some(Color { properties, full })
     }
 
     /// sRGB, from 0 to 1.

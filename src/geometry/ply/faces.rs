@@ -3,7 +3,7 @@
 use super::Wrong;
 use super::body::Part;
 use super::element::{Color, linear};
-use super::read::{Element, Kind, Row};
+use super::read::{Element, Row};
 use crate::arrays::MapEach;
 use crate::geometry::mesh::NO_UV;
 use glam::Vec2;
@@ -59,7 +59,7 @@ pub(super) struct Faces {
 
 impl FaceProperties {
     pub fn of(element: &Element, file: FileFacts) -> FaceProperties {
-        let is_whole = |list: &usize| !matches!(element.properties[*list].kind, Kind::F32 | Kind::F64);
+        let is_whole = |list: &usize| element.properties[*list].kind.is_whole();
         FaceProperties {
             corners: element.list("vertex_indices").or(element.list("vertex_index")).filter(is_whole),
             texcoords: element.list("texcoord"),

@@ -2,6 +2,7 @@
 
 use super::Wrong;
 use crate::geometry::lex::parse_f64;
+use crate::image::{NumberFormat, NumberType};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
@@ -10,25 +11,12 @@ pub(super) enum Encoding {
     Big,
 }
 
-/// The type of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
 #[derive(Debug)]
 pub(super) struct Property {
     pub name: String,
-    pub kind: Kind,
+    pub kind: NumberType,
     /// The type of its length, if it is a list.
-    length: Option<Kind>,
+    length: Option<NumberType>,
 }
 
 #[derive(Debug)]
@@ -48,21 +36,20 @@ pub(super) struct Header {
 /// Rows of elements, or lines of a header, in bytes of a file.
 #[derive(Debug, Clone)]
 pub(super) struct Rows<'a> {
-    rest: &'a [u8],
-    encoding: Encoding,
-    /// The byte that ends a line of a text.
-    line_end: u8,
-    /// Number of lines read so far.
-    line: usize,
+    bytes: &'a [u8],
+    /// In these bytes.
+    pub place: Place,
 }
 
-/// The place in a file where the next row begins.
+/// The place where the next row begins.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     /// Number of bytes before it.
     pub offset: usize,
     encoding: Encoding,
+    /// The byte that ends a line of a text.
     line_end: u8,
+    /// Number of lines read so far.
     line: usize,
 }
 
@@ -74,86 +61,37 @@ pub(super) struct Row {
     ends: Vec<usize>,
 }
 
-impl Kind {
-    fn of(name: &[u8]) -> Option<Kind> {
-        Some(match name {
-            b"char" | b"int8" => Kind::I8,
-            b"uchar" | b"uint8" => Kind::U8,
-            b"short" | b"int16" => Kind::I16,
-            b"ushort" | b"uint16" => Kind::U16,
-            b"int" | b"int32" => Kind::I32,
-            b"uint" | b"uint32" => Kind::U32,
-            b"float" | b"float32" => Kind::F32,
-            b"double" | b"float64" => Kind::F64,
-            _ => return None,
-        })
-    }
+/// The type of a number, by its name in a header.
+fn kind_of(name: &[u8]) -> Option<NumberType> {
+    NumberType::named(std::str::from_utf8(name).ok()?, NumberFormat::Ply)
+}
 
-    fn bytes(self) -> usize {
-        match self {
-            Kind::I8 | Kind::U8 => 1,
-            Kind::I16 | Kind::U16 => 2,
-            Kind::I32 | Kind::U32 | Kind::F32 => 4,
-            Kind::F64 => 8,
-        }
-    }
-
-    /// The value of so many bytes.
-    fn decode(self, bytes: &[u8], encoding: Encoding) -> f64 {
-        let mut word = [0; 8];
-        word[..bytes.len()].copy_from_slice(bytes);
-        if encoding == Encoding::Big {
-            word[..bytes.len()].reverse();
-        }
-        let [a, b, c, d, ..] = word;
-        match self {
-            Kind::I8 => f64::from(a as i8),
-            Kind::U8 => f64::from(a),
-            Kind::I16 => f64::from(i16::from_le_bytes([a, b])),
-            Kind::U16 => f64::from(u16::from_le_bytes([a, b])),
-            Kind::I32 => f64::from(i32::from_le_bytes([a, b, c, d])),
-            Kind::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
-            Kind::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
-            Kind::F64 => f64::from_le_bytes(word),
-        }
-    }
-
-    /// The value of a token, rounded as its type is; `None` if it is none of this type.
-    fn parse(self, token: &[u8]) -> Option<f64> {
-        let value = parse_f64(token)?;
-        let (least, most) = match self {
-            Kind::F32 => return Some(f64::from(value as f32)),
-            Kind::F64 => return Some(value),
-            Kind::I8 => (i8::MIN.into(), i8::MAX.into()),
-            Kind::U8 => (0.0, u8::MAX.into()),
-            Kind::I16 => (i16::MIN.into(), i16::MAX.into()),
-            Kind::U16 => (0.0, u16::MAX.into()),
-            Kind::I32 => (i32::MIN.into(), i32::MAX.into()),
-            Kind::U32 => (0.0, u32::MAX.into()),
-        };
-        (value.fract() == 0.0 && (least..=most).contains(&value)).then_some(value)
-    }
-
-    /// The value of a full colour.
-    pub fn full_color(self) -> f64 {
-        match self {
-            Kind::F32 | Kind::F64 => 1.0,
-            Kind::U16 => 65535.0,
-            _ => 255.0,
-        }
-    }
+/// The value of a token, rounded as its type is; `None` if it is none of this type.
+fn parse_number(token: &[u8], kind: NumberType) -> Option<f64> {
+    let value = parse_f64(token)?;
+    let (least, most) = match kind {
+        NumberType::F32 => return Some(f64::from(value as f32)),
+        NumberType::F64 => return Some(value),
+        NumberType::I8 => (i8::MIN.into(), i8::MAX.into()),
+        NumberType::U8 => (0.0, u8::MAX.into()),
+        NumberType::I16 => (i16::MIN.into(), i16::MAX.into()),
+        NumberType::U16 => (0.0, u16::MAX.into()),
+        NumberType::I32 => (i32::MIN.into(), i32::MAX.into()),
+        NumberType::U32 => (0.0, u32::MAX.into()),
+    };
+    (value.fract() == 0.0 && (least..=most).contains(&value)).then_some(value)
 }
 
 impl Element {
     /// The fewest bytes that one of these elements takes: a text's is a line.
     pub fn least_bytes(&self, encoding: Encoding) -> u64 {
-        let least = |p: &Property| p.length.unwrap_or(p.kind).bytes() as u64;
+        let least = |p: &Property| p.length.unwrap_or(p.kind).size() as u64;
         if encoding == Encoding::Ascii { 1 } else { self.properties.iter().map(least).sum() }
     }
 
     /// The bytes that each of these elements takes in a binary file; `None` if one has a list.
     fn row_bytes(&self) -> Option<usize> {
-        self.properties.iter().map(|p| p.length.is_none().then(|| p.kind.bytes())).sum()
+        self.properties.iter().map(|p| p.length.is_none().then(|| p.kind.size())).sum()
     }
 
     /// The number of a property that is a number.
@@ -196,15 +134,17 @@ impl Header {
         // lines that end in a carriage return alone
         let is_cr = bytes[end] == b'\r' && bytes.get(end + 1) != Some(&b'\n');
         let line_end = if is_cr { b'\r' } else { b'\n' };
-        let mut lines = Rows { rest: bytes, encoding: Encoding::Ascii, line_end, line: 0 };
+        let place = Place { offset: 0, encoding: Encoding::Ascii, line_end, line: 0 };
+        let mut lines = Rows { bytes, place };
         let mut encoding = None;
         let (mut elements, mut comments): (Vec<Element>, Vec<String>) = (Vec::new(), Vec::new());
         loop {
             let Some(line) = lines.next_line() else {
                 return Err(Wrong::File("its header has no end, or is no text; write the file again".into()));
             };
-            let wrong = || Wrong::Line(lines.line, "this is no line of a PLY header; write the file again".into());
-            if lines.line == 1 && line.trim_ascii() != b"ply" {
+            let wrong =
+                || Wrong::Line(lines.place.line, "this is no line of a PLY header; write the file again".into());
+            if lines.place.line == 1 && line.trim_ascii() != b"ply" {
                 return Err(wrong());
             }
             let words: Vec<&[u8]> = words(line).collect();
@@ -223,12 +163,12 @@ impl Header {
                     elements.push(Element { name: text(name), count, properties: Vec::new() });
                 }
                 [b"property", b"list", length, kind, name] => {
-                    let length = Some(Kind::of(length).ok_or_else(wrong)?);
-                    let kind = Kind::of(kind).ok_or_else(wrong)?;
+                    let length = Some(kind_of(length).ok_or_else(wrong)?);
+                    let kind = kind_of(kind).ok_or_else(wrong)?;
                     elements.last_mut().ok_or_else(wrong)?.properties.push(Property { name: text(name), kind, length });
                 }
                 [b"property", kind, name] => {
-                    let kind = Kind::of(kind).ok_or_else(wrong)?;
+                    let kind = kind_of(kind).ok_or_else(wrong)?;
                     let property = Property { name: text(name), kind, length: None };
                     elements.last_mut().ok_or_else(wrong)?.properties.push(property);
                 }
@@ -239,8 +179,7 @@ impl Header {
         }
         let encoding =
             encoding.ok_or_else(|| Wrong::File("its header has no line format; write the file again".into()))?;
-        let place = Rows { encoding, ..lines }.place(bytes);
-        Ok((Header { encoding, elements, comments }, place))
+        Ok((Header { encoding, elements, comments }, Place { encoding, ..lines.place }))
     }
 
     /// Number of elements of a name.
@@ -252,25 +191,22 @@ impl Header {
 impl<'a> Rows<'a> {
     /// Rows from a place on, in these bytes of a file that begin there.
     pub fn new(bytes: &'a [u8], place: Place) -> Rows<'a> {
-        let Place { encoding, line_end, line, .. } = place;
-        Rows { rest: bytes, encoding, line_end, line }
+        Rows { bytes, place: Place { offset: 0, ..place } }
     }
 
-    /// The place of the next row, in the bytes where these rows began.
-    pub fn place(&self, began: &[u8]) -> Place {
-        let Rows { rest, encoding, line_end, line } = *self;
-        Place { offset: began.len() - rest.len(), encoding, line_end, line }
+    fn rest(&self) -> &'a [u8] {
+        &self.bytes[self.place.offset..]
     }
 
     /// Number of bytes from the next row on.
     pub fn bytes_left(&self) -> usize {
-        self.rest.len()
+        self.bytes.len() - self.place.offset
     }
 
     /// Skips the next row of an element. Returns false, and skips nothing, if the bytes end before the row does; `is_end`: the file ends with them.
     pub fn skip(&mut self, element: &Element, is_end: bool) -> bool {
         let mut next = self.clone();
-        let is_there = match self.encoding {
+        let is_there = match self.place.encoding {
             Encoding::Ascii => next.next_row().is_some() && (is_end || next.ends_in_line_end(self)),
             _ => next.skip_binary(element).is_some(),
         };
@@ -282,8 +218,7 @@ impl<'a> Rows<'a> {
 
     /// Whether the last line between `before` and this place is whole.
     fn ends_in_line_end(&self, before: &Rows) -> bool {
-        let passed = before.rest.len() - self.rest.len();
-        before.rest[..passed].last() == Some(&self.line_end)
+        self.bytes[before.place.offset..self.place.offset].last() == Some(&self.place.line_end)
     }
 
     /// `None`: the bytes end before the row does.
@@ -295,30 +230,28 @@ impl<'a> Rows<'a> {
                 for property in &element.properties {
                     let mut count = 1;
                     if let Some(length) = property.length {
-                        let number = self.rest.get(bytes..bytes.checked_add(length.bytes())?)?;
-                        (count, bytes) = (length.decode(number, self.encoding) as usize, bytes + length.bytes());
+                        let number = self.rest().get(bytes..bytes.checked_add(length.size())?)?;
+                        (count, bytes) = (length.read(number, self.is_big_endian()) as usize, bytes + length.size());
                     }
-                    bytes = bytes.checked_add(count.checked_mul(property.kind.bytes())?)?;
+                    bytes = bytes.checked_add(count.checked_mul(property.kind.size())?)?;
                 }
                 bytes
             }
         };
-        self.rest = self.rest.get(bytes..)?;
+        let after = self.place.offset.checked_add(bytes)?;
+        self.place.offset = Some(after).filter(|after| *after <= self.bytes.len())?;
         Some(())
     }
 
     fn next_line(&mut self) -> Option<&'a [u8]> {
-        if self.rest.is_empty() {
+        let rest = self.rest();
+        if rest.is_empty() {
             return None;
         }
-        self.line += 1;
-        let end = self.rest.iter().position(|b| *b == self.line_end);
-        let (line, rest) = match end {
-            Some(end) => (&self.rest[..end], &self.rest[end + 1..]),
-            None => (self.rest, &[][..]),
-        };
-        self.rest = rest;
-        Some(line)
+        self.place.line += 1;
+        let end = rest.iter().position(|b| *b == self.place.line_end);
+        self.place.offset += end.map_or(rest.len(), |end| end + 1);
+        Some(&rest[..end.unwrap_or(rest.len())])
     }
 
     /// The next line of a text that is not empty.
@@ -345,7 +278,7 @@ impl<'a> Rows<'a> {
         for _ in 0..count {
             row.values.clear();
             row.ends.clear();
-            match self.encoding {
+            match self.place.encoding {
                 Encoding::Ascii => self.read_line(element, &mut row)?,
                 _ => self.read_binary(element, &mut row)?,
             }
@@ -359,40 +292,45 @@ impl<'a> Rows<'a> {
         let wrong = || {
             let name = &element.name;
             let what = format!("this is no line of the numbers that its header says; it is one of its {name} elements");
-            Wrong::Line(self.line, what)
+            Wrong::Line(self.place.line, what)
         };
         let mut tokens = words(line);
         for property in &element.properties {
             let length = match property.length {
                 // a negative number becomes 0; tokens are left over then
-                Some(kind) => tokens.next().and_then(|token| kind.parse(token)).ok_or_else(wrong)? as usize,
+                Some(kind) => tokens.next().and_then(|token| parse_number(token, kind)).ok_or_else(wrong)? as usize,
                 None => 1,
             };
             for _ in 0..length {
-                row.values.push(tokens.next().and_then(|token| property.kind.parse(token)).ok_or_else(wrong)?);
+                row.values.push(tokens.next().and_then(|token| parse_number(token, property.kind)).ok_or_else(wrong)?);
             }
             row.ends.push(row.values.len());
         }
         if tokens.next().is_some() { Err(wrong()) } else { Ok(()) }
     }
 
+    fn is_big_endian(&self) -> bool {
+        self.place.encoding == Encoding::Big
+    }
+
     fn read_binary(&mut self, element: &Element, row: &mut Row) -> Result<(), Wrong> {
+        let big_endian = self.is_big_endian();
         for property in &element.properties {
             let length = match property.length {
-                Some(kind) => kind.decode(self.take(kind.bytes(), element)?, self.encoding) as usize,
+                Some(kind) => kind.read(self.take(kind.size(), element)?, big_endian) as usize,
                 None => 1,
             };
-            let size = property.kind.bytes();
+            let size = property.kind.size();
             let bytes = self.take(length.saturating_mul(size), element)?;
-            row.values.extend(bytes.chunks_exact(size).map(|b| property.kind.decode(b, self.encoding)));
+            row.values.extend(bytes.chunks_exact(size).map(|b| property.kind.read(b, big_endian)));
             row.ends.push(row.values.len());
         }
         Ok(())
     }
 
     fn take(&mut self, count: usize, element: &Element) -> Result<&'a [u8], Wrong> {
-        let (bytes, rest) = self.rest.split_at_checked(count).ok_or_else(|| cut_short(element))?;
-        self.rest = rest;
+        let bytes = self.rest().get(..count).ok_or_else(|| cut_short(element))?;
+        self.place.offset += count;
         Ok(bytes)
     }
 }

@@ -4,7 +4,7 @@
 use super::SIDE_MAX;
 use super::load::{Numbers, RawGrid, check_length, read_numbers};
 use super::spec::Placement;
-use crate::image::NumberType;
+use crate::image::{NumberFormat, NumberType};
 use crate::input::{Error, Limits, Loading, Result, files};
 use flate2::read::{GzDecoder, ZlibDecoder};
 use glam::DVec3;
@@ -35,10 +35,12 @@ enum Packing {
     Zlib,
 }
 
-/// A line of a header: what is set, and to what.
-struct Entry {
-    key: String,
-    value: String,
+/// The lines of a header: what is set, and to what.
+type Entries = Vec<(String, String)>;
+
+/// The value of the first entry that has one of these names.
+fn value<'a>(entries: &'a Entries, names: &[&str]) -> Option<&'a str> {
+    entries.iter().find(|(key, _)| names.contains(&key.as_str())).map(|(_, value)| value.as_str())
 }
 
 type Parsed<T> = std::result::Result<T, String>;
@@ -113,29 +115,19 @@ fn nrrd(reader: &mut impl BufRead) -> Parsed<Header> {
     if !line(reader, &mut left)?.is_some_and(|magic| magic.starts_with("NRRD000")) {
         return Err("the file does not begin with NRRD000 and a digit; is it a NRRD?".into());
     }
-    let mut entries = Vec::new();
+    let mut entries = Entries::new();
     // an empty line ends the header
     while let Some(line) = line(reader, &mut left)?.filter(|line| !line.is_empty()) {
         // KEY:=VALUE is for programs
         if let Some((key, value)) = line.split_once(": ").filter(|_| !line.starts_with('#')) {
-            entries.push(Entry { key: key.to_lowercase(), value: value.trim().to_owned() });
+            entries.push((key.to_lowercase(), value.trim().to_owned()));
         }
     }
-    let value = |names: &[&str]| {
-        entries.iter().find(|entry| names.contains(&entry.key.as_str())).map(|entry| entry.value.as_str())
-    };
+    let value = |names: &[&str]| value(&entries, names);
     three(value(&["dimension"]), "dimension")?;
-    let number = match value(&["type"]).ok_or("the header has no type")? {
-        "uchar" | "unsigned char" | "uint8" | "uint8_t" => NumberType::U8,
-        "signed char" | "int8" | "int8_t" => NumberType::I8,
-        "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => NumberType::U16,
-        "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => NumberType::I16,
-        "uint" | "unsigned int" | "uint32" | "uint32_t" => NumberType::U32,
-        "int" | "signed int" | "int32" | "int32_t" => NumberType::I32,
-        "float" => NumberType::F32,
-        "double" => NumberType::F64,
-        other => return Err(format!("numbers of type {other:?} are not read; save them as float, short or uchar")),
-    };
+    let kind = value(&["type"]).ok_or("the header has no type")?;
+    let number = NumberType::named(kind, NumberFormat::Nrrd)
+        .ok_or_else(|| format!("numbers of type {kind:?} are not read; save them as float, short or uchar"))?;
     let packing = match value(&["encoding"]).ok_or("the header has no encoding")? {
         "raw" => Packing::None,
         "gzip" | "gz" => Packing::Gzip,
@@ -179,17 +171,15 @@ fn nrrd(reader: &mut impl BufRead) -> Parsed<Header> {
 
 fn meta(reader: &mut impl BufRead) -> Parsed<Header> {
     let mut left = HEADER_MAX;
-    let mut entries = Vec::new();
+    let mut entries = Entries::new();
     // ElementDataFile is the last key
-    while entries.last().is_none_or(|entry: &Entry| entry.key != "ElementDataFile") {
+    while entries.last().is_none_or(|(key, _)| key != "ElementDataFile") {
         let line = line(reader, &mut left)?.ok_or("the header has no ElementDataFile; is it a MetaImage?")?;
         if let Some((key, value)) = line.split_once('=') {
-            entries.push(Entry { key: key.trim().to_owned(), value: value.trim().to_owned() });
+            entries.push((key.trim().to_owned(), value.trim().to_owned()));
         }
     }
-    let value = |names: &[&str]| {
-        entries.iter().find(|entry| names.contains(&entry.key.as_str())).map(|entry| entry.value.as_str())
-    };
+    let value = |names: &[&str]| value(&entries, names);
     let is = |names: &[&str]| value(names).is_some_and(|text| text.eq_ignore_ascii_case("true"));
     three(value(&["NDims"]), "NDims")?;
     if value(&["ElementNumberOfChannels"]).is_some_and(|n| n != "1") {
@@ -198,17 +188,9 @@ fn meta(reader: &mut impl BufRead) -> Parsed<Header> {
     if value(&["HeaderSize"]).is_some_and(|n| n != "0") {
         return Err("HeaderSize is not supported; save the numbers without a header of their own".into());
     }
-    let number = match value(&["ElementType"]).ok_or("the header has no ElementType")? {
-        "MET_UCHAR" => NumberType::U8,
-        "MET_CHAR" => NumberType::I8,
-        "MET_USHORT" => NumberType::U16,
-        "MET_SHORT" => NumberType::I16,
-        "MET_UINT" => NumberType::U32,
-        "MET_INT" => NumberType::I32,
-        "MET_FLOAT" => NumberType::F32,
-        "MET_DOUBLE" => NumberType::F64,
-        other => return Err(format!("numbers of type {other:?} are not read; save them as MET_FLOAT or MET_SHORT")),
-    };
+    let kind = value(&["ElementType"]).ok_or("the header has no ElementType")?;
+    let number = NumberType::named(kind, NumberFormat::MetaImage)
+        .ok_or_else(|| format!("numbers of type {kind:?} are not read; save them as MET_FLOAT or MET_SHORT"))?;
     let matrix = value(&["TransformMatrix", "Rotation", "Orientation"]).map(numbers);
     let is_turned = matrix.is_some_and(|m| m != [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
     let steps = value(&["ElementSpacing", "ElementSize"]).filter(|_| !is_turned).map(numbers);

@@ -3,7 +3,7 @@
 use super::load::{DESCRIBED, RawGrid};
 use super::{ControlPoint, Mode, POINTS_MAX, SIDE_MAX};
 use crate::arrays::MapEach;
-use crate::image::NumberType;
+use crate::image::{NumberFormat, NumberType};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::DVec3;
@@ -91,7 +91,8 @@ fn read_all(table: &Table, source: GridSource) -> Result<VolumeSpec> {
     let rotate = table.or("rotate", DVec3::ZERO, Field::vec3)?;
     let example = "[[0, 0, 0, 0, 0], [1, 1, 1, 1, 10]]: value, red, green, blue and extinction";
     let transfer = read_transfer(&table.need("transfer", example)?)?;
-    let mode = table.or("mode", Mode::Composite, read_mode)?;
+    let mode = table
+        .or("mode", Mode::Composite, |f| f.choice([("composite", Mode::Composite), ("maximum", Mode::Maximum)]))?;
     let is_lit = table.or("lit", false, Field::boolean)?;
     if let (true, Mode::Maximum, Some(lit)) = (is_lit, mode, table.get("lit")) {
         return Err(lit.error("light shines on a volume of mode \"composite\" alone; remove lit or mode"));
@@ -117,14 +118,9 @@ fn read_source(table: &Table) -> Result<GridSource> {
             }
             let number = table.need("type", "\"u16\"; or \"u8\", \"i16\", \"f32\"")?;
             let name = number.text()?;
-            let known = NumberType::NAMED.map(|(name, _)| name);
-            let named = NumberType::NAMED.iter().find(|(known, _)| *known == name);
-            let number = named.ok_or_else(|| number.error(format_args!("use one of {}", known.join(", "))))?.1;
-            let big_endian = table.or("endian", false, |f| match f.text()? {
-                "little" => Ok(false),
-                "big" => Ok(true),
-                _ => Err(f.error("use \"little\" or \"big\"")),
-            })?;
+            let other = || number.error(format_args!("use one of {}", NumberType::names().join(", ")));
+            let number = NumberType::named(name, NumberFormat::Scene).ok_or_else(other)?;
+            let big_endian = table.or("endian", false, |f| f.choice([("little", false), ("big", true)]))?;
             Ok(GridSource::Raw(file, RawGrid { shape: sizes, number, big_endian }))
         }
         _ => Err(field.error("a volume is read from a .npy, .nrrd, .nhdr, .mhd, .mha or .raw file")),
@@ -186,11 +182,3 @@ fn read_transfer(field: &Field) -> Result<Vec<ControlPoint>> {
 /// Largest extinction and value: products of them stay far inside f32.
 const EXTINCTION_MAX: f32 = 1e9;
 pub const VALUE_MAX: f32 = 1e9;
-
-fn read_mode(field: &Field) -> Result<Mode> {
-    match field.text()? {
-        "composite" => Ok(Mode::Composite),
-        "maximum" => Ok(Mode::Maximum),
-        _ => Err(field.error("use \"composite\" or \"maximum\"")),
-    }
-}

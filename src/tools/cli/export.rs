@@ -4,7 +4,7 @@ use crate::arrays::MapEach;
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::camera::spec::CameraSpec;
 use crate::camera::{Bundle, Camera, Pieces, Rays, mesh};
-use crate::image::{write_npy_f64, write_text};
+use crate::image::{write_npy, write_text};
 use crate::input::{Error, Limits, Result};
 use crate::parallel;
 use crate::reference::{Path, Reference, Segment};
@@ -188,7 +188,7 @@ pub fn write_rays(path: &FilePath, camera: &Camera) -> Result<()> {
         }
     });
     let image = [camera.height.into(), camera.width.into()];
-    write_npy_f64(path, &[&image[..], &shape.iter().map(|n| *n as u64).collect::<Vec<_>>()].concat(), &numbers)
+    write_npy(path, &[&image[..], &shape.iter().map(|n| *n as u64).collect::<Vec<_>>()].concat(), &numbers)
 }
 
 /// P and D of a straight ray, or the control points of a curve, raised to the degree of the array.

@@ -4,9 +4,8 @@ use super::args::SplatArgs;
 use super::progress::Progress;
 use super::project::refuse_optics;
 use super::say::note;
-use crate::arrays::MapEach;
 use crate::geometry::ply::load_points;
-use crate::image::{read_points, write_exr, write_npy, write_npy_f64, write_png};
+use crate::image::{read_points, write_exr, write_npy, write_png};
 use crate::input::{Error, Loading, Result};
 use crate::jobs::splat::splat;
 use crate::jobs::{load_shape, named_as, outputs};
@@ -46,11 +45,11 @@ pub fn run(args: &SplatArgs) -> Result<()> {
         ));
     }
     let (width, height) = (all.width, all.height);
-    let shape = [height as usize, width as usize];
+    let shape = [height.into(), width.into()];
     let colors = colors.as_deref();
     args.output.as_ref().map_or(Ok(()), |path| write_png(path, width, height, &all.rgba(colors)))?;
     args.exr.as_ref().map_or(Ok(()), |path| write_exr(path, &all.frame(colors), &[]))?;
-    args.depth.as_ref().map_or(Ok(()), |path| write_npy_f64(path, &shape.map_each(|side| side as u64), &all.t))?;
+    args.depth.as_ref().map_or(Ok(()), |path| write_npy(path, &shape, &all.t))?;
     args.index.as_ref().map_or(Ok(()), |path| write_npy(path, &shape, &all.index))
 }
 
