@@ -14,8 +14,9 @@ mod terrain;
 #[cfg(test)]
 mod testing;
 
-use crate::geometry::mesh::{Mesh, check_memory};
+use crate::geometry::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
 use crate::input::{Error, Limits, Result};
+use std::ops::RangeInclusive;
 
 pub use boxes::cube;
 pub use city::city;
@@ -28,22 +29,20 @@ pub use stairs::stairs;
 pub use teapot::teapot;
 pub use terrain::terrain;
 
-/// Most triangles a mesh may have.
-const MAX_TRIANGLES: u64 = 1 << 28;
 /// 20 * 4^11 triangles are the most under 2^28.
-const MAX_ICOSPHERE_LEVEL: u32 = 11;
+const MAX_ICOSPHERE_LEVEL: u64 = 11;
 /// A figure's parts have 20 * 4^level triangles each: under 2^28 for up to 50 parts.
-const MAX_FIGURE_LEVEL: u32 = 9;
+const MAX_FIGURE_LEVEL: u64 = 9;
 /// 4 sides - 4 triangles are under 2^27.
-const MAX_SIDES: u32 = 1 << 25;
+const MAX_SIDES: u64 = 1 << 25;
 /// 12 triangles each: under 2^28.
-const MAX_STEPS: u32 = 1 << 24;
+const MAX_STEPS: u64 = 1 << 24;
 /// 64 * 2048^2 = 2^28 triangles.
-const MAX_TEAPOT_LEVEL: u32 = 2048;
+const MAX_TEAPOT_LEVEL: u64 = 2048;
 /// 2 * 11585^2 triangles are the most under 2^28.
-const MAX_CELLS: u32 = 11585;
+const MAX_CELLS: u64 = 11585;
 /// Blocks of a city a side: their plan takes some hundred bytes each.
-const MAX_BLOCKS: u32 = 1024;
+const MAX_BLOCKS: u64 = 1024;
 
 /// A built-in mesh and its parameters. All stand with +y up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,9 +88,7 @@ impl Builtin {
             Builtin::Soup { .. } => "soup",
         }
     }
-}
 
-impl Builtin {
     /// The number of triangles and about that of vertices. Does not overflow, whatever the parameters.
     fn size(&self) -> (u64, u64) {
         let spheres = |count: u64, level: u32| {
@@ -114,6 +111,26 @@ impl Builtin {
         }
     }
 
+    /// Keys that are whole numbers, with their values and ranges.
+    fn ranges(&self) -> Vec<(&'static str, u64, RangeInclusive<u64>)> {
+        let one = |key, value: u32, range| vec![(key, value.into(), range)];
+        match *self {
+            Builtin::Teapot { level } => one("level", level, 1..=MAX_TEAPOT_LEVEL),
+            Builtin::Icosphere { level } => one("level", level, 0..=MAX_ICOSPHERE_LEVEL),
+            Builtin::Box => Vec::new(),
+            Builtin::Cylinder { sides } => one("sides", sides, 3..=MAX_SIDES),
+            Builtin::Stairs { steps } => one("steps", steps, 1..=MAX_STEPS),
+            Builtin::Cow { level } | Builtin::Walker { level } => one("level", level, 0..=MAX_FIGURE_LEVEL),
+            Builtin::Plane { divisions, .. } => one("divisions", divisions, 1..=MAX_CELLS),
+            Builtin::City { blocks, triangles, .. } => {
+                let blocks = blocks.map(|blocks| ("blocks", blocks.into(), 1..=MAX_BLOCKS));
+                [("triangles", triangles, 1..=MAX_TRIANGLES as u64)].into_iter().chain(blocks).collect()
+            }
+            Builtin::Terrain { size, .. } => one("size", size, 1..=MAX_CELLS),
+            Builtin::Soup { triangles, .. } => vec![("triangles", triangles, 1..=MAX_TRIANGLES as u64)],
+        }
+    }
+
     /// Refuses a mesh that does not fit the free memory, before it is made.
     fn check_memory(&self, limits: Limits) -> Result<()> {
         let (triangles, vertices) = self.size();
@@ -128,72 +145,39 @@ impl Builtin {
 /// [`Error::Work`] if it does not fit the free memory; [`Error::Input`] naming the key whose value gives no triangles, more than 2^28, or
 /// (`city`) fewer than the plainest city has.
 pub fn generate(builtin: &Builtin, limits: Limits) -> Result<Mesh> {
-    match *builtin {
-        Builtin::Teapot { level } => {
-            check_range("level", level.into(), 1, MAX_TEAPOT_LEVEL.into())?;
-            builtin.check_memory(limits)?;
-            Ok(teapot(level))
-        }
-        Builtin::Icosphere { level } => {
-            check_range("level", level.into(), 0, MAX_ICOSPHERE_LEVEL.into())?;
-            builtin.check_memory(limits)?;
-            Ok(icosphere(level))
-        }
-        Builtin::Box => Ok(cube()),
-        Builtin::Cylinder { sides } => {
-            check_range("sides", sides.into(), 3, MAX_SIDES.into())?;
-            builtin.check_memory(limits)?;
-            Ok(cylinder(sides))
-        }
-        Builtin::Stairs { steps } => {
-            check_range("steps", steps.into(), 1, MAX_STEPS.into())?;
-            builtin.check_memory(limits)?;
-            Ok(stairs(steps))
-        }
-        Builtin::Cow { level } => {
-            check_range("level", level.into(), 0, MAX_FIGURE_LEVEL.into())?;
-            builtin.check_memory(limits)?;
-            Ok(cow(level))
-        }
-        Builtin::Walker { level } => {
-            check_range("level", level.into(), 0, MAX_FIGURE_LEVEL.into())?;
-            builtin.check_memory(limits)?;
-            Ok(walker(level))
-        }
-        Builtin::Plane { size, divisions } => {
-            if !(size > 0.0 && size.is_finite()) {
-                return Err(Error::input(format!("size = {size}: use a finite length above 0")));
-            }
-            check_range("divisions", divisions.into(), 1, MAX_CELLS.into())?;
-            builtin.check_memory(limits)?;
-            Ok(plane(size, divisions))
-        }
-        Builtin::City { seed, blocks, triangles } => {
-            check_range("triangles", triangles, 1, MAX_TRIANGLES)?;
-            if let Some(blocks) = blocks {
-                check_range("blocks", blocks.into(), 1, MAX_BLOCKS.into())?;
-            }
-            builtin.check_memory(limits)?;
-            city(seed, blocks, triangles)
-        }
-        Builtin::Terrain { seed, size } => {
-            check_range("size", size.into(), 1, MAX_CELLS.into())?;
-            builtin.check_memory(limits)?;
-            Ok(terrain(seed, size))
-        }
-        Builtin::Soup { seed, triangles } => {
-            check_range("triangles", triangles, 1, MAX_TRIANGLES)?;
-            builtin.check_memory(limits)?;
-            Ok(soup(seed, triangles))
+    if let Builtin::Plane { size, .. } = *builtin
+        && !(size > 0.0 && size.is_finite())
+    {
+        return Err(Error::input(format!("size = {size}: use a finite length above 0")));
+    }
+    for (key, value, range) in builtin.ranges() {
+        if !range.contains(&value) {
+            let (least, most) = range.into_inner();
+            return Err(Error::input(format!("{key} = {value}: use {least} to {most}")));
         }
     }
+    // a box is never too large
+    if *builtin != Builtin::Box {
+        builtin.check_memory(limits)?;
+    }
+    Ok(match *builtin {
+        Builtin::Teapot { level } => teapot(level),
+        Builtin::Icosphere { level } => icosphere(level),
+        Builtin::Box => cube(),
+        Builtin::Cylinder { sides } => cylinder(sides),
+        Builtin::Stairs { steps } => stairs(steps),
+        Builtin::Cow { level } => cow(level),
+        Builtin::Walker { level } => walker(level),
+        Builtin::Plane { size, divisions } => plane(size, divisions),
+        Builtin::City { seed, blocks, triangles } => return city(seed, blocks, triangles),
+        Builtin::Terrain { seed, size } => terrain(seed, size),
+        Builtin::Soup { seed, triangles } => soup(seed, triangles),
+    })
 }
 
-fn check_range(key: &str, value: u64, least: u64, most: u64) -> Result<()> {
-    if (least..=most).contains(&value) {
-        return Ok(());
-    }
-    Err(Error::input(format!("{key} = {value}: use {least} to {most}")))
+/// Materials of these names and diffuse colours.
+fn materials(all: &[(&str, [f32; 3])]) -> Vec<Material> {
+    all.iter().map(|&(name, diffuse)| Material { name: name.into(), diffuse, ..Material::default() }).collect()
 }
 
 #[cfg(test)]
@@ -226,9 +210,9 @@ mod tests {
 
     #[test]
     fn limits_are_the_last_values_under_2_to_the_28() {
-        let over = |triangles: u64| triangles > MAX_TRIANGLES;
-        assert!(!over(64 * u64::from(MAX_TEAPOT_LEVEL).pow(2)) && over(64 * u64::from(MAX_TEAPOT_LEVEL + 1).pow(2)));
-        assert!(!over(2 * u64::from(MAX_CELLS).pow(2)) && over(2 * u64::from(MAX_CELLS + 1).pow(2)));
+        let over = |triangles: u64| triangles > MAX_TRIANGLES as u64;
+        assert!(!over(64 * MAX_TEAPOT_LEVEL.pow(2)) && over(64 * (MAX_TEAPOT_LEVEL + 1).pow(2)));
+        assert!(!over(2 * MAX_CELLS.pow(2)) && over(2 * (MAX_CELLS + 1).pow(2)));
         assert!(!over(20 << (2 * MAX_ICOSPHERE_LEVEL)) && over(20 << (2 * (MAX_ICOSPHERE_LEVEL + 1))));
     }
 

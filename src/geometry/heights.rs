@@ -6,7 +6,7 @@
 mod asc;
 mod geotiff;
 
-use super::mesh::{Material, Mesh, check_memory};
+use super::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
 use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
 use crate::parallel;
@@ -62,9 +62,6 @@ impl Georeference {
         self.in_degrees || self.middle.x.abs() <= 360.0 && self.middle.y.abs() <= 90.0 && self.cell.max_element() < 0.1
     }
 }
-
-/// Most triangles of a mesh; a cell has two.
-const TRIANGLES_MAX: u64 = 1 << 28;
 
 /// Marks a sample without data, which has no vertex.
 const NO_VERTEX: u32 = u32::MAX;
@@ -148,14 +145,11 @@ pub fn mesh(grid: &Grid, spec: &HeightSpec, limits: Limits) -> Result<Mesh> {
     if triangles.is_empty() {
         return Err(wrong("no cell has heights at three corners, so there is no surface".into()));
     }
-    let at = |k: u32| (k as usize % columns, k as usize / columns);
-    let position = |&k: &u32| terrain.position(at(k).0, at(k).1);
-    let normal = |&k: &u32| terrain.normal(at(k).0, at(k).1);
-    let uv = |&k: &u32| terrain.uv(at(k).0, at(k).1);
+    let at = |k: &u32| (*k as usize % columns, *k as usize / columns);
     Ok(Mesh {
-        positions: parallel::map(&valid, position),
-        normals: parallel::map(&valid, normal),
-        uvs: parallel::map(&valid, uv),
+        positions: parallel::map(&valid, |k| terrain.position(at(k))),
+        normals: parallel::map(&valid, |k| terrain.normal(at(k))),
+        uvs: parallel::map(&valid, |k| terrain.uv(at(k))),
         corner_normals: triangles.clone(),
         corner_uvs: triangles.clone(),
         material_of: vec![0; triangles.len()],
@@ -177,14 +171,14 @@ impl Terrain<'_> {
         self.scale * self.grid.samples[row * self.grid.columns + column]
     }
 
-    fn position(&self, column: usize, row: usize) -> DVec3 {
+    fn position(&self, (column, row): (usize, usize)) -> DVec3 {
         let from_middle = |k: usize, n: usize| k as f64 - (n - 1) as f64 / 2.0;
         let x = self.cell.x * from_middle(column, self.grid.columns);
         DVec3::new(x, self.height(column, row), self.cell.y * from_middle(row, self.grid.rows))
     }
 
     /// From central differences; one-sided where a neighbour is missing.
-    fn normal(&self, column: usize, row: usize) -> Vec3 {
+    fn normal(&self, (column, row): (usize, usize)) -> Vec3 {
         let Grid { columns, rows, .. } = *self.grid;
         let here = self.height(column, row);
         let slope = |before: Option<f64>, after: Option<f64>, cell: f64| {
@@ -201,7 +195,7 @@ impl Terrain<'_> {
         (up / up.abs().max_element()).normalize_or(DVec3::Y).as_vec3()
     }
 
-    fn uv(&self, column: usize, row: usize) -> Vec2 {
+    fn uv(&self, (column, row): (usize, usize)) -> Vec2 {
         let place = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
         Vec2::new(place(column, self.grid.columns) as f32, 1.0 - place(row, self.grid.rows) as f32)
     }
@@ -214,7 +208,7 @@ fn check_sides(columns: u64, rows: u64) -> std::result::Result<(), String> {
         return Err(format!("{columns} x {rows} heights make no cell; at least 2 x 2 are needed"));
     }
     match (columns - 1).checked_mul(rows - 1).and_then(|cells| cells.checked_mul(2)) {
-        Some(triangles) if triangles <= TRIANGLES_MAX => Ok(()),
+        Some(triangles) if triangles <= MAX_TRIANGLES as u64 => Ok(()),
         _ => Err(format!(
             "{columns} x {rows} heights make over 2^28 triangles, the most of a scene; resample it more coarsely"
         )),

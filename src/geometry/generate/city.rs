@@ -5,8 +5,8 @@ mod plan;
 use glam::DVec3;
 
 use super::boxes::{OPEN_BOX_TRIANGLES, push_open_box};
-use super::{MAX_BLOCKS, MAX_TRIANGLES};
-use crate::geometry::mesh::{Material, Mesh};
+use super::{MAX_BLOCKS, materials};
+use crate::geometry::mesh::{MAX_TRIANGLES, Mesh};
 use crate::input::{Error, Result};
 use plan::{GLASS, MATERIALS, PITCH, Plan, STREET, Tier};
 
@@ -36,7 +36,7 @@ pub fn city(seed: u64, blocks: Option<u32>, triangles: u64) -> Result<Mesh> {
         None => plan_for(seed, triangles),
     };
     let plain = plan.plain_triangles();
-    if triangles < plain || triangles > MAX_TRIANGLES {
+    if triangles < plain || triangles > MAX_TRIANGLES as u64 {
         let blocks = plan.blocks;
         return Err(Error::input(format!(
             "triangles = {triangles}: use {plain} to {MAX_TRIANGLES} for a city with blocks = {blocks}"
@@ -46,10 +46,7 @@ pub fn city(seed: u64, blocks: Option<u32>, triangles: u64) -> Result<Mesh> {
     let mut mesh = Mesh {
         triangles: Vec::with_capacity(triangles as usize),
         material_of: Vec::with_capacity(triangles as usize),
-        materials: MATERIALS
-            .iter()
-            .map(|&(name, diffuse)| Material { name: name.into(), diffuse, ..Material::default() })
-            .collect(),
+        materials: materials(&MATERIALS),
         ..Mesh::default()
     };
     push_ground(&mut mesh, plan.blocks, odd as u32);
@@ -67,7 +64,7 @@ pub fn city(seed: u64, blocks: Option<u32>, triangles: u64) -> Result<Mesh> {
 
 /// The largest plan near the usual density that `triangles` suffice for; one block if none does.
 fn plan_for(seed: u64, triangles: u64) -> Plan {
-    let mut blocks = ((triangles as f64 / TRIANGLES_PER_BLOCK).sqrt().round() as u32).clamp(1, MAX_BLOCKS);
+    let mut blocks = ((triangles as f64 / TRIANGLES_PER_BLOCK).sqrt().round() as u32).clamp(1, MAX_BLOCKS as u32);
     loop {
         let plan = Plan::new(seed, blocks);
         if blocks == 1 || plan.plain_triangles() <= triangles {

@@ -4,7 +4,7 @@ use crate::arrays::MapEach;
 use glam::DVec3;
 
 use super::icosphere::icosphere;
-use crate::geometry::mesh::{Material, Mesh};
+use crate::geometry::mesh::Mesh;
 
 /// An ellipsoid of revolution.
 struct Part {
@@ -102,8 +102,7 @@ pub fn walker(level: u32) -> Mesh {
 
 fn figure(parts: &[Part], materials: &[(&str, [f32; 3])], level: u32) -> Mesh {
     let ball = icosphere(level);
-    let material = |&(name, diffuse): &(&str, [f32; 3])| Material { name: name.into(), diffuse, ..Material::default() };
-    let mut mesh = Mesh { materials: materials.iter().map(material).collect(), ..Mesh::default() };
+    let mut mesh = Mesh { materials: super::materials(materials), ..Mesh::default() };
     for part in parts {
         let [from, to] = [part.from, part.to].map_each(DVec3::from_array);
         push_ellipsoid(&mut mesh, &ball, [from, to], part.radius, part.material);

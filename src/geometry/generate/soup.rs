@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
+use super::materials;
 use super::random::Random;
-use crate::geometry::mesh::{Material, Mesh};
+use crate::geometry::mesh::Mesh;
 use crate::parallel;
 
 const COLOURS: [(&str, [f32; 3]); 4] =
@@ -26,10 +27,7 @@ pub fn soup(seed: u64, triangles: u64) -> Mesh {
     Mesh {
         positions: corners.into_flattened(),
         triangles: (0..triangles as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
-        materials: COLOURS
-            .iter()
-            .map(|&(name, diffuse)| Material { name: name.into(), diffuse, ..Material::default() })
-            .collect(),
+        materials: materials(&COLOURS),
         material_of,
         ..Mesh::default()
     }

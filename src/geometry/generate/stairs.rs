@@ -9,15 +9,16 @@ use crate::geometry::mesh::{Material, Mesh};
 pub fn stairs(steps: u32) -> Mesh {
     let mut mesh = Mesh { materials: vec![Material::default()], ..Mesh::default() };
     let share = |k: u32| f64::from(k) / f64::from(steps);
-    // Edge k of the profile, k = 0 to steps, has corners on the base, at step k's level and at the next one's;
-    // each of them on the left and on the right.
-    for k in 0..=steps {
-        for y in [0.0, share(k), share((k + 1).min(steps))] {
+    // Edge k of the profile, k = 0 to steps, has corners on the base, at step k's level and at the next one's, but for one of each two that
+    // are in one place at both ends; each of them on the left and on the right.
+    for (k, level) in (0..=steps).flat_map(|k| [(k, 0), (k, 1), (k, 2)]) {
+        let y = [0.0, share(k), share((k + 1).min(steps))][level];
+        if (k, level) != (0, 1) && (k, level) != (steps, 2) {
             let left = DVec3::new(-0.5, y - 0.5, 0.5 - share(k));
             mesh.positions.extend([left, left + DVec3::X]);
         }
     }
-    let corner = |k: u32, level: u32| if k == 0 && level == 1 { 0 } else { 6 * k + 2 * level };
+    let corner = |k: u32, level: u32| (6 * k + 2 * level).saturating_sub(2);
     let mut quad = |[a, b]: [u32; 2]| mesh.triangles.extend([[a, a + 1, b + 1], [a, b + 1, b]]);
     for k in 0..steps {
         quad([corner(k, 1), corner(k, 2)]);
@@ -35,27 +36,8 @@ pub fn stairs(steps: u32) -> Mesh {
             }
         }
     }
-    used_alone(&mut mesh);
     mesh.material_of = vec![0; mesh.triangles.len()];
     mesh
-}
-
-/// Drops the positions that no triangle uses: the doubles at both ends.
-fn used_alone(mesh: &mut Mesh) {
-    let mut place = vec![u32::MAX; mesh.positions.len()];
-    mesh.triangles.iter().flatten().for_each(|&i| place[i as usize] = 0);
-    let mut count = 0;
-    mesh.positions = std::mem::take(&mut mesh.positions)
-        .into_iter()
-        .zip(&mut place)
-        .filter(|(_, place)| **place == 0)
-        .map(|(position, place)| {
-            *place = count;
-            count += 1;
-            position
-        })
-        .collect();
-    mesh.triangles.iter_mut().flatten().for_each(|i| *i = place[*i as usize]);
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 use crate::arrays::MapEach;
 use glam::{DVec2, DVec3};
 
+use super::plane::grid_triangles;
 use crate::geometry::mesh::{Material, Mesh};
 
 /// Control points: rows along v, columns along u; dS/dv x dS/du points outwards. Newell's axes: z is up.
@@ -116,13 +117,7 @@ fn push_patch(mesh: &mut Mesh, patch: &Patch, level: u32) {
             mesh.uvs.push(DVec2::new(u, v).as_vec2());
         }
     }
-    for j in 0..level {
-        for i in 0..level {
-            let a = base + j * (level + 1) + i;
-            let (b, c, d) = (a + level + 1, a + 1, a + level + 2);
-            mesh.triangles.extend([[a, b, d], [a, d, c]]);
-        }
-    }
+    mesh.triangles.extend(grid_triangles(level).iter().map(|t| t.map_each(|k| base + k)));
 }
 
 /// The cubic Bezier curve at t; exactly the point where all four are one, so that tips stay points.

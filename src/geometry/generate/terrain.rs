@@ -3,9 +3,10 @@
 use crate::arrays::MapEach;
 use glam::{DVec3, Vec3};
 
+use super::materials;
 use super::plane::{grid_triangles, grid_uvs};
 use super::random::Random;
-use crate::geometry::mesh::{Material, Mesh};
+use crate::geometry::mesh::Mesh;
 use crate::parallel;
 
 /// Edge of the square, in scene units.
@@ -45,10 +46,7 @@ pub fn terrain(seed: u64, size: u32) -> Mesh {
         uvs: grid_uvs(size),
         corner_uvs: triangles.clone(),
         material_of: parallel::map(&triangles, |t| material(t.map_each(|i| positions[i as usize]))),
-        materials: MATERIALS
-            .iter()
-            .map(|&(name, diffuse)| Material { name: name.into(), diffuse, ..Material::default() })
-            .collect(),
+        materials: materials(&MATERIALS),
         positions,
         triangles,
         normals,
