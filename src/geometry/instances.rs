@@ -55,10 +55,7 @@ pub fn at_places(mesh: Mesh, places: impl IntoIterator<Item = DAffine3>) -> Part
 impl Run {
     /// A whole mesh.
     pub fn whole(mesh: &Mesh, matrix: DAffine3) -> Run {
-        // `merge` refuses more than a u32 holds
-        let all = |count: usize| 0..count.min(u32::MAX as usize) as u32;
-        let [triangles, vertices, normals] =
-            [mesh.triangles.len(), mesh.positions.len(), mesh.normals.len()].map_each(all);
+        let [triangles, vertices, normals] = counts(mesh).map_each(|count| 0..count);
         Run { triangles, vertices, normals, matrix }
     }
 
@@ -71,8 +68,7 @@ impl Run {
 
     /// The box around the run's vertices, before its matrix.
     pub fn bounds(&self, mesh: &Mesh) -> (DVec3, DVec3) {
-        let own = self.vertices.start as usize..self.vertices.end as usize;
-        bounds_of(mesh.positions.get(own).unwrap_or_default())
+        bounds_of(mesh.positions.get(places(&self.vertices)).unwrap_or_default())
     }
 }
 
@@ -88,30 +84,12 @@ impl Instances {
     /// # Errors
     /// [`Error::Input`] if there are more than 2^28 triangles in all places, or 2^32 - 1 or more vertices or other attributes in the meshes.
     pub fn new(parts: Vec<Part>) -> Result<Instances> {
-        let of_runs = |runs: &Arc<[Run]>| runs.iter().map(|run| run.triangles.len()).fold(0, usize::saturating_add);
-        let count = |(mesh, runs): &Part| runs.as_ref().map_or(mesh.triangles.len(), of_runs);
-        check_triangles(parts.iter().map(count).fold(0, usize::saturating_add))?;
-        let mut list = Vec::new();
-        let (mut first_id, mut firsts) = (0, [0_u32; 3]);
-        for (mesh, runs) in &parts {
-            let mut boxes: HashMap<Range<u32>, (DVec3, DVec3)> = HashMap::new();
-            let mut add = |run: &Run, matrix: Option<DAffine3>| {
-                let bounds = boxes.entry(run.vertices.clone()).or_insert_with(|| run.bounds(mesh));
-                let [triangles, vertices, normals] = [0, 1, 2].map_each(|k| {
-                    let own = [&run.triangles, &run.vertices, &run.normals][k];
-                    own.start.saturating_add(firsts[k])..own.end.saturating_add(firsts[k])
-                });
-                let own = first_id;
-                first_id += triangles.len() as u32;
-                list.push(Instance { first_id: own, triangles, vertices, normals, bounds: *bounds, matrix });
-            };
-            let whole = Run::whole(mesh, DAffine3::IDENTITY);
-            match runs {
-                Some(runs) => runs.iter().for_each(|run| add(run, Some(run.matrix))),
-                None => add(&whole, None),
-            }
-            let ends = [whole.triangles.end, whole.vertices.end, whole.normals.end];
-            firsts = [0, 1, 2].map_each(|k| firsts[k].saturating_add(ends[k]));
+        check_triangles(parts.iter().map(triangles_of).fold(0, usize::saturating_add))?;
+        let (mut list, mut firsts) = (Vec::new(), [0; 3]);
+        for part in &parts {
+            add_places(&mut list, part, firsts);
+            let own = counts(&part.0);
+            firsts = [0, 1, 2].map_each(|k| u32::saturating_add(firsts[k], own[k]));
         }
         let base = Arc::new(place::merge(parts.into_iter().map(|part| part.0).collect())?);
         Ok(Instances { base, list })
@@ -122,7 +100,7 @@ impl Instances {
     pub fn of_runs(mesh: &Arc<Mesh>, counts: impl Iterator<Item = usize>) -> Option<Instances> {
         let (mut list, mut first_id, mut ends) = (Vec::new(), 0, [0; 2]);
         let mut add = |triangles: u32, [vertices, normals]: [Range<u32>; 2]| {
-            let bounds = bounds_of(&mesh.positions[vertices.start as usize..vertices.end as usize]);
+            let bounds = bounds_of(&mesh.positions[places(&vertices)]);
             let own = first_id..first_id + triangles;
             list.push(Instance { first_id, triangles: own, vertices, normals, bounds, matrix: None });
             first_id += triangles;
@@ -186,25 +164,13 @@ impl Instances {
     ///
     /// # Errors
     /// As [`Instances::new`]; the instances are then as before.
-    pub fn append(&mut self, (mesh, runs): Part) -> Result<()> {
-        place::check_counts([&*self.base, &mesh])?;
-        let own = Instances::new(vec![(mesh, runs)])?;
-        let triangles = self.triangle_count() + own.triangle_count();
-        check_triangles(triangles)?;
-        let Mesh { triangles, positions, normals, .. } = &*self.base;
-        // `check_counts` found that all counts fit
-        let [first_triangle, first_vertex, first_normal] =
-            [triangles.len(), positions.len(), normals.len()].map_each(|n| n as u32);
-        let first_id = self.triangle_count() as u32;
-        let shifted = |range: &Range<u32>, by: u32| range.start + by..range.end + by;
-        self.list.extend(own.list.iter().map(|instance| Instance {
-            first_id: instance.first_id + first_id,
-            triangles: shifted(&instance.triangles, first_triangle),
-            vertices: shifted(&instance.vertices, first_vertex),
-            normals: shifted(&instance.normals, first_normal),
-            ..instance.clone()
-        }));
-        place::append_with_all(Arc::make_mut(&mut self.base), Arc::unwrap_or_clone(own.base));
+    pub fn append(&mut self, part: Part) -> Result<()> {
+        place::check_counts([&*self.base, &part.0])?;
+        let own = triangles_of(&part);
+        check_triangles(own)?;
+        check_triangles(self.triangle_count() + own)?;
+        add_places(&mut self.list, &part, counts(&self.base));
+        place::append_with_all(Arc::make_mut(&mut self.base), part.0);
         Ok(())
     }
 
@@ -215,7 +181,7 @@ impl Instances {
 
     /// The number of triangles in all places.
     pub fn triangle_count(&self) -> usize {
-        self.list.last().map_or(0, |last| last.first_id as usize + last.triangles.len())
+        end_id(&self.list)
     }
 
     /// The number of vertices in all places.
@@ -297,7 +263,7 @@ impl Instances {
 
     /// The box around the vertices of an instance.
     fn exact_box(&self, instance: &Instance) -> Option<(DVec3, DVec3)> {
-        let own = &self.base.positions[instance.vertices.start as usize..instance.vertices.end as usize];
+        let own = &self.base.positions[places(&instance.vertices)];
         let placed = |p: &DVec3| {
             let p = instance.placed(*p);
             Some((p, p))
@@ -309,62 +275,39 @@ impl Instances {
     /// others may wait for them in loops on all cores.
     pub fn copies(&self) -> Mesh {
         let Instances { base, list } = self;
-        let before = |range: fn(&Instance) -> &Range<u32>| {
-            let mut first = 0;
-            let of = |instance| {
-                let own = first;
-                first += range(instance).len() as u32;
-                own
-            };
-            list.iter().map(of).collect::<Vec<u32>>()
-        };
-        let [first_vertices, first_normals] = [before(|i| &i.vertices), before(|i| &i.normals)];
-        let shifted = |lists: &[[u32; 3]], first: u32, new: u32, k: usize| {
-            lists[k].map_each(|i| if i == NO_NORMAL { i } else { i - first + new })
-        };
-        let own = |instance: &Instance| instance.triangles.start as usize..instance.triangles.end as usize;
-        let of_triangles = |lists: &[[u32; 3]]| -> Vec<[u32; 3]> {
-            if lists.is_empty() {
-                Vec::new()
-            } else {
-                list.iter().flat_map(|i| lists[own(i)].iter().copied()).collect()
-            }
-        };
-        let in_instances = |first: &[u32], range: fn(&Instance) -> &Range<u32>, lists: &[[u32; 3]]| {
-            if lists.is_empty() {
-                return Vec::new();
-            }
-            let each = list.iter().zip(first);
-            each.flat_map(|(i, new)| own(i).map(move |k| shifted(lists, range(i).start, *new, k))).collect()
-        };
-        let normals = |instance: &Instance| {
-            let matrix = instance.matrix.and_then(|matrix| world_normal_from_object(matrix.matrix3));
-            let own = &base.normals[instance.normals.start as usize..instance.normals.end as usize];
-            own.iter().map(|n| matrix.map_or(*n, |matrix| transformed_normal(matrix, *n))).collect::<Vec<_>>()
-        };
-        let positions = |instance: &Instance| {
-            let own = &base.positions[instance.vertices.start as usize..instance.vertices.end as usize];
-            own.iter().map(|p| instance.placed(*p)).collect::<Vec<_>>()
-        };
-        Mesh {
-            positions: list.iter().flat_map(positions).collect(),
-            triangles: in_instances(&first_vertices, |i| &i.vertices, &base.triangles),
-            radii: match base.radii.is_empty() {
-                true => Vec::new(),
-                false => list.iter().flat_map(|i| own(i).map(|k| base.radii[k] * i.size())).collect(),
-            },
-            normals: list.iter().flat_map(normals).collect(),
-            corner_normals: in_instances(&first_normals, |i| &i.normals, &base.corner_normals),
-            corner_uvs: of_triangles(&base.corner_uvs),
-            corner_colors: of_triangles(&base.corner_colors),
-            material_of: list.iter().flat_map(|i| base.material_of[own(i)].iter().copied()).collect(),
+        let mut mesh = Mesh {
             uvs: base.uvs.clone(),
             colors: base.colors.clone(),
             materials: base.materials.clone(),
             missing: base.missing.clone(),
-            parts: Vec::new(),
-            runs: Vec::new(),
+            ..Mesh::default()
+        };
+        for instance in list {
+            let shifted = |from: u32, to: usize| move |k: u32| if k == NO_NORMAL { k } else { k - from + to as u32 };
+            let vertex = shifted(instance.vertices.start, mesh.positions.len());
+            let normal = shifted(instance.normals.start, mesh.normals.len());
+            mesh.triangles.extend(instance.own(&base.triangles).iter().map(|t| t.map_each(vertex)));
+            mesh.corner_normals.extend(instance.own(&base.corner_normals).iter().map(|t| t.map_each(normal)));
+            mesh.corner_uvs.extend_from_slice(instance.own(&base.corner_uvs));
+            mesh.corner_colors.extend_from_slice(instance.own(&base.corner_colors));
+            mesh.material_of.extend_from_slice(instance.own(&base.material_of));
+            mesh.radii.extend(instance.own(&base.radii).iter().map(|radius| radius * instance.size()));
+            mesh.positions.extend(self.placed_vertices(instance));
+            mesh.normals.extend(self.placed_normals(instance));
         }
+        mesh
+    }
+
+    /// The vertices of an instance in the world.
+    fn placed_vertices(&self, instance: &Instance) -> impl Iterator<Item = DVec3> {
+        self.base.positions[places(&instance.vertices)].iter().map(|p| instance.placed(*p))
+    }
+
+    /// The normals of an instance in the world.
+    fn placed_normals(&self, instance: &Instance) -> impl Iterator<Item = Vec3> {
+        let matrix = instance.normal_matrix();
+        let own = &self.base.normals[places(&instance.normals)];
+        own.iter().map(move |normal| matrix.map_or(*normal, |matrix| transformed_normal(matrix, *normal)))
     }
 
     /// The copies after the instances in `moved`, given by their indices, got other places; `before` are the copies until then.
@@ -372,15 +315,14 @@ impl Instances {
         let mut mesh = before.clone();
         let (mut first_vertex, mut first_normal) = (0, 0);
         for (k, instance) in self.list.iter().enumerate() {
-            let (vertices, normals) = (instance.vertices.len(), instance.normals.len());
             if moved.contains(&k) {
-                let own = instance.vertices.clone().zip(&mut mesh.positions[first_vertex..first_vertex + vertices]);
-                own.for_each(|(v, to)| *to = instance.placed(self.base.positions[v as usize]));
-                let own = instance.normals.clone().zip(&mut mesh.normals[first_normal..first_normal + normals]);
-                own.for_each(|(n, to)| *to = instance.placed_normal(self.base.normals[n as usize]));
+                let positions = mesh.positions[first_vertex..].iter_mut();
+                positions.zip(self.placed_vertices(instance)).for_each(|(to, p)| *to = p);
+                let normals = mesh.normals[first_normal..].iter_mut();
+                normals.zip(self.placed_normals(instance)).for_each(|(to, normal)| *to = normal);
             }
-            first_vertex += vertices;
-            first_normal += normals;
+            first_vertex += instance.vertices.len();
+            first_normal += instance.normals.len();
         }
         mesh
     }
@@ -402,6 +344,50 @@ impl Instances {
         let places = self.list.len();
         let what = format_args!("a copy of each mesh at each of {places} places, {triangles} triangles in all,");
         check_memory(limits, (triangles as u64, vertices as u64), what, "use fewer places")
+    }
+}
+
+/// As a range of places in a list.
+fn places(range: &Range<u32>) -> Range<usize> {
+    range.start as usize..range.end as usize
+}
+
+/// How many triangles, vertices and normals a mesh has.
+fn counts(mesh: &Mesh) -> [u32; 3] {
+    // `merge` refuses more than a u32 holds
+    let count = |count: usize| count.min(u32::MAX as usize) as u32;
+    [mesh.triangles.len(), mesh.positions.len(), mesh.normals.len()].map_each(count)
+}
+
+/// The triangles of a mesh in all places.
+fn triangles_of((mesh, runs): &Part) -> usize {
+    let of_runs = |runs: &Arc<[Run]>| runs.iter().map(|run| run.triangles.len()).fold(0, usize::saturating_add);
+    runs.as_ref().map_or(mesh.triangles.len(), of_runs)
+}
+
+/// The id after those of all instances.
+fn end_id(list: &[Instance]) -> usize {
+    list.last().map_or(0, |last| last.first_id as usize + last.triangles.len())
+}
+
+/// Adds the instances of a mesh that lies behind so many triangles, vertices and normals in the base mesh.
+fn add_places(list: &mut Vec<Instance>, (mesh, runs): &Part, firsts: [u32; 3]) {
+    let mut boxes = HashMap::new();
+    let mut add = |run: &Run, matrix: Option<DAffine3>| {
+        let bounds = *boxes.entry(run.vertices.clone()).or_insert_with(|| run.bounds(mesh));
+        let shifted = |own: &Range<u32>, by: u32| own.start.saturating_add(by)..own.end.saturating_add(by);
+        list.push(Instance {
+            first_id: end_id(list) as u32,
+            triangles: shifted(&run.triangles, firsts[0]),
+            vertices: shifted(&run.vertices, firsts[1]),
+            normals: shifted(&run.normals, firsts[2]),
+            bounds,
+            matrix,
+        });
+    };
+    match runs {
+        Some(runs) => runs.iter().for_each(|run| add(run, Some(run.matrix))),
+        None => add(&Run::whole(mesh, DAffine3::IDENTITY), None),
     }
 }
 
@@ -446,6 +432,11 @@ impl Instance {
         (condition <= CONDITION_MAX && inverse.is_finite()).then_some((inverse, condition))
     }
 
+    /// The part of a list of the base mesh's triangles that the instance has; empty if the list is.
+    fn own<'a, T>(&self, of_triangles: &'a [T]) -> &'a [T] {
+        of_triangles.get(places(&self.triangles)).unwrap_or_default()
+    }
+
     /// A vertex of its mesh in the world.
     pub fn placed(&self, p: DVec3) -> DVec3 {
         self.matrix.map_or(p, |matrix| matrix.transform_point3(p))
@@ -467,8 +458,12 @@ impl Instance {
 
     /// A normal of its mesh in the world.
     pub fn placed_normal(&self, normal: Vec3) -> Vec3 {
-        let matrix = self.matrix.and_then(|matrix| world_normal_from_object(matrix.matrix3));
-        matrix.map_or(normal, |matrix| transformed_normal(matrix, normal))
+        self.normal_matrix().map_or(normal, |matrix| transformed_normal(matrix, normal))
+    }
+
+    /// The matrix that takes normals of its mesh to the world; `None`: they are as in the mesh.
+    fn normal_matrix(&self) -> Option<DMat3> {
+        self.matrix.and_then(|matrix| world_normal_from_object(matrix.matrix3))
     }
 
     /// The factor by which its matrix scales spheres.

@@ -133,106 +133,62 @@ pub fn check_counts<'a>(meshes: impl IntoIterator<Item = &'a Mesh> + Clone) -> R
 /// Those of [`check_counts`].
 pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
     check_counts(&meshes)?;
-    let has = meshes.iter().map(Attributes::of).fold(Attributes::default(), Attributes::or);
     let mut meshes = meshes.into_iter();
     let mut all = meshes.next().unwrap_or_default();
-    has.give(&mut all);
-    meshes.for_each(|mesh| append_as(has, &mut all, mesh));
+    meshes.for_each(|mesh| append_with_all(&mut all, mesh));
     Ok(all)
 }
 
-/// Appends `mesh` to `all` with all that it has, as [`merge`] does. The caller has called [`check_counts`].
-pub fn append_with_all(all: &mut Mesh, mesh: Mesh) {
-    let has = Attributes::of(all).or(Attributes::of(&mesh));
-    has.give(all);
-    append_as(has, all, mesh);
+/// Lists of the normals, texture coordinates and colours of corners.
+fn corner_lists(mesh: &mut Mesh) -> [&mut Vec<[u32; 3]>; 3] {
+    [&mut mesh.corner_normals, &mut mesh.corner_uvs, &mut mesh.corner_colors]
 }
 
-/// What the triangles and corners of a mesh may have.
-#[derive(Debug, Clone, Copy, Default)]
-struct Attributes {
-    normals: bool,
-    uvs: bool,
-    colors: bool,
-    radii: bool,
-}
-
-impl Attributes {
-    fn of(mesh: &Mesh) -> Attributes {
-        Attributes {
-            normals: !mesh.corner_normals.is_empty(),
-            uvs: !mesh.corner_uvs.is_empty(),
-            colors: !mesh.corner_colors.is_empty(),
-            radii: mesh.has_spheres(),
-        }
-    }
-
-    fn or(self, other: Attributes) -> Attributes {
-        Attributes {
-            normals: self.normals || other.normals,
-            uvs: self.uvs || other.uvs,
-            colors: self.colors || other.colors,
-            radii: self.radii || other.radii,
-        }
-    }
-
-    /// Corners that have none of these say so.
-    fn give(self, mesh: &mut Mesh) {
-        let count = mesh.triangles.len();
-        if self.normals {
-            mesh.corner_normals.resize(count, [NO_NORMAL; 3]);
-        }
-        if self.uvs {
-            mesh.corner_uvs.resize(count, [NO_UV; 3]);
-        }
-        if self.colors {
-            mesh.corner_colors.resize(count, [NO_COLOR; 3]);
-        }
-        if self.radii {
-            mesh.radii.resize(count, 0.0);
-        }
-    }
-}
+/// Marks a corner without an entry, in each of these lists.
+const NONE: u32 = u32::MAX;
+const _: () = assert!(NO_NORMAL == NONE && NO_UV == NONE && NO_COLOR == NONE);
 
 /// Appends `mesh` to `all`: with normals, texture coordinates and colours only where `all` has some. The caller made sure that all counts
 /// fit a u32.
-pub fn append(all: &mut Mesh, mesh: Mesh) {
-    let has = if all.triangles.is_empty() { Attributes::of(&mesh) } else { Attributes::of(all) };
-    append_as(has, all, mesh);
+pub fn append(all: &mut Mesh, mut mesh: Mesh) {
+    if !all.triangles.is_empty() {
+        let lists = corner_lists(all).into_iter().zip(corner_lists(&mut mesh));
+        lists.filter(|(own, _)| own.is_empty()).for_each(|(_, more)| more.clear());
+    }
+    append_with_all(all, mesh);
 }
 
-/// Appends `mesh` to `all` with what `all` then has.
-fn append_as(has: Attributes, all: &mut Mesh, mesh: Mesh) {
+/// Appends `mesh` to `all` with all that it has, as [`merge`] does. The caller has called [`check_counts`].
+pub fn append_with_all(all: &mut Mesh, mut mesh: Mesh) {
     if *all == Mesh::default() {
         // nothing to join with, and nothing to copy
         *all = Mesh { parts: Vec::new(), ..mesh };
-        return has.give(all);
+        return;
     }
-    let [position, normal, uv, color, material] =
-        [all.positions.len(), all.normals.len(), all.uvs.len(), all.colors.len(), all.materials.len()]
-            .map(|count| count as u32);
+    let before = all.triangles.len();
+    let [position, material] = [all.positions.len(), all.materials.len()].map_each(|count| count as u32);
+    let firsts = [all.normals.len(), all.uvs.len(), all.colors.len()].map_each(|count| count as u32);
     all.positions.extend_from_slice(&mesh.positions);
     all.normals.extend_from_slice(&mesh.normals);
     all.uvs.extend_from_slice(&mesh.uvs);
     all.colors.extend_from_slice(&mesh.colors);
-    all.materials.extend(mesh.materials);
-    all.missing.extend(mesh.missing);
+    all.materials.append(&mut mesh.materials);
+    all.missing.append(&mut mesh.missing);
     all.triangles.extend(mesh.triangles.iter().map(|t| t.map_each(|i| i + position)));
     all.material_of.extend(mesh.material_of.iter().map(|m| m + material));
-    let shifted = |none: u32, by: u32| move |k: u32| if k == none { none } else { k + by };
-    if has.normals {
-        all.corner_normals.extend(mesh.corner_normals.iter().map(|t| t.map_each(shifted(NO_NORMAL, normal))));
-    }
-    if has.uvs {
-        all.corner_uvs.extend(mesh.corner_uvs.iter().map(|t| t.map_each(shifted(NO_UV, uv))));
-    }
-    if has.colors {
-        all.corner_colors.extend(mesh.corner_colors.iter().map(|t| t.map_each(shifted(NO_COLOR, color))));
-    }
-    if has.radii {
+    let count = all.triangles.len();
+    if mesh.has_spheres() || all.has_spheres() {
+        all.radii.resize(before, 0.0);
         all.radii.extend_from_slice(&mesh.radii);
+        all.radii.resize(count, 0.0);
     }
-    has.give(all);
+    for ((own, more), first) in corner_lists(all).into_iter().zip(corner_lists(&mut mesh)).zip(firsts) {
+        if !own.is_empty() || !more.is_empty() {
+            own.resize(before, [NONE; 3]);
+            own.extend(more.iter().map(|t| t.map_each(|k| if k == NONE { k } else { k + first })));
+            own.resize(count, [NONE; 3]);
+        }
+    }
 }
 
 #[cfg(test)]
