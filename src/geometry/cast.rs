@@ -71,7 +71,7 @@ impl<'a> Caster<'a> {
         let mut best = None;
         self.each(aim, range, |hit| {
             best = nearer(best, hit);
-            best.map_or(f64::INFINITY, |b: Hit| past(b.t))
+            best.map_or(f64::INFINITY, |b: Hit| past(b.t, T_ROUNDING))
         });
         best
     }
@@ -79,16 +79,16 @@ impl<'a> Caster<'a> {
     /// Every visible hit with t in `range`, mostly near to far. `visit` returns the largest t still of interest.
     fn each(&self, aim: &Aim, range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
         let mut limit = f64::INFINITY;
-        let ends = [-past(-range[0]), past(range[1])];
+        let ends = [-past(-range[0], T_ROUNDING), past(range[1], T_ROUNDING)];
         // where either ray may be
         let rays = [&aim.ray, &aim.perturbed].map_each(|ray| self.bvh.ray(ray.origin, ray.direction, ends));
         self.bvh.walk_rays(&rays, |leaf| {
             for id in self.items(leaf) {
-                for hit in self.meet(aim, id).into_iter().flatten() {
+                meet(self.mesh, id, aim, (T_ROUNDING, |_, _, _| 1.0), |Met { hit, .. }| {
                     if range[0] <= hit.t && hit.t <= range[1] {
                         limit = limit.min(visit(hit));
                     }
-                }
+                });
             }
             limit
         });
@@ -96,25 +96,6 @@ impl<'a> Caster<'a> {
 
     fn items(&self, leaf: usize) -> impl Iterator<Item = u32> {
         self.bvh.leaf(leaf).into_iter().filter(|id| *id != NONE)
-    }
-
-    /// The ray and one triangle or sphere, at any t, where it shows that face and has no hole.
-    fn meet(&self, aim: &Aim, id: u32) -> [Option<Hit>; 2] {
-        let Some(ball) = Ball::of(self.mesh, id) else { return [self.meet_triangle(aim, id), None] };
-        let Some([enters, leaves]) = ball.meetings(&aim.ray, T_ROUNDING) else { return [None; 2] };
-        let hit = |(t, facing): (f64, f64)| {
-            let hit = Hit { t, triangle: id, bary: [0.0; 2] };
-            shows(self.mesh, &hit, facing).then_some(hit)
-        };
-        [(enters, -1.0), (leaves, 1.0)].map_each(hit)
-    }
-
-    fn meet_triangle(&self, aim: &Aim, id: u32) -> Option<Hit> {
-        let corners = Corners::new(self.mesh.triangles[id as usize].map_each(|k| self.mesh.positions[k as usize]));
-        let sign = corners.sign(&aim.perturbed, |_, _, _| 1.0)?;
-        let t = corners.depth(&aim.ray, T_ROUNDING)?;
-        let hit = Hit { t, triangle: id, bary: corners.weights(&aim.ray, sign) };
-        shows(self.mesh, &hit, sign * corners.parity).then_some(hit)
     }
 
     /// Of all places `of` the mesh that a line meets on either side of its origin, the nearest; `t` is the distance. The two rays start
@@ -126,7 +107,7 @@ impl<'a> Caster<'a> {
                 if of(&hit) {
                     best = nearer(best, hit);
                 }
-                best.map_or(f64::INFINITY, |b| past(b.t))
+                best.map_or(f64::INFINITY, |b| past(b.t, T_ROUNDING))
             });
         }
         best
@@ -177,6 +158,45 @@ fn hierarchy(mesh: &Mesh) -> Bvh {
     Bvh::build(&items)
 }
 
+/// What a ray meets.
+struct Met {
+    hit: Hit,
+    surface: Surface,
+}
+
+enum Surface {
+    Triangle(Corners),
+    /// With -1 where the ray enters, with 1 where it leaves.
+    Ball(Ball, i8),
+}
+
+/// Calls `found` with each meeting of a ray and a triangle or sphere, at any t, where it shows that face and has no hole. `rounding` is the
+/// relative error of t, and `of_zero` as in [`Corners::sign`].
+fn meet(
+    mesh: &Mesh,
+    id: u32,
+    aim: &Aim,
+    (rounding, of_zero): (f64, impl Fn(&Ray, DVec3, DVec3) -> f64),
+    mut found: impl FnMut(Met),
+) {
+    let mut check = |hit: Hit, facing: f64, surface: Surface| {
+        if shows(mesh, &hit, facing) {
+            found(Met { hit, surface });
+        }
+    };
+    if let Some(ball) = Ball::of(mesh, id) {
+        for (t, side) in ball.meetings(&aim.ray, rounding).into_iter().flatten().zip([-1, 1]) {
+            check(Hit { t, triangle: id, bary: [0.0; 2] }, side.into(), Surface::Ball(ball, side));
+        }
+        return;
+    }
+    let corners = Corners::new(mesh.triangles[id as usize].map_each(|k| mesh.positions[k as usize]));
+    let Some(sign) = corners.sign(&aim.perturbed, of_zero) else { return };
+    let Some(t) = corners.depth(&aim.ray, rounding) else { return };
+    let hit = Hit { t, triangle: id, bary: corners.weights(&aim.ray, sign) };
+    check(hit, sign * corners.parity, Surface::Triangle(corners));
+}
+
 /// Whether the triangle or sphere of a hit shows that face, and has no hole there; `facing` is below 0 at its front.
 fn shows(mesh: &Mesh, hit: &Hit, facing: f64) -> bool {
     let shows = facing < 0.0 || mesh.material(hit.triangle).is_none_or(|m| m.two_sided);
@@ -188,14 +208,14 @@ fn nearer(best: Option<Hit>, hit: Hit) -> Option<Hit> {
     best.filter(|b| (b.t, b.triangle) <= (hit.t, hit.triangle)).or(Some(hit))
 }
 
-/// The largest exact t whose computed value may be as small as `t`.
-fn past(t: f64) -> f64 {
-    t + 2.0 * T_ROUNDING * t.abs()
+/// The largest exact t whose computed value, of this relative error, may be as small as `t`.
+fn past(t: f64, rounding: f64) -> f64 {
+    t + 2.0 * rounding * t.abs()
 }
 
 /// Distances from `place` up to this are the same as `t`, by rounding.
 pub fn as_near(place: DVec3, t: f64) -> f64 {
-    past(t) + DISTANCE_ROUNDING * place.abs().max_element()
+    past(t, T_ROUNDING) + DISTANCE_ROUNDING * place.abs().max_element()
 }
 
 /// The weights of the second and third corner where a triangle is nearest to a place.

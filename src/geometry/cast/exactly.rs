@@ -7,9 +7,8 @@
 //! Spheres are met by the ray itself, which hits one that it touches; t is then a fraction with a root, and as exactly compared.
 
 use super::ball::Ball;
-use super::corners::Corners;
 use super::depth::Depth;
-use super::{Hit, Ray, hierarchy, shows};
+use super::{Aim, Hit, Met, Ray, Surface, hierarchy, meet, past};
 use crate::arrays::MapEach;
 use crate::geometry::bvh::{Bvh, LEAF, NONE};
 use crate::geometry::exact::Exact;
@@ -59,7 +58,7 @@ impl ExactCaster {
             if best.as_ref().is_none_or(|b| met.compare(b, ray).is_lt()) {
                 best = Some(met);
             }
-            best.as_ref().map_or(f64::INFINITY, |b| past(b.hit.t))
+            best.as_ref().map_or(f64::INFINITY, |b| past(b.hit.t, T_ROUNDING))
         });
         best.map(|met| met.hit)
     }
@@ -112,34 +111,19 @@ impl ExactCaster {
     /// Every visible triangle that the ray meets with t in `range`, and every place where it enters or leaves a sphere, mostly near to far.
     /// `visit` returns the largest t still of interest.
     fn visit(&self, ray: &Ray, range: [f64; 2], mut visit: impl FnMut(Met) -> f64) {
-        let own = self.bvh.ray(ray.origin, ray.direction, [-past(-range[0]), past(range[1])]);
+        let own = self.bvh.ray(ray.origin, ray.direction, [-past(-range[0], T_ROUNDING), past(range[1], T_ROUNDING)]);
         let mut limit = f64::INFINITY;
         self.bvh.walk_rays(&[own], |leaf| {
             let missed = self.leaves[leaf].is_missed(ray);
             for (id, _) in self.bvh.leaf(leaf).into_iter().zip(missed).filter(|(id, missed)| *id != NONE && !missed) {
-                for met in self.meet(ray, id).into_iter().flatten().filter(|met| met.is_within(range, ray)) {
-                    limit = limit.min(visit(met));
-                }
+                meet(&self.mesh, id, &Aim { ray: *ray, perturbed: *ray }, (T_ROUNDING, beside), |met| {
+                    if met.is_within(range, ray) {
+                        limit = limit.min(visit(met));
+                    }
+                });
             }
             limit
         });
-    }
-
-    fn meet(&self, ray: &Ray, id: u32) -> [Option<Met>; 2] {
-        let Some(ball) = self.ball(id) else { return [self.meet_triangle(ray, id), None] };
-        let Some([enters, leaves]) = ball.meetings(ray, T_ROUNDING) else { return [None, None] };
-        let met = |(t, side): (f64, i8)| {
-            let hit = Hit { t, triangle: id, bary: [0.0; 2] };
-            shows(&self.mesh, &hit, side.into()).then_some(Met { hit, surface: Surface::Ball(ball, side) })
-        };
-        [(enters, -1), (leaves, 1)].map_each(met)
-    }
-
-    fn meet_triangle(&self, ray: &Ray, id: u32) -> Option<Met> {
-        let corners = Corners::new(self.mesh.triangles[id as usize].map_each(|k| self.mesh.positions[k as usize]));
-        let sign = corners.sign(ray, beside)?;
-        let hit = Hit { t: corners.depth(ray, T_ROUNDING)?, triangle: id, bary: corners.weights(ray, sign) };
-        shows(&self.mesh, &hit, sign * corners.parity).then_some(Met { hit, surface: Surface::Triangle(corners) })
     }
 }
 
@@ -217,18 +201,6 @@ fn key(ray: &Ray, (lo, hi): (DVec3, DVec3)) -> u64 {
     interleaved([place / (hi - lo).max_element() * cells, (along + 1.0) / 2.0 * cells])
 }
 
-/// What a ray meets.
-struct Met {
-    hit: Hit,
-    surface: Surface,
-}
-
-enum Surface {
-    Triangle(Corners),
-    /// With -1 where the ray enters, with 1 where it leaves.
-    Ball(Ball, i8),
-}
-
 impl Met {
     fn depth(&self, ray: &Ray) -> Depth {
         match &self.surface {
@@ -270,11 +242,6 @@ fn beside(ray: &Ray, from: DVec3, to: DVec3) -> f64 {
         part(a).minus(&part(b)).sign()
     };
     [(1, 2), (2, 0), (0, 1)].into_iter().map(|(j, k)| component(j, k)).find(|sign| *sign != 0).map_or(0.0, f64::from)
-}
-
-/// The largest exact t whose computed value may be as small as `t`.
-fn past(t: f64) -> f64 {
-    t + 2.0 * T_ROUNDING * t.abs()
 }
 
 fn are_within(sizes: &std::ops::RangeInclusive<f64>, numbers: &[f64]) -> bool {
