@@ -97,14 +97,15 @@ fn parse<'b>(
 fn roots(document: &Document) -> Vec<Node<'_>> {
     match document.default_scene().or_else(|| document.scenes().next()) {
         Some(scene) => scene.nodes().collect(),
-        None => {
-            let mut is_child = vec![false; document.nodes().len()];
-            for child in document.nodes().flat_map(|node| node.children()) {
-                is_child[child.index()] = true;
-            }
-            document.nodes().filter(|node| !is_child[node.index()]).collect()
-        }
+        None => top_nodes(document),
     }
+}
+
+/// The nodes that are no other's child, in order.
+fn top_nodes(document: &Document) -> Vec<Node<'_>> {
+    let mut is_child = vec![false; document.nodes().len()];
+    document.nodes().flat_map(|node| node.children()).for_each(|child| is_child[child.index()] = true);
+    document.nodes().filter(|node| !is_child[node.index()]).collect()
 }
 
 /// Vertices already placed for the current node, by accessor: primitives often share them.
@@ -438,14 +439,8 @@ impl<'a> Builder<'a> {
         let transform = info.as_ref().and_then(Info::texture_transform);
         let set = transform.as_ref().and_then(|t| t.tex_coord()).or(info.as_ref().map(Info::tex_coord)).unwrap_or(0);
         let Some(accessor) = primitive.get(&Semantic::TexCoords(set)) else { return Ok(None) };
-        if accessor.count() != count as usize {
-            let pairs = accessor.count();
-            return Err(Error::input(format!("{pairs} texture coordinates for {count} positions; give one each")));
-        }
         let first = self.mesh.uvs.len();
-        if first.saturating_add(count as usize) >= u32::MAX as usize {
-            return Err(Error::input("more than 2^32 - 2 texture coordinates; split the file"));
-        }
+        check_each(&accessor, "texture coordinates", (first, count))?;
         let placed = |uv: DVec2| {
             let uv = transform.as_ref().map_or(uv, |t| {
                 let [scale, offset] = [t.scale(), t.offset()].map_each(|v| DVec2::from(v.map_each(f64::from)));
@@ -463,13 +458,7 @@ impl<'a> Builder<'a> {
     /// The colours of a primitive's vertices, with their opacity.
     fn read_colors(&self, primitive: &Primitive, count: u32) -> Result<Option<Vec<[f32; 4]>>> {
         let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(None) };
-        if accessor.count() != count as usize {
-            let colors = accessor.count();
-            return Err(Error::input(format!("{colors} colours for {count} positions; give one each")));
-        }
-        if self.mesh.colors.len().saturating_add(count as usize) >= u32::MAX as usize {
-            return Err(Error::input("more than 2^32 - 2 colours; split the file"));
-        }
+        check_each(&accessor, "colours", (self.mesh.colors.len(), count))?;
         self.source.read_colors(&accessor).map(Some)
     }
 
@@ -481,29 +470,36 @@ impl<'a> Builder<'a> {
         placing: &Placing,
         placed: &'p mut Placed,
     ) -> Result<&'p [u32]> {
-        if from.count() != count as usize {
-            let normals = from.count();
-            return Err(Error::input(format!("{normals} normals for {count} positions; give one each")));
-        }
+        check_each(from, "normals", (self.mesh.normals.len(), count))?;
         let known = placed.normals.entry(from.index()).or_default();
         if known.is_empty() {
             let matrix_of = |k: usize| world_normal_from_object(DMat3::from_mat4(placing.world_from_node(k)));
             let one = matrix_of(0);
             for (k, n) in self.morphed(from, Semantic::Normals, placing)?.into_iter().enumerate() {
                 let matrix = if placing.world.len() == 1 { one } else { matrix_of(k) };
-                let index = self.mesh.normals.len() as u32;
-                match (matrix, n.try_normalize()) {
-                    (Some(matrix), Some(n)) => self.mesh.normals.push(transformed_normal(matrix, n.as_vec3())),
-                    _ => {
-                        known.push(NO_NORMAL);
-                        continue;
+                known.push(match (matrix, n.try_normalize()) {
+                    (Some(matrix), Some(n)) => {
+                        self.mesh.normals.push(transformed_normal(matrix, n.as_vec3()));
+                        self.mesh.normals.len() as u32 - 1
                     }
-                }
-                known.push(index);
+                    _ => NO_NORMAL,
+                });
             }
         }
         Ok(known)
     }
+}
+
+/// Refuses another number of values than positions, and more than indices can number behind those so far.
+fn check_each(accessor: &gltf::Accessor, what: &str, (so_far, count): (usize, u32)) -> Result<()> {
+    if accessor.count() != count as usize {
+        let found = accessor.count();
+        return Err(Error::input(format!("{found} {what} for {count} positions; give one each")));
+    }
+    if so_far.saturating_add(count as usize) >= u32::MAX as usize {
+        return Err(Error::input(format!("more than 2^32 - 2 {what}; split the file")));
+    }
+    Ok(())
 }
 
 /// Triangles from the corners of a primitive, in the order and winding of the glTF specification (3.7.2.1).

@@ -9,28 +9,30 @@ use gltf::buffer::View;
 
 use super::MAX_TRIANGLES;
 use super::json::Instances;
-use super::source::Source;
+use super::source::{Source, part};
 use crate::input::{Error, Result};
 use crate::parallel;
 
 impl Source {
+    /// The elements of an accessor of this shape, each after `of`. `what` names them in the error.
+    fn read_shaped<T: Send>(
+        &self,
+        accessor: &Accessor,
+        (shape, what): (Dimensions, &str),
+        of: impl Fn(&[f64]) -> T + Sync,
+    ) -> Result<Vec<T>> {
+        if accessor.dimensions() != shape {
+            return Err(at(accessor, format!("must hold {what}; export it again")));
+        }
+        self.read_each(accessor, of)
+    }
+
     /// The accessor's vectors of three.
     ///
     /// # Errors
     /// [`Error::Input`] naming the accessor: another shape, or out of its buffer's range.
     pub(super) fn read_vectors(&self, accessor: &Accessor) -> Result<Vec<DVec3>> {
-        if accessor.dimensions() != Dimensions::Vec3 {
-            return Err(at(accessor, "must hold vectors of 3; export it again".into()));
-        }
-        self.read_each(accessor, |v| DVec3::new(v[0], v[1], v[2]))
-    }
-
-    /// The accessor's numbers, whatever its shape.
-    ///
-    /// # Errors
-    /// [`Error::Input`] naming the accessor: out of its buffer's range.
-    pub(super) fn read_numbers(&self, accessor: &Accessor) -> Result<Vec<f64>> {
-        self.read(accessor)
+        self.read_shaped(accessor, (Dimensions::Vec3, "vectors of 3"), DVec3::from_slice)
     }
 
     /// The accessor's scalars.
@@ -38,10 +40,7 @@ impl Source {
     /// # Errors
     /// As [`Source::read_vectors`].
     pub(super) fn read_scalars(&self, accessor: &Accessor) -> Result<Vec<f64>> {
-        if accessor.dimensions() != Dimensions::Scalar {
-            return Err(at(accessor, "must hold single numbers; export it again".into()));
-        }
-        self.read_numbers(accessor)
+        self.read_shaped(accessor, (Dimensions::Scalar, "single numbers"), |v| v[0])
     }
 
     /// The accessor's vectors of four.
@@ -49,10 +48,7 @@ impl Source {
     /// # Errors
     /// As [`Source::read_vectors`].
     pub(super) fn read_fours(&self, accessor: &Accessor) -> Result<Vec<DVec4>> {
-        if accessor.dimensions() != Dimensions::Vec4 {
-            return Err(at(accessor, "must hold vectors of 4; export it again".into()));
-        }
-        Ok(self.read_numbers(accessor)?.chunks_exact(4).map(DVec4::from_slice).collect())
+        self.read_shaped(accessor, (Dimensions::Vec4, "vectors of 4"), DVec4::from_slice)
     }
 
     /// The accessor's matrices of four by four.
@@ -60,10 +56,7 @@ impl Source {
     /// # Errors
     /// As [`Source::read_vectors`].
     pub(super) fn read_matrices(&self, accessor: &Accessor) -> Result<Vec<DMat4>> {
-        if accessor.dimensions() != Dimensions::Mat4 {
-            return Err(at(accessor, "must hold matrices of 4 x 4; export it again".into()));
-        }
-        Ok(self.read_numbers(accessor)?.chunks_exact(16).map(DMat4::from_cols_slice).collect())
+        self.read_shaped(accessor, (Dimensions::Mat4, "matrices of 4 x 4"), DMat4::from_cols_slice)
     }
 
     /// The accessor's vectors of two.
@@ -71,10 +64,7 @@ impl Source {
     /// # Errors
     /// As [`Source::read_vectors`].
     pub(super) fn read_pairs(&self, accessor: &Accessor) -> Result<Vec<DVec2>> {
-        if accessor.dimensions() != Dimensions::Vec2 {
-            return Err(at(accessor, "must hold vectors of 2; export it again".into()));
-        }
-        self.read_each(accessor, |v| DVec2::new(v[0], v[1]))
+        self.read_shaped(accessor, (Dimensions::Vec2, "vectors of 2"), DVec2::from_slice)
     }
 
     /// The accessor's colours with their opacity, which is 1 where they have none.
@@ -159,7 +149,10 @@ impl Source {
     }
 
     /// All components of all elements as f64, which holds each component type exactly; normalised ones divided.
-    fn read(&self, accessor: &Accessor) -> Result<Vec<f64>> {
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the accessor: out of its buffer's range.
+    pub(super) fn read(&self, accessor: &Accessor) -> Result<Vec<f64>> {
         let wrong = |message: String| at(accessor, message);
         let kind = accessor.data_type();
         let components = accessor.dimensions().multiplicity();
@@ -219,7 +212,7 @@ impl Source {
         let buffer = &self.buffers[view.buffer().index()];
         let stride = view.stride().unwrap_or(run.bytes);
         let (index, length) = (view.index(), view.length());
-        let Some(bytes) = view.offset().checked_add(length).and_then(|end| buffer.get(view.offset()..end)) else {
+        let Some(bytes) = part(&self.buffers, view.buffer().index(), (view.offset(), length)) else {
             return Err(format!("buffer view {index} exceeds its buffer of {} bytes; export it again", buffer.len()));
         };
         if stride < run.bytes {

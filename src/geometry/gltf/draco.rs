@@ -1,5 +1,6 @@
 //! Primitives whose vertices are there in a compressed form alone: the extension `KHR_draco_mesh_compression`.
 
+use super::source::part;
 use crate::input::{Error, Limits, Result};
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -124,8 +125,7 @@ impl Compressed {
     pub(super) fn decode(&self, buffers: &[Arc<Vec<u8>>], limits: Limits) -> Result<Vec<Vec<u8>>> {
         let wrong = |what: &str| wrong([self.mesh, self.primitive], what);
         let [buffer, offset, length] = self.bytes;
-        let end = offset.checked_add(length);
-        let bytes = end.and_then(|end| buffers.get(buffer)?.get(offset..end));
+        let bytes = part(buffers, buffer, (offset, length));
         let bytes = bytes.ok_or_else(|| wrong("exceeds its buffer; export it again"))?;
         let numbers = self.attributes.iter().map(|a| (a.components * a.count) as u64).sum::<u64>();
         let size = 4 * (numbers + self.indices.unwrap_or(0) as u64);

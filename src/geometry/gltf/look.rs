@@ -11,7 +11,7 @@ use gltf::texture::{Info, WrappingMode};
 
 use super::Builder;
 use super::json::{MaterialParts, is_read};
-use super::source::{FileAccess, Found, Source};
+use super::source::{FileAccess, Source};
 use crate::geometry::mesh::{DIELECTRIC, HALF, Material, Mesh, Missing, NO_UV};
 use crate::geometry::texture::{Absent, ImagesRead, Texels, Texture, Wrap, decode, unread_format};
 use crate::input::{Error, Result};
@@ -153,10 +153,8 @@ impl Builder<'_> {
             let opacity = material.pbr_metallic_roughness().base_color_factor()[3];
             if material.alpha_mode() == AlphaMode::Blend && !self.blends && 0.0 < opacity && opacity < 1.0 {
                 let drawn = if opacity >= HALF { "it is drawn opaque" } else { "below 0.5 it is not drawn" };
-                self.mesh.missing.push(Missing {
-                    what: format!("transparency of material {name:?}"),
-                    why: format!("its opacity is {opacity}; {drawn} without blend = true"),
-                });
+                let why = format!("its opacity is {opacity}; {drawn} without blend = true");
+                self.leave_out(format!("transparency of material {name:?}"), why);
             }
         }
         for (part, materials) in unread {
@@ -234,8 +232,8 @@ fn read_texture(
         None => {
             let at = |e: Error| e.at(format!("image {}", image.index()));
             let bytes = match source.read_image(&image, access).map_err(|e| at(Error::input(e)))? {
-                Found::Present(bytes) => bytes,
-                Found::Missing(file) => return Ok(Err((file.display().to_string(), Absent::NoFile))),
+                Ok(bytes) => bytes,
+                Err(file) => return Ok(Err((file.display().to_string(), Absent::NoFile))),
             };
             if let Some(format) = unread_format(&bytes) {
                 let material = material.name().unwrap_or_default();

@@ -1,5 +1,6 @@
 //! Buffer views in a compressed form, by `EXT_meshopt_compression` or its successor `KHR_meshopt_compression`.
 
+use super::source::part;
 use crate::input::{Error, Limits, Result};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -107,8 +108,7 @@ impl Compressed {
     /// [`Error::Input`] naming the view: its bytes are damaged, or of a kind that the extension does not have; [`Error::Work`] if memory
     /// does not suffice.
     pub(super) fn decode(&self, buffers: &[Arc<Vec<u8>>], limits: Limits) -> Result<Vec<u8>> {
-        let end = self.offset.checked_add(self.length);
-        let bytes = end.and_then(|end| buffers.get(self.buffer)?.get(self.offset..end));
+        let bytes = part(buffers, self.buffer, (self.offset, self.length));
         let bytes = bytes.ok_or_else(|| self.wrong("exceeds its buffer; export it again"))?;
         let what = format_args!("buffer view {}", self.view);
         limits.check_memory(3 * self.decoded_length() as u64, what, "split the file")?;

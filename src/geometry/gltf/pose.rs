@@ -1,7 +1,8 @@
 //! A document at a time of one of its animations: where its nodes are, and how its vertices are moved by morph targets and skins.
 
-use super::json::{Local, NodeParts};
+use super::json::Local;
 use super::source::Source;
+use super::top_nodes;
 use crate::geometry::spec::AnimationSpec;
 use crate::input::{Error, Result};
 use glam::{DMat4, DQuat, DVec3, DVec4};
@@ -19,18 +20,8 @@ pub(super) struct Pose {
     weights: Vec<Vec<f64>>,
 }
 
-/// The values of a node that animations change.
-#[derive(Clone)]
-struct Posed {
-    local: Local,
-    weights: Vec<f64>,
-}
-
-impl Posed {
-    fn of(parts: &NodeParts) -> Posed {
-        Posed { local: parts.local, weights: parts.weights.clone().unwrap_or_default() }
-    }
-}
+/// The values of a node that animations change: its transform, and the weights of its morph targets.
+type Posed = (Local, Vec<f64>);
 
 impl Pose {
     /// At a time of an animation.
@@ -40,7 +31,8 @@ impl Pose {
     pub fn at(source: &Source, animation: &AnimationSpec) -> Result<Pose> {
         let document = &source.document;
         check_indices(document.as_json())?;
-        let mut posed: Vec<Posed> = source.kept.nodes.iter().map(Posed::of).collect();
+        let nodes = source.kept.nodes.iter();
+        let mut posed: Vec<Posed> = nodes.map(|node| (node.local, node.weights.clone().unwrap_or_default())).collect();
         let count = document.animations().len();
         let is_asked = |a: &gltf::Animation| match animation.name.parse::<usize>() {
             Ok(index) => a.index() == index || a.name() == Some(&animation.name),
@@ -67,9 +59,9 @@ impl Pose {
             }
             apply(source, &channel, animation.time, &mut posed[channel.target().node().index()]).map_err(at)?;
         }
-        let parent_from_node: Vec<DMat4> = posed.iter().map(|node| node.local.parent_from_node()).collect();
+        let parent_from_node: Vec<DMat4> = posed.iter().map(|(local, _)| local.parent_from_node()).collect();
         let world_from_node = world_from_nodes(source, &parent_from_node)?;
-        Ok(Pose { parent_from_node, world_from_node, weights: posed.into_iter().map(|node| node.weights).collect() })
+        Ok(Pose { parent_from_node, world_from_node, weights: posed.into_iter().map(|(_, weights)| weights).collect() })
     }
 
     pub fn parent_from_node(&self, node: &Node) -> DMat4 {
@@ -186,12 +178,9 @@ fn check_indices(root: &Root) -> Result<()> {
 
 /// The transforms of all nodes into the world, parents before children.
 fn world_from_nodes(source: &Source, parent_from_node: &[DMat4]) -> Result<Vec<DMat4>> {
-    let document = &source.document;
-    let mut is_child = vec![false; parent_from_node.len()];
-    document.nodes().flat_map(|node| node.children()).for_each(|child| is_child[child.index()] = true);
     let mut world = vec![None; parent_from_node.len()];
     let mut todo: Vec<(Node, DMat4)> =
-        document.nodes().filter(|node| !is_child[node.index()]).map(|root| (root, DMat4::IDENTITY)).collect();
+        top_nodes(&source.document).into_iter().map(|root| (root, DMat4::IDENTITY)).collect();
     while let Some((node, world_from_parent)) = todo.pop() {
         let own = world_from_parent * parent_from_node[node.index()];
         if world[node.index()].replace(own).is_some() {
@@ -204,10 +193,10 @@ fn world_from_nodes(source: &Source, parent_from_node: &[DMat4]) -> Result<Vec<D
 }
 
 /// Sets what a channel says of its node at a time.
-fn apply(source: &Source, channel: &Channel, time: f64, posed: &mut Posed) -> Result<()> {
+fn apply(source: &Source, channel: &Channel, time: f64, (local, weights): &mut Posed) -> Result<()> {
     let sampler = channel.sampler();
     let times = source.read_scalars(&sampler.input())?;
-    let values = source.read_numbers(&sampler.output())?;
+    let values = source.read(&sampler.output())?;
     if times.is_empty() || !times.is_sorted() {
         return Err(Error::input("its times must ascend; export it again"));
     }
@@ -226,11 +215,11 @@ fn apply(source: &Source, channel: &Channel, time: f64, posed: &mut Posed) -> Re
     let is_rotation = channel.target().property() == Property::Rotation;
     let value = keys.at(time, is_rotation);
     if channel.target().property() == Property::MorphTargetWeights {
-        posed.weights = value;
+        *weights = value;
         return Ok(());
     }
     // the specification has no animations of nodes with a matrix
-    let Local::Parts { translation, rotation, scale } = &mut posed.local else { return Ok(()) };
+    let Local::Parts { translation, rotation, scale } = local else { return Ok(()) };
     match channel.target().property() {
         Property::Translation => *translation = DVec3::new(value[0], value[1], value[2]),
         Property::Scale => *scale = DVec3::new(value[0], value[1], value[2]),

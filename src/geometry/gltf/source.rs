@@ -27,10 +27,7 @@ pub(super) struct FileAccess<'a> {
 }
 
 /// What was read from a file, or the path where it does not exist.
-pub(super) enum Found<T> {
-    Present(T),
-    Missing(PathBuf),
-}
+pub(super) type Found<T> = std::result::Result<T, PathBuf>;
 
 /// A document whose indices are valid, and its buffers, each at least as long as it says.
 pub(super) struct Source {
@@ -95,19 +92,22 @@ impl Source {
         let json = &self.document.as_json().images[image.index()];
         let view = json.buffer_view.and_then(|k| self.document.views().nth(k.value()));
         match (view, &json.uri) {
-            (None, Some(uri)) => Ok(match read_uri(uri, access, |start| Ok(has_known_start(start.bytes())))? {
-                Found::Present(bytes) => Found::Present(bytes.into()),
-                Found::Missing(file) => Found::Missing(file),
-            }),
+            (None, Some(uri)) => {
+                let found = read_uri(uri, access, |start| Ok(has_known_start(start.bytes())))?;
+                Ok(found.map(Cow::Owned))
+            }
             (None, None) => Err("has neither a uri nor a bufferView; export it again".into()),
             (Some(view), _) => {
-                let buffer = &self.buffers[view.buffer().index()];
-                let end = view.offset().checked_add(view.length());
-                let bytes = end.and_then(|end| buffer.get(view.offset()..end));
-                Ok(Found::Present(bytes.ok_or("exceeds its buffer; export it again")?.into()))
+                let bytes = part(&self.buffers, view.buffer().index(), (view.offset(), view.length()));
+                Ok(Ok(bytes.ok_or("exceeds its buffer; export it again")?.into()))
             }
         }
     }
+}
+
+/// So many bytes of a buffer from an offset on; `None` if it does not have them.
+pub(super) fn part(buffers: &[Arc<Vec<u8>>], buffer: usize, (offset, length): (usize, usize)) -> Option<&[u8]> {
+    buffers.get(buffer)?.get(offset..offset.checked_add(length)?)
 }
 
 fn wrong(e: serde_json::Error) -> Error {
@@ -280,10 +280,8 @@ fn read_buffer<'a>(
         buffer::Source::Uri(uri) => match known.get(uri) {
             Some(bytes) => bytes.clone(),
             None => match read_uri(uri, access, |start| check_length(start.length(), buffer).map(|()| true))? {
-                Found::Present(bytes) => known.entry(uri).or_insert(bytes.into()).clone(),
-                Found::Missing(file) => {
-                    return Err(format!("{} cannot be read: the file does not exist", file.display()));
-                }
+                Ok(bytes) => known.entry(uri).or_insert(bytes.into()).clone(),
+                Err(file) => return Err(format!("{} cannot be read: the file does not exist", file.display())),
             },
         },
     };
@@ -304,7 +302,7 @@ fn read_uri(
     needs_rest: impl FnOnce(&Prefix) -> std::result::Result<bool, String>,
 ) -> std::result::Result<Found<Vec<u8>>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
-        return decode_data(data).map(Found::Present);
+        return decode_data(data).map(Ok);
     }
     if uri.contains("://") {
         return Err("lies elsewhere on the net; put it beside the file".into());
@@ -319,11 +317,11 @@ fn read_uri(
     let unreadable = |e| format!("{} cannot be read: {e}", file.display());
     let start = match access.loading.prefix(&file) {
         Ok(start) => start,
-        Err(e) if is_missing(&e) => return Ok(Found::Missing(file)),
+        Err(e) if is_missing(&e) => return Ok(Err(file)),
         Err(e) => return Err(unreadable(e)),
     };
     let is_needed = needs_rest(&start)?;
-    start.read_if(is_needed).map(Found::Present).map_err(unreadable)
+    start.read_if(is_needed).map(Ok).map_err(unreadable)
 }
 
 /// The bytes of a `data:` URI, from behind the colon.
