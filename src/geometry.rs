@@ -28,5 +28,6 @@ pub mod spheres;
 pub mod stl;
 pub mod texture;
 pub mod time_steps;
+mod weld;
 #[cfg(any(feature = "cli", feature = "view"))]
 pub mod wires;

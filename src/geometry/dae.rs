@@ -64,6 +64,7 @@ fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
         return Err(wrong("has no triangles in its scene; export one with meshes".into()));
     }
     mesh.settle_unused().map_err(|k| wrong(format!("vertex {k} is not finite; use finite numbers")))?;
+    mesh.drop_unusable();
     left_out.extend(conventions(root));
     let missing = |(what, why): (String, String)| Missing { what: format!("{what} of {name}"), why };
     mesh.missing = left_out.into_iter().map(missing).collect();
@@ -249,13 +250,8 @@ fn parent_from_node(node: Node) -> DAffine3 {
             "scale" => DAffine3::from_scale(vector()),
             "rotate" => match numbers::<4>(part) {
                 Some([x, y, z, degrees]) => {
-                    let axis = DVec3::new(x, y, z).normalize_or_zero();
-                    let turn = if axis == DVec3::ZERO {
-                        DMat3::IDENTITY
-                    } else {
-                        DMat3::from_axis_angle(axis, degrees.to_radians())
-                    };
-                    DAffine3::from_mat3(turn)
+                    let turned = |axis| DMat3::from_axis_angle(axis, degrees.to_radians());
+                    DAffine3::from_mat3(DVec3::new(x, y, z).try_normalize().map_or(DMat3::IDENTITY, turned))
                 }
                 None => continue,
             },

@@ -154,6 +154,19 @@ impl Mesh {
         Ok(())
     }
 
+    /// Takes normals without a direction, and texture coordinates that are not finite, from the corners that have them.
+    pub fn drop_unusable(&mut self) {
+        let Mesh { normals, corner_normals, uvs, corner_uvs, .. } = self;
+        if parallel::any(&*normals, |normal| !normal.is_normalized()) {
+            let normal = |k: u32| if k != NO_NORMAL && normals[k as usize].is_normalized() { k } else { NO_NORMAL };
+            parallel::for_each_mut(corner_normals, |_, corners| *corners = corners.map_each(normal));
+        }
+        if parallel::any(&*uvs, |uv| !uv.is_finite()) {
+            let uv = |k: u32| if k != NO_UV && uvs[k as usize].is_finite() { k } else { NO_UV };
+            parallel::for_each_mut(corner_uvs, |_, corners| *corners = corners.map_each(uv));
+        }
+    }
+
     /// The radius of a sphere; `None` of a triangle.
     pub fn radius(&self, id: u32) -> Option<f64> {
         self.radii.get(id as usize).copied().filter(|radius| *radius > 0.0)
@@ -316,17 +329,15 @@ impl Material {
 impl Default for Material {
     /// Light grey and matte, both faces visible.
     fn default() -> Self {
-        let (name, diffuse, black) = ("default".into(), [0.8; 3], [0.0; 3]);
-        let [roughness, metallic] = [1.0, 0.0];
         Material {
-            name,
-            diffuse,
+            name: "default".into(),
+            diffuse: [0.8; 3],
             texture: None,
             blend: None,
-            specular: black,
-            roughness,
-            metallic,
-            emissive: black,
+            specular: [0.0; 3],
+            roughness: 1.0,
+            metallic: 0.0,
+            emissive: [0.0; 3],
             pattern: None,
             two_sided: true,
             is_unlit: false,

@@ -20,7 +20,7 @@ use crate::geometry::texture::{Images, ImagesRead, full_color, linear_color};
 use crate::input::{Error, Loading, Result};
 use crate::parallel;
 use chunk::{Chunk, Counts, LeftOut, NOT_FINITE, Reader, Texcoords};
-pub use mtl::Mapped;
+use mtl::Mapped;
 
 /// Bytes a chunk has at least (but for the last one): small enough to balance cores, large enough that the cost
 /// of a chunk does not show. Results do not depend on it.
@@ -42,7 +42,7 @@ pub fn load(path: &Path, images: &mut Images, loading: &Loading) -> Result<Mesh>
     let name = path.display().to_string();
     let text = read(path, loading)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let (mut mesh, mapped) = parse(&text, &name, |libraries| mtl::load(folder, libraries, loading))?;
+    let (mut mesh, mapped) = parse(&text, &name, CHUNK_BYTES, |libraries| mtl::load(folder, libraries, loading))?;
     if images.read != ImagesRead::None {
         let mut is_used = vec![false; mesh.materials.len()];
         mesh.material_of.iter().for_each(|&m| is_used[m as usize] = true);
@@ -62,22 +62,14 @@ pub fn load(path: &Path, images: &mut Images, loading: &Loading) -> Result<Mesh>
     Ok(mesh)
 }
 
-/// Parses OBJ text. `name` stands for the file in messages. `load_mtl` is called once, with the arguments of all `mtllib` lines in file
+/// Parses OBJ text in chunks of at least so many bytes. `name` stands for the file in messages. `load_mtl` is called once, with the arguments of all `mtllib` lines in file
 /// order. The mesh has the materials that it returns, in order, without images.
 ///
 /// # Errors
 /// [`Error::Input`], always the one of the lowest line: an empty text, no OBJ statements, no faces; a coordinate
 /// that is missing or not a number; a vertex that is not finite and that a face has; an index that is 0, or a vertex index out of range;
 /// more than 2^28 triangles. Errors of `load_mtl` are passed on.
-pub fn parse(
-    text: &[u8],
-    name: &str,
-    load_mtl: impl FnOnce(&[&str]) -> Result<Vec<Mapped>>,
-) -> Result<(Mesh, Vec<Mapped>)> {
-    parse_in_chunks(text, name, CHUNK_BYTES, load_mtl)
-}
-
-fn parse_in_chunks(
+fn parse(
     text: &[u8],
     name: &str,
     chunk_bytes: usize,
@@ -201,7 +193,7 @@ fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, texcoords: Texcoords
         return Err(Error::input(format!("{name}: more than 2^32 - 2 vertices; split the file")));
     }
     let chunks = parallel::try_map(0..pieces.len(), |k| {
-        Reader::new(name, before[k], total).texcoords(texcoords).read(pieces[k], &counts[k])
+        Reader::new(name, before[k], total, texcoords).read(pieces[k], &counts[k])
     })?;
 
     let triangles: usize = chunks.iter().map(|c| c.triangles.len()).sum();
@@ -263,8 +255,9 @@ fn assemble(
         mesh.corner_colors.clone_from(&mesh.triangles);
         whiten_default(&mut mesh, mapped.len());
     }
-    drop_unusable_normals(&mut mesh);
     place_uvs(&mut mesh, &mapped);
+    mesh.drop_unusable();
+    drop_unused_normals(&mut mesh);
     Ok((mesh, mapped))
 }
 
@@ -291,7 +284,7 @@ fn parts(chunks: &[Chunk]) -> Vec<Part> {
     parts
 }
 
-/// Moves texture coordinates to where their triangles' materials have them in their images; those that are not finite go.
+/// Moves texture coordinates to where their triangles' materials have them in their images.
 fn place_uvs(mesh: &mut Mesh, mapped: &[Mapped]) {
     let placements: Vec<_> = mapped.iter().map(Mapped::placement).collect();
     let is_placed = |p: &(Vec2, Vec2)| *p != (Vec2::ONE, Vec2::ZERO);
@@ -305,13 +298,6 @@ fn place_uvs(mesh: &mut Mesh, mapped: &[Mapped]) {
                     mesh.uvs.push(mesh.uvs[*corner as usize] * *scale + *offset);
                     mesh.uvs.len() as u32 - 1
                 });
-            }
-        }
-    }
-    if mesh.uvs.iter().any(|uv| !uv.is_finite()) {
-        for corner in mesh.corner_uvs.iter_mut().flatten() {
-            if *corner != NO_UV && !mesh.uvs[*corner as usize].is_finite() {
-                *corner = NO_UV;
             }
         }
     }
@@ -343,18 +329,10 @@ fn whiten_default(mesh: &mut Mesh, fallback: usize) {
     }
 }
 
-/// Points the corners of normals without a direction (which the reader left as zero) to [`NO_NORMAL`], and
-/// empties both lists when no corner has a normal.
-fn drop_unusable_normals(mesh: &mut Mesh) {
-    if mesh.normals.contains(&Vec3::ZERO) {
-        for corner in mesh.corner_normals.iter_mut().flatten() {
-            if *corner != NO_NORMAL && mesh.normals[*corner as usize] == Vec3::ZERO {
-                *corner = NO_NORMAL;
-            }
-        }
-        // No corner refers to these any more; every normal of a mesh has unit length.
-        mesh.normals.iter_mut().filter(|n| **n == Vec3::ZERO).for_each(|n| *n = Vec3::Y);
-    }
+/// Empties the lists of normals when no corner has one.
+fn drop_unused_normals(mesh: &mut Mesh) {
+    // No corner refers to these any more; every normal of a mesh has unit length.
+    mesh.normals.iter_mut().filter(|n| **n == Vec3::ZERO).for_each(|n| *n = Vec3::Y);
     if mesh.corner_normals.iter().flatten().all(|&n| n == NO_NORMAL) {
         mesh.normals = Vec::new();
         mesh.corner_normals = Vec::new();

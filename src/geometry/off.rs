@@ -1,9 +1,8 @@
 //! OFF: polygons as text, with the colours and normals of vertices and the colours of faces: <http://www.geomview.org/docs/html/OFF.html>.
 
 use super::lex::{HAS_ZEROS, Lines, Tokens, parse_f64, parse_i64, quoted, with_line_feeds};
-use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_COLOR, NO_NORMAL, check_memory};
+use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_COLOR, check_memory};
 use super::texture::{full_color, linear_color};
-use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
 use glam::DVec3;
 use std::path::Path;
@@ -123,8 +122,8 @@ fn parse(bytes: &[u8], name: &str, limits: Limits) -> Result<Mesh> {
         mesh.missing.push(Missing { what: format!("vertices of {name}"), why });
     }
     if has.normals {
-        let unit = |k: &u32| if mesh.normals[*k as usize].is_normalized() { *k } else { NO_NORMAL };
-        mesh.corner_normals = mesh.triangles.iter().map(|t| t.map_each(|k| unit(&k))).collect();
+        mesh.corner_normals.clone_from(&mesh.triangles);
+        mesh.drop_unusable();
     }
     color(&mut mesh, &colors, &face_colors);
     let white = Material { diffuse: [1.0; 3], ..Material::default() };
@@ -233,6 +232,7 @@ fn color(mesh: &mut Mesh, of_vertices: &[[f64; 3]], of_faces: &[(usize, [f64; 3]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::mesh::NO_NORMAL;
 
     fn read(text: &str) -> Result<Mesh> {
         parse(text.as_bytes(), "a.off", Limits::default())

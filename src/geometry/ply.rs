@@ -9,11 +9,9 @@ mod read;
 mod tests;
 
 use super::lex::HAS_ZEROS;
-use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_NORMAL, NO_UV, check_memory};
+use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, NO_UV, check_memory};
 use super::texture::{Images, ImagesRead, Texture};
-use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result};
-use crate::parallel;
 use body::Body;
 use element::{Color, VertexProperties, Vertices};
 use faces::{FaceProperties, Faces, FileFacts, not_finite};
@@ -203,7 +201,7 @@ fn assemble(vertices: Vertices, faces: Faces, textures: usize) -> std::result::R
         mesh.normals = vertices.normals;
         mesh.corner_normals.clone_from(&mesh.triangles);
     }
-    drop_unusable(&mut mesh);
+    mesh.drop_unusable();
     let white = Material { diffuse: [1.0; 3], ..Material::default() };
     let material = if mesh.corner_colors.is_empty() { Material::default() } else { white };
     mesh.materials = vec![material; textures.max(1)];
@@ -222,13 +220,4 @@ fn used_colors(colors: &[Option<[f32; 3]>], triangles: &[[u32; 3]]) -> std::resu
         false => Ok([1.0; 3]),
     };
     colors.iter().zip(is_used).enumerate().map(color).collect()
-}
-
-/// Corners whose normal has no direction, or whose texture coordinates are not finite, have none.
-fn drop_unusable(mesh: &mut Mesh) {
-    let Mesh { normals, corner_normals, uvs, corner_uvs, .. } = mesh;
-    let normal = |k: u32| if normals[k as usize].is_normalized() { k } else { NO_NORMAL };
-    parallel::for_each_mut(corner_normals, |_, corners| *corners = corners.map_each(normal));
-    let uv = |k: u32| if k != NO_UV && uvs[k as usize].is_finite() { k } else { NO_UV };
-    parallel::for_each_mut(corner_uvs, |_, corners| *corners = corners.map_each(uv));
 }

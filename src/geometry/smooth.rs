@@ -1,28 +1,22 @@
 //! Vertex normals for meshes without them.
 
 use super::mesh::{Mesh, NO_NORMAL};
+use super::weld::first_in_place;
 use crate::arrays::MapEach;
 use glam::DVec3;
-use std::collections::HashMap;
 
 /// Gives each corner without a normal the vertex normal at its position: the mean of the normals of all triangles with a corner there,
 /// weighted by their angles (Thuermer and Wuethrich 1998). It does not depend on how faces are triangulated. Corners share a vertex if
 /// all three coordinates are equal, whatever their indices. Where the mean is zero up to rounding, corners stay without a normal: all
 /// triangles there have no area, or each is there twice, with both windings.
 pub fn smooth(mesh: &mut Mesh) {
-    let mut vertices: HashMap<[u64; 3], usize> = HashMap::new();
-    let mut vertex = |p: &DVec3| {
-        let next = vertices.len();
-        // adding 0 makes -0 and 0 equal
-        *vertices.entry(p.to_array().map_each(|x| (x + 0.0).to_bits())).or_insert(next)
-    };
-    let vertex_of: Vec<usize> = mesh.positions.iter().map(&mut vertex).collect();
+    let vertex_of = first_in_place(mesh.positions.len() as u32, |k| mesh.positions[k as usize]);
     // the sum of weighted normals, and its error bound
-    let mut sums = vec![(DVec3::ZERO, 0.0); vertices.len()];
+    let mut sums = vec![(DVec3::ZERO, 0.0); mesh.positions.len()];
     for triangle in &mesh.triangles {
         let corners = triangle.map_each(|i| mesh.positions[i as usize]);
         for (i, (normal, error)) in triangle.iter().zip(weighted_normals(corners)) {
-            let sum = &mut sums[vertex_of[*i as usize]];
+            let sum = &mut sums[vertex_of[*i as usize] as usize];
             *sum = (sum.0 + normal, sum.1 + error);
         }
     }
@@ -42,7 +36,7 @@ pub fn smooth(mesh: &mut Mesh) {
     mesh.corner_normals.resize(mesh.triangles.len(), [NO_NORMAL; 3]);
     for (normals, triangle) in mesh.corner_normals.iter_mut().zip(&mesh.triangles) {
         for (normal, i) in normals.iter_mut().zip(triangle).filter(|(normal, _)| **normal == NO_NORMAL) {
-            *normal = normal_of[vertex_of[*i as usize]];
+            *normal = normal_of[vertex_of[*i as usize] as usize];
         }
     }
 }

@@ -1,14 +1,12 @@
 //! STL: triangles alone, binary or text. Neither says which it is: <https://en.wikipedia.org/wiki/STL_(file_format)>.
 
-mod weld;
-
 use super::lex::{Lines, Tokens, parse_f64, quoted, with_line_feeds};
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, check_memory};
+use super::weld::{Number, weld};
 use crate::arrays::MapEach;
 use crate::input::{Error, Limits, Loading, Result, Window};
 use crate::parallel;
 use std::path::Path;
-use weld::{Number, weld};
 
 /// Bytes before the triangles of a binary file: a text, and their number.
 const HEADER: usize = 84;
@@ -24,12 +22,10 @@ pub fn load(path: &Path, loading: &Loading) -> Result<Mesh> {
     let name = path.display().to_string();
     let unreadable = |e| Error::unreadable(path, e);
     let start = loading.prefix(path).map_err(unreadable)?;
-    if is_text(start.bytes(), start.length()) {
-        return parse(&start.read_all().map_err(unreadable)?, &name, loading.limits());
-    }
-    let count = check_binary(start.bytes(), start.length(), &name, loading.limits())?;
-    if !start.has_zero() {
-        // only the whole tells that it is no text
+    let is_text = is_text(start.bytes(), start.length());
+    let count = if is_text { 0 } else { check_binary(start.bytes(), start.length(), &name, loading.limits())? };
+    // without a zero only the whole tells that it is no text
+    if is_text || !start.has_zero() {
         return parse(&start.read_all().map_err(unreadable)?, &name, loading.limits());
     }
     let corners = read_binary(start.into_window().map_err(unreadable)?, count).map_err(unreadable)?;
@@ -110,15 +106,16 @@ fn check_binary(bytes: &[u8], length: u64, name: &str, limits: Limits) -> Result
 
 /// The corners of so many triangles of a binary file. Those behind its end are left out.
 fn read_binary(mut window: Window, count: usize) -> std::io::Result<Vec<[[f32; 3]; 3]>> {
-    let number =
-        |t: &[u8; TRIANGLE], k: usize| f32::from_le_bytes([t[4 * k], t[4 * k + 1], t[4 * k + 2], t[4 * k + 3]]);
-    let corner = |t: &[u8; TRIANGLE], k: usize| [number(t, k), number(t, k + 1), number(t, k + 2)];
+    let corners = |t: &[u8; TRIANGLE]| {
+        let (numbers, _) = t.as_chunks::<4>();
+        [3, 6, 9].map_each(|first| [0, 1, 2].map_each(|k| f32::from_le_bytes(numbers[first + k])))
+    };
     let mut all = Vec::with_capacity(count);
     window.advance(HEADER);
     loop {
         let (triangles, _) = window.bytes().as_chunks::<TRIANGLE>();
         let triangles = &triangles[..triangles.len().min(count - all.len())];
-        all.append(&mut parallel::map(triangles, |t| [3, 6, 9].map_each(|k| corner(t, k))));
+        all.append(&mut parallel::map(triangles, corners));
         let used = triangles.len() * TRIANGLE;
         window.advance(used);
         if all.len() == count || window.is_at_end() {

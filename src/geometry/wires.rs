@@ -2,8 +2,9 @@
 
 use crate::arrays::MapEach;
 use crate::geometry::mesh::Mesh;
+use crate::geometry::weld::first_in_place;
 use glam::{DVec2, DVec3};
-use std::collections::HashMap;
+use indexmap::IndexMap;
 
 /// Lines that are drawn at most, the longest ones.
 const LINES_MAX: usize = 10_000;
@@ -52,24 +53,18 @@ pub fn of(mesh: &Mesh, on_page: Option<OnPage>) -> Wires {
 
 /// All edges in the order of their first triangles; vertices at one place are one.
 fn edges(mesh: &Mesh) -> Vec<Edge> {
-    let bits = |v: u32| (mesh.positions[v as usize] + 0.0).to_array().map_each(f64::to_bits);
-    let mut number = HashMap::new();
-    let same: Vec<u32> = (0..mesh.positions.len() as u32).map(|v| *number.entry(bits(v)).or_insert(v)).collect();
-    let mut index = HashMap::new();
-    let mut edges: Vec<Edge> = Vec::new();
+    let same = first_in_place(mesh.positions.len() as u32, |v| mesh.positions[v as usize]);
+    let at = |v: u32| mesh.positions[v as usize];
+    let mut edges: IndexMap<(u32, u32), Edge> = IndexMap::new();
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map_each(|v| same[v as usize]);
         for (from, to, third) in [(a, b, c), (b, c, a), (c, a, b)] {
             let (from, to) = (from.min(to), from.max(to));
-            let at = |v: u32| mesh.positions[v as usize];
-            let k = *index.entry((from, to)).or_insert_with(|| {
-                edges.push(Edge { ends: [at(from), at(to)], thirds: Vec::new() });
-                edges.len() - 1
-            });
-            edges[k].thirds.push(at(third));
+            let edge = edges.entry((from, to));
+            edge.or_insert_with(|| Edge { ends: [at(from), at(to)], thirds: Vec::new() }).thirds.push(at(third));
         }
     }
-    edges
+    edges.into_values().collect()
 }
 
 /// A border, or an edge where the surface turns sharply.

@@ -18,19 +18,21 @@ struct Input {
     count: usize,
 }
 
+/// Semantics of the inputs that are read, and their names in errors.
+const SEMANTICS: [(&str, &str); 4] =
+    [("POSITION", "position"), ("NORMAL", "normal"), ("TEXCOORD", "uv"), ("COLOR", "color")];
+
 /// What the indices of a corner lead to.
 #[derive(Debug, Default)]
 struct Inputs {
-    position: Option<Input>,
-    normal: Option<Input>,
-    uv: Option<Input>,
-    color: Option<Input>,
+    /// By [`SEMANTICS`].
+    of: [Option<Input>; 4],
     /// Indices of a corner.
     stride: usize,
 }
 
-/// Values of sources that are in the mesh already, by the id of the source.
-type Known<'a> = HashMap<(&'a str, &'static str), (u32, usize)>;
+/// Values of sources that are in the mesh already, by the id of the source and their place in [`SEMANTICS`].
+type Known<'a> = HashMap<(&'a str, usize), (u32, usize)>;
 
 type Ids<'a> = HashMap<&'a str, Node<'a, 'a>>;
 
@@ -153,24 +155,22 @@ impl Inputs {
         known: &mut Known<'a>,
         mesh: &mut Mesh,
     ) -> Result<(), String> {
-        let (place, what) = match input.attribute("semantic") {
-            Some("POSITION") => (&mut self.position, "position"),
-            Some("NORMAL") => (&mut self.normal, "normal"),
-            // of several sets the first counts
-            Some("TEXCOORD") if self.uv.is_none() => (&mut self.uv, "uv"),
-            Some("COLOR") if self.color.is_none() => (&mut self.color, "color"),
-            _ => return Ok(()),
-        };
+        let semantic = input.attribute("semantic").unwrap_or_default();
+        let Some(what) = SEMANTICS.iter().position(|(name, _)| *name == semantic) else { return Ok(()) };
+        // of several sets of texture coordinates or colours the first counts
+        if what >= 2 && self.of[what].is_some() {
+            return Ok(());
+        }
         let key = (source.attribute("id").unwrap_or_default(), what);
         let (first, count) = match known.get(&key) {
             Some(known) => *known,
             None => {
-                let added = take(source, what, mesh)?;
+                let added = take(source, SEMANTICS[what].1, mesh)?;
                 known.insert(key, added);
                 added
             }
         };
-        *place = Some(Input { offset, first, count });
+        self.of[what] = Some(Input { offset, first, count });
         Ok(())
     }
 }
@@ -226,8 +226,10 @@ fn read_indices(list: Node, inputs: &Inputs) -> Result<Vec<usize>, String> {
     let index = |token: &[u8]| parse_i64(token).and_then(|k| usize::try_from(k).ok());
     let all = Tokens::new(list.text().unwrap_or_default().as_bytes()).map(index).collect::<Option<Vec<usize>>>();
     let all = all.ok_or("an index is no whole number from 0; export it again")?;
-    let position = inputs.position.ok_or("it has no positions; export it again")?;
-    for input in [Some(position), inputs.normal, inputs.uv, inputs.color].into_iter().flatten() {
+    if inputs.of[0].is_none() {
+        return Err("it has no positions; export it again".into());
+    }
+    for input in inputs.of.iter().flatten() {
         let mut own = all.chunks_exact(inputs.stride).map(|corner| corner[input.offset]);
         if let Some(index) = own.find(|index| *index >= input.count) {
             return Err(format!("index {index} of {} values; export it again", input.count));
@@ -242,22 +244,13 @@ fn fan(mesh: &mut Mesh, inputs: &Inputs, polygon: &[&[usize]]) {
 
 /// Appends a triangle, whose indices are in range.
 fn add(mesh: &mut Mesh, inputs: &Inputs, corners: [&[usize]; 3]) {
-    let of = |input: Input| corners.map_each(|corner| input.first + corner[input.offset] as u32);
     let before = mesh.triangles.len();
-    let Some(position) = inputs.position else { return };
-    mesh.triangles.push(of(position));
-    if let Some(normal) = inputs.normal {
-        mesh.corner_normals.resize(before, [NO_NORMAL; 3]);
-        let own = of(normal).map_each(|k| if mesh.normals[k as usize].is_normalized() { k } else { NO_NORMAL });
-        mesh.corner_normals.push(own);
-    }
-    if let Some(uv) = inputs.uv {
-        mesh.corner_uvs.resize(before, [NO_UV; 3]);
-        let own = of(uv).map_each(|k| if mesh.uvs[k as usize].is_finite() { k } else { NO_UV });
-        mesh.corner_uvs.push(own);
-    }
-    if let Some(color) = inputs.color {
-        mesh.corner_colors.resize(before, [NO_COLOR; 3]);
-        mesh.corner_colors.push(of(color));
+    let Mesh { triangles, corner_normals, corner_uvs, corner_colors, .. } = mesh;
+    for (list, input) in [triangles, corner_normals, corner_uvs, corner_colors].into_iter().zip(&inputs.of) {
+        if let Some(input) = input {
+            // triangles before may have none: `NO_UV` and `NO_COLOR` are the same number
+            list.resize(before, [NO_NORMAL; 3]);
+            list.push(corners.map_each(|corner| input.first + corner[input.offset] as u32));
+        }
     }
 }

@@ -107,13 +107,9 @@ pub(super) struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     /// `before`: what lies in the chunks before this one; `total`: in the whole file.
-    pub(super) fn new(name: &'a str, before: Counts, total: Counts) -> Self {
-        let (texcoords, line, corners, chunk) = (Texcoords::Kept, 0, Vec::new(), Chunk::default());
+    pub(super) fn new(name: &'a str, before: Counts, total: Counts, texcoords: Texcoords) -> Self {
+        let (line, corners, chunk) = (0, Vec::new(), Chunk::default());
         Reader { name, before, total, texcoords, line, corners, chunk }
-    }
-
-    pub(super) fn texcoords(self, texcoords: Texcoords) -> Self {
-        Reader { texcoords, ..self }
     }
 
     /// # Errors

@@ -12,13 +12,17 @@ use crate::geometry::texture::{Absent, Texels, Texture, Wrap, with_opacity};
 use crate::input::{Error, Limits, Loading, Result};
 
 /// A material, and the images on it, which are not loaded yet.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Mapped {
     pub material: Material,
-    /// Its diffuse colour is its image's.
-    is_white: bool,
-    /// Its opacity in [0, 1], and the line that says so.
+    /// Whether its file says its diffuse colour.
+    has_color: bool,
+    /// Its model of light has no highlight.
+    is_matte: bool,
+    /// Its opacity in [0, 1] by `d`, and the line that says so.
     opacity: Option<(f32, String)>,
+    /// The same by `Tr`, which counts without `d` alone: some programs write `Tr` = `d`.
+    unclear: Option<(f32, String)>,
     map: Option<Map>,
     mask: Option<Map>,
 }
@@ -35,18 +39,13 @@ struct Map {
 }
 
 impl Mapped {
-    fn new(parsed: ParsedMaterial) -> Mapped {
-        let material = Material {
-            name: parsed.name,
-            diffuse: parsed.diffuse.unwrap_or(Material::default().diffuse),
-            specular: if parsed.is_matte { [0.0; 3] } else { parsed.specular },
-            // microfacets of alpha^2 = 2 / (Ns + 2) are about as wide as Phong's highlight (Walter et al. 2007)
-            roughness: (2.0 / (parsed.exponent.max(0.0) + 2.0)).powf(0.25) as f32,
-            emissive: parsed.emissive,
-            ..Material::default()
-        };
-        let is_white = parsed.diffuse.is_none() && parsed.map.is_some();
-        Mapped { material, is_white, opacity: parsed.opacity.or(parsed.unclear), map: parsed.map, mask: parsed.mask }
+    /// Its diffuse colour is its image's.
+    fn is_white(&self) -> bool {
+        !self.has_color && self.map.is_some()
+    }
+
+    fn opacity(&self) -> Option<&(f32, String)> {
+        self.opacity.as_ref().or(self.unclear.as_ref())
     }
 
     /// How texture coordinates lie in the image: times the scale, and moved.
@@ -61,13 +60,13 @@ impl Mapped {
 
     /// Its opacity for blending; `None`: it is opaque.
     pub fn blend(&self) -> Option<f32> {
-        let opacity = self.opacity.as_ref().map_or(1.0, |own| own.0);
+        let opacity = self.opacity().map_or(1.0, |own| own.0);
         (opacity < 1.0 || self.is_masked()).then_some(opacity)
     }
 
     /// What is left out of it where it is not blended.
     pub fn unblended(&self) -> Option<Missing> {
-        let (opacity, line) = self.opacity.as_ref().filter(|own| own.0 < 1.0)?;
+        let (opacity, line) = self.opacity().filter(|own| own.0 < 1.0)?;
         let why = format!("{line}: its opacity is {opacity}; it is drawn opaque without blend = true");
         Some(Missing { what: format!("transparency of material {:?}", self.material.name), why })
     }
@@ -78,7 +77,7 @@ impl Mapped {
             loading.note(&map.image);
             map.image.is_file()
         };
-        let is_white = self.is_white && self.map.as_ref().is_some_and(exists);
+        let is_white = self.is_white() && self.map.as_ref().is_some_and(exists);
         let diffuse = if is_white { [1.0; 3] } else { self.material.diffuse };
         Material { diffuse, ..self.material.clone() }
     }
@@ -109,7 +108,7 @@ impl Mapped {
         let opacity = find(self.mask.as_ref(), "nothing is masked")?;
         let mask = self.mask.as_ref().zip(opacity);
         let mut material = self.material.clone();
-        if self.is_white && colours.is_some() {
+        if self.is_white() && colours.is_some() {
             material.diffuse = [1.0; 3];
         }
         let wrap = |map: &Map| [if map.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2];
@@ -189,7 +188,7 @@ pub(super) fn load(folder: &Path, libraries: &[&str], loading: &Loading) -> Resu
 /// [`Error::Input`] naming `file` and the line.
 pub(super) fn parse(text: &[u8], file: &Path) -> Result<Vec<Mapped>> {
     let text = with_line_feeds(text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text));
-    let mut materials: Vec<ParsedMaterial> = Vec::new();
+    let mut materials: Vec<Mapped> = Vec::new();
     for (number, line) in Lines::new(&text) {
         let at = format!("{}:{}", file.display(), number + 1);
         let wrong = |message: String| Error::input(format!("{at}: {message}"));
@@ -198,11 +197,11 @@ pub(super) fn parse(text: &[u8], file: &Path) -> Result<Vec<Mapped>> {
             b"newmtl" => {
                 // may be empty, as Blender writes it
                 let name = tokens.name();
-                materials.push(ParsedMaterial { name, ..ParsedMaterial::default() });
+                materials.push(Mapped { material: Material { name, ..Material::default() }, ..Mapped::default() });
             }
             key @ (b"Kd" | b"Ks" | b"Ke" | b"Ns" | b"illum" | b"d" | b"Tr" | b"map_Kd" | b"map_d") => {
                 let key = String::from_utf8_lossy(key);
-                let Some(material) = materials.last_mut() else {
+                let Some(mapped) = materials.last_mut() else {
                     return Err(wrong(format!("{key} before the first newmtl; name the material first")));
                 };
                 let colour = |most| parse_colour(tokens.clone(), &key, most).map_err(wrong);
@@ -212,41 +211,29 @@ pub(super) fn parse(text: &[u8], file: &Path) -> Result<Vec<Mapped>> {
                     let image = file.parent().unwrap_or(Path::new("")).join(map.image);
                     Ok(Some(Map { line: format!("{at}: {key}"), image, ..map }))
                 };
+                let material = &mut mapped.material;
                 match &*key {
-                    "Kd" => material.diffuse = colour(1.0)?.or(material.diffuse),
+                    "Kd" => {
+                        let color = colour(1.0)?;
+                        mapped.has_color |= color.is_some();
+                        material.diffuse = color.unwrap_or(material.diffuse);
+                    }
                     "Ks" => material.specular = colour(1.0)?.unwrap_or(material.specular),
                     "Ke" => material.emissive = colour(f64::from(f32::MAX))?.unwrap_or(material.emissive),
-                    "Ns" => material.exponent = number()?,
-                    "illum" => material.is_matte = number()? < 2.0,
-                    "d" => material.opacity = Some((parse_opacity(tokens.clone()).map_err(wrong)?, at.clone())),
-                    "Tr" => material.unclear = Some(((1.0 - number()?).clamp(0.0, 1.0) as f32, at.clone())),
-                    "map_Kd" => material.map = map()?,
-                    _ => material.mask = map()?,
+                    // microfacets of alpha^2 = 2 / (Ns + 2) are about as wide as Phong's highlight (Walter et al. 2007)
+                    "Ns" => material.roughness = (2.0 / (number()?.max(0.0) + 2.0)).powf(0.25) as f32,
+                    "illum" => mapped.is_matte = number()? < 2.0,
+                    "d" => mapped.opacity = Some((parse_opacity(tokens.clone()).map_err(wrong)?, at.clone())),
+                    "Tr" => mapped.unclear = Some(((1.0 - number()?).clamp(0.0, 1.0) as f32, at.clone())),
+                    "map_Kd" => mapped.map = map()?,
+                    _ => mapped.mask = map()?,
                 }
             }
             _ => {}
         }
     }
-    Ok(materials.into_iter().map(Mapped::new).collect())
-}
-
-/// A material as far as it has been read.
-#[derive(Default)]
-struct ParsedMaterial {
-    name: String,
-    diffuse: Option<[f32; 3]>,
-    specular: [f32; 3],
-    emissive: [f32; 3],
-    /// Of Phong's highlight.
-    exponent: f64,
-    /// Its model of light has no highlight.
-    is_matte: bool,
-    /// By `d`, and the line that says so.
-    opacity: Option<(f32, String)>,
-    /// By `Tr`, which counts without `d` alone: some programs write `Tr` = `d`.
-    unclear: Option<(f32, String)>,
-    map: Option<Map>,
-    mask: Option<Map>,
+    materials.iter_mut().filter(|mapped| mapped.is_matte).for_each(|mapped| mapped.material.specular = [0.0; 3]);
+    Ok(materials)
 }
 
 /// Options, and the rest of the line as the image's name.

@@ -7,7 +7,7 @@ use super::*;
 use crate::testing::model;
 
 fn parse_text(text: &str) -> Result<Mesh> {
-    parse(text.as_bytes(), "cow.obj", |_| Ok(Vec::new())).map(|(mesh, _)| mesh)
+    parse(text.as_bytes(), "cow.obj", CHUNK_BYTES, |_| Ok(Vec::new())).map(|(mesh, _)| mesh)
 }
 
 fn message_of(text: &str) -> String {
@@ -115,14 +115,14 @@ fn texture_coordinates_are_kept_and_lie_as_their_materials_say() {
         "{QUAD}vt 0 0\nvt 1\nvt 0.5 1 0\nvt nan 0\nmtllib a.mtl\nf 1 2 3\nf 1/1 2/2 3/3\nf 1/1 2/4 3\nusemtl moved\nf 1/1 2/2 3/3\nf 1 2 3"
     );
     let load = |text: &str| {
-        parse(text.as_bytes(), "a.obj", |_| {
+        parse(text.as_bytes(), "a.obj", CHUNK_BYTES, |_| {
             mtl::parse(b"newmtl plain\nnewmtl moved\nmap_Kd -s 2 4 -o 0.5 0.25 a.png", Path::new("a.mtl"))
         })
         .unwrap()
         .0
     };
     for bytes in [1, 20, 1 << 20] {
-        let mesh = parse_in_chunks(text.as_bytes(), "a", bytes, |_| Ok(Vec::new())).unwrap().0;
+        let mesh = parse(text.as_bytes(), "a", bytes, |_| Ok(Vec::new())).unwrap().0;
         let none = [NO_UV; 3];
         assert_eq!(mesh.corner_uvs, [none, [0, 1, 2], none, [0, 1, 2], none]);
         assert_eq!(mesh.uvs_of(1), Some([Vec2::ZERO, Vec2::X, Vec2::new(0.5, 1.0)]));
@@ -139,7 +139,7 @@ fn texture_coordinates_are_kept_and_lie_as_their_materials_say() {
 fn the_first_wrong_line_is_named_whatever_the_chunks() {
     let text = format!("{QUAD}f 1 2 3\nf 1 2 9\nf 1 2\nv 1\n");
     for bytes in 1..text.len() {
-        let message = parse_in_chunks(text.as_bytes(), "a", bytes, |_| Ok(Vec::new())).unwrap_err().to_string();
+        let message = parse(text.as_bytes(), "a", bytes, |_| Ok(Vec::new())).unwrap_err().to_string();
         assert!(message.starts_with("a:6: "), "{message}");
     }
 }
@@ -169,7 +169,7 @@ const GROUPED_MTL: &[u8] = b"newmtl wall\nKd 0.5 0.25 0.125\nnewmtl roof\nKd 1 0
 #[test]
 fn materials_run_across_groups_and_chunks() {
     for bytes in [1, 7, 20, 64, 1 << 20] {
-        let mesh = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |libraries| {
+        let mesh = parse(GROUPED.as_bytes(), "a", bytes, |libraries| {
             assert_eq!(libraries, ["city.mtl"]);
             mtl::parse(GROUPED_MTL, Path::new(libraries[0]))
         })
@@ -177,7 +177,7 @@ fn materials_run_across_groups_and_chunks() {
         .0;
         assert_eq!(mesh.material_of, [1, 1, 0, 0, 0, 1]);
         assert_eq!(mesh.materials.len(), 2);
-        let unknown = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |_| Ok(Vec::new())).unwrap().0;
+        let unknown = parse(GROUPED.as_bytes(), "a", bytes, |_| Ok(Vec::new())).unwrap().0;
         assert_eq!(unknown.materials, [Material::default()]);
     }
 }
@@ -185,7 +185,7 @@ fn materials_run_across_groups_and_chunks() {
 #[test]
 fn some_unknown_materials_are_the_default_one() {
     let text = format!("f 1 2 3\n{QUAD}mtllib a.mtl\nusemtl wall\nf 1 2 3\nusemtl other\nf 1 2 4\nusemtl\nf 1 2 4");
-    let mesh = parse(text.as_bytes(), "a", |_| mtl::parse(GROUPED_MTL, Path::new("a.mtl"))).unwrap().0;
+    let mesh = parse(text.as_bytes(), "a", CHUNK_BYTES, |_| mtl::parse(GROUPED_MTL, Path::new("a.mtl"))).unwrap().0;
     assert_eq!(mesh.material_of, [2, 0, 2, 2]);
     assert_eq!(mesh.materials[2], Material::default());
 }
@@ -267,7 +267,7 @@ fn a_library_that_is_named_often_is_read_once() {
 fn missing_normals_and_texture_coordinates_are_listed_and_left_out() {
     let text = format!("{QUAD}vn 0 0 1\nvt 0 0\nf 1//1 2//2 3//1\nf 1/1 2/-2 3/1\nf 1/1 2/1 3/1\nf 1//-2 2//1 4//9");
     for bytes in [1, 30, 1 << 20] {
-        let mesh = parse_in_chunks(text.as_bytes(), "a.obj", bytes, |_| Ok(Vec::new())).unwrap().0;
+        let mesh = parse(text.as_bytes(), "a.obj", bytes, |_| Ok(Vec::new())).unwrap().0;
         let none = NO_NORMAL;
         assert_eq!(mesh.corner_normals, [[0, none, 0], [none; 3], [none; 3], [none, 0, none]]);
         assert_eq!(mesh.corner_uvs, [[NO_UV; 3], [NO_UV; 3], [0; 3], [NO_UV; 3]]);
@@ -286,7 +286,7 @@ fn missing_normals_and_texture_coordinates_are_listed_and_left_out() {
 
 /// Compares with tobj, which splits by group and reads f32: triangle by triangle.
 fn assert_agrees_with_tobj(text: &[u8], mtl: &[u8]) {
-    let mesh = parse(text, "a", |_| mtl::parse(mtl, Path::new("a.mtl"))).unwrap().0;
+    let mesh = parse(text, "a", CHUNK_BYTES, |_| mtl::parse(mtl, Path::new("a.mtl"))).unwrap().0;
     let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
     let (models, materials) =
         tobj::load_obj_buf(&mut Cursor::new(text), &options, |_| tobj::load_mtl_buf(&mut Cursor::new(mtl))).unwrap();
@@ -337,7 +337,7 @@ fn models_have_the_counts_of_their_list() {
         let text = std::fs::read(&path).unwrap();
         let folder = path.parent().unwrap();
         let (chunked, _) =
-            parse_in_chunks(&text, "a", 1000, |libraries| mtl::load(folder, libraries, &Loading::default())).unwrap();
+            parse(&text, "a", 1000, |libraries| mtl::load(folder, libraries, &Loading::default())).unwrap();
         let plain = load(&path, &mut Images::left_out(), &Loading::default()).unwrap();
         assert_eq!(plain, chunked, "{name}");
         assert_eq!((mesh.triangles, mesh.uvs), (chunked.triangles, chunked.uvs), "{name}");
@@ -364,7 +364,7 @@ proptest! {
         for f in &faces {
             text += &format!("f {} {} {}\n", f[0] + 1, i64::from(f[1]) - positions.len() as i64, f[2] + 1);
         }
-        let mesh = parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(Vec::new())).unwrap().0;
+        let mesh = parse(text.as_bytes(), "a", chunk_bytes, |_| Ok(Vec::new())).unwrap().0;
         let bits = |p: [f64; 3]| p.map(f64::to_bits);
         let found: Vec<_> = mesh.positions.iter().map(|p| bits(p.to_array())).collect();
         prop_assert_eq!(found, positions.iter().copied().map(bits).collect::<Vec<_>>());
@@ -373,7 +373,7 @@ proptest! {
 
     #[test]
     fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), chunk_bytes in 1usize..40) {
-        let _ = parse_in_chunks(&bytes, "a", chunk_bytes, |_| Ok(Vec::new()));
+        let _ = parse(&bytes, "a", chunk_bytes, |_| Ok(Vec::new()));
         let _ = mtl::parse(&bytes, Path::new("a"));
     }
 
@@ -382,8 +382,8 @@ proptest! {
         text in "((v|vn|vt|f|fo|l|usemtl|mtllib|#)? ?(-?[0-9]{1,2}/?[ /]?){0,4}\\\\?\r?\n?){0,30}",
         chunk_bytes in 1usize..60,
     ) {
-        let one = parse(text.as_bytes(), "a", |_| Ok(Vec::new())).map(|(mesh, _)| mesh);
-        let chunked = parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(Vec::new())).map(|(mesh, _)| mesh);
+        let one = parse(text.as_bytes(), "a", CHUNK_BYTES, |_| Ok(Vec::new())).map(|(mesh, _)| mesh);
+        let chunked = parse(text.as_bytes(), "a", chunk_bytes, |_| Ok(Vec::new())).map(|(mesh, _)| mesh);
         prop_assert_eq!(chunked, one);
     }
 }
@@ -401,7 +401,7 @@ fn vertices_of_six_numbers_have_colours() {
     // chunk by chunk
     let lines: String = (0..40).map(|k| format!("v {k} 0 0{}\n", if k % 3 == 0 { " 0 1 0" } else { "" })).collect();
     let text = format!("{lines}f 1 2 3\nf 4 5 40");
-    let read = |bytes| parse_in_chunks(text.as_bytes(), "cow.obj", bytes, |_| Ok(Vec::new())).unwrap().0;
+    let read = |bytes| parse(text.as_bytes(), "cow.obj", bytes, |_| Ok(Vec::new())).unwrap().0;
     assert_eq!(read(10).colors, read(CHUNK_BYTES).colors);
     assert_eq!(read(10).colors[39], [0.0, 1.0, 0.0]);
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::geometry::mesh::NO_NORMAL;
 use crate::input::Window;
 use glam::{DVec3, Vec2};
 

@@ -1,4 +1,4 @@
-//! Vertices of triangles that have only corners: corners in the same place become one.
+//! Vertices in the same place, which become one: those of triangles that have only corners, and others.
 
 use crate::arrays::MapEach;
 use crate::parallel;
@@ -20,7 +20,7 @@ const SETS: usize = 16;
 pub(super) fn weld<T: Number>(corners: &[[[T; 3]; 3]]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let all = corners.as_flattened();
     let place = |corner: u32| DVec3::from(all[corner as usize].map_each(Into::into));
-    let first = first_corners(all.len() as u32, |corner| key(place(corner)));
+    let first = first_in_place(all.len() as u32, place);
     let mut positions = Vec::new();
     let mut vertices = vec![[0; 3]; corners.len()];
     for (corner, first) in (0..).zip(first) {
@@ -42,8 +42,9 @@ fn key(place: DVec3) -> [u64; 3] {
     (place + 0.0).to_array().map_each(f64::to_bits)
 }
 
-/// Of each corner the first one in the same place.
-fn first_corners(count: u32, key: impl Fn(u32) -> [u64; 3] + Sync) -> Vec<u32> {
+/// Of each corner, or vertex, the first one in the same place.
+pub(super) fn first_in_place(count: u32, place: impl Fn(u32) -> DVec3 + Sync) -> Vec<u32> {
+    let key = |corner: u32| key(place(corner));
     // corners in their order, list by list
     const LIST: u32 = 1 << 16;
     let lists = parallel::map(0..count.div_ceil(LIST), |k| {
