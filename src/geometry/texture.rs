@@ -144,11 +144,7 @@ impl Texels {
                 "{bytes} bytes are no image of {width} x {height} pixels, of 3 or 4 bytes each"
             )));
         }
-        let [linear, plain] = tables();
-        let texel = |p: &[u8]| {
-            let [r, g, b] = [p[0], p[1], p[2]].map_each(|v| linear[usize::from(v)]);
-            [r, g, b, plain[usize::from(p.get(3).copied().unwrap_or(u8::MAX))]]
-        };
+        let texel = |p: &[u8]| texel_of([p[0], p[1], p[2], p.get(3).copied().unwrap_or(u8::MAX)], tables());
         let rgba = srgb8.chunks_exact(each).map(texel).collect();
         Ok(Texels { width: width as u32, height: height as u32, rgba })
     }
@@ -225,12 +221,9 @@ impl Images {
         let is_tga = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
         let is_image = if is_tga { is_tga_start(start.bytes()) } else { has_known_start(start.bytes()) };
         let bytes = start.read_if(is_image).map_err(|e| Error::unreadable(path, e))?;
-        let image = match is_tga {
-            // its bytes do not tell it
-            true => decoded_as(&bytes, Some(ImageFormat::Tga)),
-            false => decoded(&bytes),
-        };
-        let texels = Arc::new(texels_of(image.map_err(|e| e.at(path.display()))?));
+        // the bytes of TGA images do not tell the format
+        let image = decoded(&bytes, is_tga.then_some(ImageFormat::Tga)).map_err(|e| e.at(path.display()))?;
+        let texels = Arc::new(texels_of(image));
         self.known.insert(path.to_owned(), texels.clone());
         Ok(Ok(texels))
     }
@@ -292,7 +285,7 @@ pub fn is_missing(e: &std::io::Error) -> bool {
 /// # Errors
 /// [`Error::Input`] if it is none that is read, damaged, or too large for memory.
 pub fn decode(bytes: &[u8]) -> Result<Texels> {
-    decoded(bytes).map(texels_of)
+    decoded(bytes, None).map(texels_of)
 }
 
 fn texels_of(image: DynamicImage) -> Texels {
@@ -313,30 +306,21 @@ fn texels_of(image: DynamicImage) -> Texels {
             parallel::map(image.into_rgba32f().as_chunks::<4>().0, |p| p.map_each(clamped))
         }
         _ => {
-            let [linear, plain] = tables();
-            let pixel = |p: &[u8; 4]| {
-                let [r, g, b] = [p[0], p[1], p[2]].map_each(|v| linear[usize::from(v)]);
-                [r, g, b, plain[usize::from(p[3])]]
-            };
-            parallel::map(image.into_rgba8().as_chunks::<4>().0, pixel)
+            let tables = tables();
+            parallel::map(image.into_rgba8().as_chunks::<4>().0, |p| texel_of(*p, tables))
         }
     };
     Texels { width, height, rgba }
 }
 
-/// The pixels of such a file as they are stored, one at least.
-///
-/// # Errors
-/// Those of [`decode`].
-pub fn decoded(bytes: &[u8]) -> Result<DynamicImage> {
-    decoded_as(bytes, None)
-}
-
 /// Begins the line of an error.
 const NO_IMAGE: &str = "is no PNG, JPEG or HDR, nor WebP, BMP, TGA, TIFF or GIF, that can be read";
 
-/// As [`decoded`], from the bytes of a format; `None`: the one that they tell.
-fn decoded_as(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage> {
+/// The pixels of such a file as they are stored, one at least, from the bytes of a format; `None`: the one that they tell.
+///
+/// # Errors
+/// Those of [`decode`].
+pub fn decoded(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage> {
     let wrong = |e: String| Error::input(format!("{NO_IMAGE}: {e}"));
     if format.is_none() && is_tiff(bytes) {
         return decoded_tiff(bytes).map_err(wrong);
@@ -362,33 +346,21 @@ fn decoded_as(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage>
 
 /// The first image of a TIFF of 8 or 16 bits a sample.
 fn decoded_tiff(bytes: &[u8]) -> std::result::Result<DynamicImage, String> {
+    use ColorType::{Gray, GrayA, RGB, RGBA};
+    use DecodingResult::{U8, U16};
     let wrong = |e: TiffError| e.to_string();
     let mut tiff = tiff::decoder::Decoder::new(Cursor::new(bytes)).map_err(wrong)?;
     let (width, height) = tiff.dimensions().map_err(wrong)?;
     let color = tiff.colortype().map_err(wrong)?;
     let samples = tiff.read_image().map_err(wrong)?;
     let image = match (samples, color) {
-        (DecodingResult::U8(s), ColorType::Gray(8)) => {
-            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageLuma8)
-        }
-        (DecodingResult::U8(s), ColorType::GrayA(8)) => {
-            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageLumaA8)
-        }
-        (DecodingResult::U8(s), ColorType::RGB(8)) => {
-            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgb8)
-        }
-        (DecodingResult::U8(s), ColorType::RGBA(8)) => {
-            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgba8)
-        }
-        (DecodingResult::U16(s), ColorType::Gray(16)) => {
-            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageLuma16)
-        }
-        (DecodingResult::U16(s), ColorType::RGB(16)) => {
-            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgb16)
-        }
-        (DecodingResult::U16(s), ColorType::RGBA(16)) => {
-            ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgba16)
-        }
+        (U8(s), Gray(8)) => ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageLuma8),
+        (U8(s), GrayA(8)) => ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageLumaA8),
+        (U8(s), RGB(8)) => ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgb8),
+        (U8(s), RGBA(8)) => ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgba8),
+        (U16(s), Gray(16)) => ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageLuma16),
+        (U16(s), RGB(16)) => ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgb16),
+        (U16(s), RGBA(16)) => ImageBuffer::from_raw(width, height, s).map(DynamicImage::ImageRgba16),
         (_, other) => return Err(format!("its samples are {other:?}; 8 or 16 bits of grey or RGB are read")),
     };
     let image = image.ok_or("it has fewer samples than pixels")?;
@@ -434,6 +406,12 @@ fn tables() -> &'static [[f16; 256]; 2] {
             std::array::from_fn(|k| f16::from_f64(share(k))),
         ]
     })
+}
+
+/// The texel of an sRGB colour and its opacity.
+fn texel_of([r, g, b, a]: [u8; 4], [linear, plain]: &[[f16; 256]; 2]) -> [f16; 4] {
+    let [r, g, b] = [r, g, b].map_each(|v| linear[usize::from(v)]);
+    [r, g, b, plain[usize::from(a)]]
 }
 
 pub(super) fn linear_of_srgb(v: f64) -> f64 {

@@ -6,7 +6,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::image::frame::{Channel, Frame, NO_ID, Plane};
+use crate::image::frame::{Channel, Frame, NO_ID};
 use crate::input::{Error, Result};
 
 pub use quantiles::{Measure, Quantiles};
@@ -88,19 +88,19 @@ pub fn compare(a: &Frame, b: &Frame, safe: Option<&[bool]>, scales: Option<&[f32
     let unsafe_pixels = safe.map(|safe| count(pixels, |i| !safe[i]));
     let channels = common(a, b)?;
     let hits = hits(a, b);
-    let (matched, compared) = match (ids, &hits) {
-        (Some((a, b)), _) => (Some(Matched::SameTriangle), Box::new(move |i| a[i] == b[i] && a[i] != NO_ID) as Hits),
-        (None, Some((a, b))) => (Some(Matched::BothHit), Box::new(move |i| a(i) && b(i)) as Hits),
-        (None, None) => (None, Box::new(|_| false) as Hits),
+    let where_both = |hit: &dyn Fn(usize) -> bool| (0..pixels).filter(|&i| hit(i)).collect();
+    let (matched, compared): (_, Vec<usize>) = match (ids, &hits) {
+        (Some((a, b)), _) => (Some(Matched::SameTriangle), where_both(&|i| a[i] == b[i] && a[i] != NO_ID)),
+        (None, Some([a, b])) => (Some(Matched::BothHit), where_both(&|i| a[i] && b[i])),
+        (None, None) => (None, Vec::new()),
     };
-    let compared: Vec<usize> = (0..pixels).filter(|&i| compared(i)).collect();
     let mse = color_error(a, b);
     let others = channels.iter().filter(|c| !is_measured(**c, mse.is_some(), ids.is_some()));
     Ok(Comparison {
         pixels: pixels as u64,
         channels: channels.iter().map(|c| c.name()).collect(),
         wrong_triangle,
-        wrong_hit_miss: hits.as_ref().map(|(a, b)| count(pixels, |i| a(i) != b(i))),
+        wrong_hit_miss: hits.as_ref().map(|[a, b]| count(pixels, |i| a[i] != b[i])),
         wrong_safe: safe.zip(ids).map(|(safe, _)| count(pixels, |i| safe[i] && wrong(i))),
         unsafe_pixels,
         unsafe_share: unsafe_pixels.map(|count| count as f64 / pixels as f64),
@@ -160,12 +160,7 @@ fn check_sizes(a: &Frame, b: &Frame, safe: Option<&[bool]>, scales: Option<&[f32
         return Err(Error::input(format!("the images differ in size ({sizes}); compare images of one size")));
     }
     let pixels = a.width as usize * a.height as usize;
-    let full = |frame: &Frame| {
-        frame.planes.iter().all(|(_, plane)| match plane {
-            Plane::F32(values) => values.len() == pixels,
-            Plane::U32(values) => values.len() == pixels,
-        })
-    };
+    let full = |frame: &Frame| frame.planes.iter().all(|(_, plane)| plane.count() == pixels);
     let masks = safe.is_none_or(|s| s.len() == pixels) && scales.is_none_or(|s| s.len() == pixels);
     if pixels == 0 || !masks || !full(a) || !full(b) {
         return Err(Error::input("an image's channels do not fill it; there must be one value a pixel, and a pixel"));
@@ -177,20 +172,18 @@ fn count(pixels: usize, holds: impl Fn(usize) -> bool) -> u64 {
     (0..pixels).filter(|&i| holds(i)).count() as u64
 }
 
-type Hits<'a> = Box<dyn Fn(usize) -> bool + 'a>;
-
-/// Whether each frame hits something at a pixel, by the first suitable channel of both.
-fn hits<'a>(a: &'a Frame, b: &'a Frame) -> Option<(Hits<'a>, Hits<'a>)> {
+/// Whether each frame hits something at each pixel, by the first suitable channel of both.
+fn hits(a: &Frame, b: &Frame) -> Option<[Vec<bool>; 2]> {
     // piece.id last: with a mirror, a pixel has a piece even if its ray hits nothing
     let telling =
         [Channel::TriangleId, Channel::T, Channel::Z, Channel::ObjectId, Channel::MaterialId, Channel::PieceId];
     telling.into_iter().find_map(|channel| {
         if let (Some(a), Some(b)) = (a.u32(channel), b.u32(channel)) {
-            return Some((Box::new(move |i| a[i] != NO_ID) as Hits, Box::new(move |i| b[i] != NO_ID) as Hits));
+            return Some([a, b].map(|ids| ids.iter().map(|id| *id != NO_ID).collect()));
         }
         let (a, b) = (a.f32(channel)?, b.f32(channel)?);
         // A miss is +inf; NaN is a hit with a wrong value.
-        Some((Box::new(move |i| a[i] != f32::INFINITY) as Hits, Box::new(move |i| b[i] != f32::INFINITY) as Hits))
+        Some([a, b].map(|numbers| numbers.iter().map(|number| *number != f32::INFINITY).collect()))
     })
 }
 

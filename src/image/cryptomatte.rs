@@ -2,6 +2,7 @@
 
 use crate::image::frame::NO_ID;
 use crate::input::{Error, Result};
+use indexmap::IndexSet;
 use std::collections::BTreeMap;
 
 /// What a matte distinguishes.
@@ -45,11 +46,10 @@ pub struct Layers {
 impl Matte {
     /// `name_of` gives each triangle's index into `names`. With `optics`, triangle ids beyond `name_of` get the name [`OPTICS`].
     pub fn new(kind: MatteKind, names: Vec<String>, mut name_of: Vec<u32>, optics: bool) -> Matte {
-        let (mut names, merged) = merged(names);
+        let mut once = IndexSet::new();
+        let merged: Vec<u32> = names.into_iter().map(|name| once.insert_full(name).0 as u32).collect();
         name_of.iter_mut().for_each(|k| *k = merged[*k as usize]);
-        if optics {
-            names.push(OPTICS.into());
-        }
+        let names = once.into_iter().chain(optics.then(|| OPTICS.into())).collect();
         Matte { kind, names, name_of, samples: 0, shares: Vec::new() }
     }
 
@@ -102,20 +102,6 @@ impl Matte {
 
 /// Name of the camera's mirror or lens, whose facets follow the scene's triangles.
 pub const OPTICS: &str = "optics";
-
-/// The distinct names, and the new index of every old one.
-fn merged(names: Vec<String>) -> (Vec<String>, Vec<u32>) {
-    let mut once: Vec<String> = Vec::new();
-    let mut places = BTreeMap::new();
-    let place = |name: String| {
-        *places.entry(name.clone()).or_insert_with(|| {
-            once.push(name);
-            once.len() as u32 - 1
-        })
-    };
-    let of = names.into_iter().map(place).collect();
-    (once, of)
-}
 
 /// A name's id: 32-bit MurmurHash3, with the exponent changed where the float would not be a normal number.
 fn hash(name: &str) -> Result<u32> {

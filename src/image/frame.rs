@@ -182,16 +182,11 @@ impl Channel {
         !self.is_label() && !self.is_of_z()
     }
 
-    /// The channel of this name, or all those of a vector or colour: `N`, `P`, `albedo`, `uv` and `view`.
+    /// The channel of this name, or all those of a vector or colour, one of [`VECTORS`].
     pub fn named(name: &str) -> Vec<Channel> {
-        match name {
-            "N" => vec![Channel::NormalX, Channel::NormalY, Channel::NormalZ],
-            "P" => vec![Channel::PositionX, Channel::PositionY, Channel::PositionZ],
-            "albedo" => vec![Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB],
-            "uv" => vec![Channel::TextureU, Channel::TextureV],
-            "view" => vec![Channel::ViewX, Channel::ViewY, Channel::ViewZ],
-            _ => Channel::every().filter(|c| c.name() == name).collect(),
-        }
+        let vector = VECTORS.into_iter().find(|vector| *vector == name);
+        let is_of = |c: &Channel| c.name().split_once('.').is_some_and(|(of, _)| Some(of) == vector);
+        Channel::every().filter(|c| c.name() == name || is_of(c)).collect()
     }
 
     /// The name that may be meant by one that no channel has, as `Z` by `depth`; `None` if no name is near.
@@ -280,6 +275,16 @@ pub enum Plane {
     F32(Vec<f32>),
     /// Ids.
     U32(Vec<u32>),
+}
+
+impl Plane {
+    /// How many values it has.
+    pub(crate) fn count(&self) -> usize {
+        match self {
+            Plane::F32(values) => values.len(),
+            Plane::U32(values) => values.len(),
+        }
+    }
 }
 
 /// A channel's plane from its words: the bits of f32 values, or ids.

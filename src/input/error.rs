@@ -59,15 +59,15 @@ impl Error {
     }
 
     /// The same error, prefixed with `place` (a file, a key, a mesh).
-    pub fn at(self, place: impl std::fmt::Display) -> Self {
-        match self {
-            Error::Input(m) => Error::Input(format!("{place}: {m}")),
-            Error::Missing(m) => Error::Missing(format!("{place}: {m}")),
-            Error::Read(m) => Error::Read(format!("{place}: {m}")),
-            Error::Work(m) => Error::Work(format!("{place}: {m}")),
-            Error::Write(m) => Error::Write(format!("{place}: {m}")),
-            Error::Full(m) => Error::Full(format!("{place}: {m}")),
-        }
+    pub fn at(mut self, place: impl std::fmt::Display) -> Self {
+        let (Error::Input(text)
+        | Error::Missing(text)
+        | Error::Read(text)
+        | Error::Work(text)
+        | Error::Write(text)
+        | Error::Full(text)) = &mut self;
+        *text = format!("{place}: {text}");
+        self
     }
 
     /// The program's exit code: 2 for input and its files, else 1.

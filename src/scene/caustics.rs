@@ -161,13 +161,11 @@ impl Caustics {
 
     /// Texels of the receivers before this one, and of all at the end.
     pub fn first_texels(&self) -> Vec<u32> {
-        let mut sum = 0;
-        let mut firsts = vec![0];
-        firsts.extend(self.receivers.iter().map(|r| {
-            sum += r.texels[0] * r.texels[1];
-            sum
-        }));
-        firsts
+        let end = |end: &mut u32, r: &Receiver| {
+            *end += r.texels[0] * r.texels[1];
+            Some(*end)
+        };
+        std::iter::once(0).chain(self.receivers.iter().scan(0, end)).collect()
     }
 }
 

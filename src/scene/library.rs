@@ -65,13 +65,9 @@ impl Library {
         self.caustics.next_scene();
         self.cameras.next_scene();
         let mut images = Images::of(read);
-        let merged = self.merged.get(
-            &(file.meshes.clone(), read),
-            !self.is_for_once,
-            |_| true,
-            loading,
-            |loading| self.merged(&file.meshes, &mut images, loading),
-        )?;
+        let key = (file.meshes.clone(), read);
+        let make = |loading: &Loading| self.merged(&file.meshes, &mut images, loading);
+        let merged = self.merged.get(&key, !self.is_for_once, |_| true, loading, make)?;
         let (mesh, objects) = (merged.0.clone(), merged.1.clone());
         let steps = self.steps(&file, &mesh, &mut images, loading)?;
         let moves = file.steps.iter().any(|step| step.camera != file.camera);

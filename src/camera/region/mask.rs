@@ -31,7 +31,7 @@ impl Mask {
         let start = loading.prefix(path).map_err(unreadable)?;
         let is_image = has_known_start(start.bytes());
         let bytes = start.read_if(is_image).map_err(unreadable)?;
-        let texels = decoded(&bytes).map_err(|e| e.at(path.display()))?.into_rgba16();
+        let texels = decoded(&bytes, None).map_err(|e| e.at(path.display()))?.into_rgba16();
         let is_inside = |[r, g, b, opacity]: [u32; 4]| r + g + b >= 3 * HALF && opacity >= HALF;
         let inside: Vec<bool> = texels.pixels().map(|texel| is_inside(texel.0.map_each(u32::from))).collect();
         let size = UVec2::new(texels.width(), texels.height());

@@ -1,6 +1,7 @@
 //! Every comparator must notice the error planted for it.
 
 use super::*;
+use crate::image::frame::Plane;
 
 const WIDTH: u32 = 20;
 const HEIGHT: u32 = 10;

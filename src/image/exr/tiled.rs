@@ -100,12 +100,8 @@ fn checked(strip: Frame, width: u32, channels: &[Channel]) -> std::result::Resul
     let Frame { width: own, height, mut planes } = strip;
     planes.sort_by_key(|(channel, _)| channel.name());
     let pixels = width as usize * height as usize;
-    let is_full = |plane: &Plane| match plane {
-        Plane::F32(values) => values.len() == pixels,
-        Plane::U32(values) => values.len() == pixels,
-    };
     let is_whole = own == width && height > 0 && planes.iter().map(|p| p.0).eq(channels.iter().copied());
-    if is_whole && planes.iter().all(|(_, plane)| is_full(plane)) {
+    if is_whole && planes.iter().all(|(_, plane)| plane.count() == pixels) {
         return Ok(Frame { width, height, planes });
     }
     Err(format!("a strip of {own} x {height} with {} channels is none of this image", planes.len()))

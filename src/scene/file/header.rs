@@ -107,12 +107,8 @@ impl CameraKeys {
         let mut map = Map::new();
         let Some(camera) = &self.camera else { return map };
         map.insert("keys".into(), json(&camera.value));
-        if let Some(meshes) = self.meshes.as_ref().filter(|_| uses_scene) {
-            map.insert("mesh".into(), json(&meshes.value));
-        }
-        if let Some(spheres) = self.spheres.as_ref().filter(|_| uses_scene) {
-            map.insert("spheres".into(), json(&spheres.value));
-        }
+        let looked_at = [("mesh", &self.meshes), ("spheres", &self.spheres)].into_iter().filter(|_| uses_scene);
+        map.extend(looked_at.filter_map(|(key, node)| Some((key.into(), json(&node.as_ref()?.value)))));
         if self.names_files[0] || (uses_scene && self.names_files[1]) {
             map.insert("folder".into(), relative_path(folder, &self.dir).to_string_lossy().into_owned().into());
         }
