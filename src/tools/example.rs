@@ -4,7 +4,7 @@
 mod make;
 mod takes;
 
-use crate::image::{png_bytes, put_npy, write_npy, write_png, write_text};
+use crate::image::{put_npy, write_lines};
 use crate::input::Result;
 use std::path::{Path, PathBuf};
 
@@ -18,39 +18,18 @@ pub struct Example {
     /// The scene file, commented.
     pub scene: &'static str,
     /// Makes the camera's own files: name and content.
-    files: fn() -> Vec<(&'static str, Part)>,
+    files: fn() -> Vec<NamedFile>,
 }
 
-/// The content of one file.
-pub enum Part {
-    Text(String),
-    /// A .npy of f64.
-    Numbers {
-        shape: [u64; 3],
-        numbers: Vec<f64>,
-    },
-    /// A PNG of 8-bit sRGB colours.
-    Picture {
-        size: (u32, u32),
-        srgb8: Vec<u8>,
-    },
-}
+/// A file's name and content.
+type NamedFile = (&'static str, Vec<u8>);
 
-impl Part {
-    /// The content of its file.
-    pub fn bytes(&self) -> Vec<u8> {
-        match self {
-            Part::Text(text) => text.clone().into_bytes(),
-            Part::Numbers { shape, numbers } => {
-                let mut bytes = Vec::new();
-                // writing to a vector does not fail, and the numbers fill the shape
-                let _ = put_npy(&mut bytes, shape, numbers);
-                bytes
-            }
-            // three bytes a pixel
-            Part::Picture { size: (width, height), srgb8 } => png_bytes(*width, *height, srgb8).unwrap_or_default(),
-        }
-    }
+/// The content of a .npy of f64, which fill the shape.
+fn npy(shape: [u64; 3], numbers: &[f64]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    // writing to a vector does not fail
+    let _ = put_npy(&mut bytes, &shape, numbers);
+    bytes
 }
 
 impl Example {
@@ -59,9 +38,9 @@ impl Example {
     }
 
     /// Every file's name and content, the scene last: once it is there, all is.
-    pub fn parts(&self) -> Vec<(String, Part)> {
-        let own = (self.files)().into_iter().map(|(name, part)| (name.to_owned(), part));
-        own.chain([(self.scene_name(), Part::Text(self.scene.to_owned()))]).collect()
+    pub fn parts(&self) -> Vec<(String, Vec<u8>)> {
+        let own = (self.files)().into_iter().map(|(name, content)| (name.to_owned(), content));
+        own.chain([(self.scene_name(), self.scene.into())]).collect()
     }
 
     /// Writes every file into the folder, which is there; returns the scene's path.
@@ -69,12 +48,8 @@ impl Example {
     /// # Errors
     /// [`crate::input::Error::Work`] if one cannot be written.
     pub fn write(&self, folder: &Path) -> Result<PathBuf> {
-        for (name, part) in self.parts() {
-            match part {
-                Part::Text(text) => write_text(&folder.join(name), &text)?,
-                Part::Numbers { shape, numbers } => write_npy(&folder.join(name), &shape, &numbers)?,
-                Part::Picture { size: (width, height), srgb8 } => write_png(&folder.join(name), width, height, &srgb8)?,
-            }
+        for (name, content) in self.parts() {
+            write_lines(&folder.join(name), |out| out.write_all(&content))?;
         }
         Ok(folder.join(self.scene_name()))
     }
@@ -128,8 +103,8 @@ pub const EXAMPLES: [Example; 58] = [
     example!("mirror-ball", Some("Yu 8"), "a mirror ball of 960 facets, one GLC each"),
     example!("hinge", Some("Yu 9"), "faux animation: a cow turns its head by a second camera"),
     example!("car", Some("Brosz 1"), "a car seen nearly all round, along curved rays", || vec![
-        ("car.obj", Part::Text(include_str!("example/car.obj").into())),
-        ("car.mtl", Part::Text(include_str!("example/car.mtl").into())),
+        ("car.obj", include_str!("example/car.obj").into()),
+        ("car.mtl", include_str!("example/car.mtl").into()),
     ]),
     example!("three-projections", Some("Brosz 4"), "perspective, parallel and inverse perspective, side by side"),
     example!("columns", Some("Brosz 5"), "irregular perspective: columns that keep their shape"),
@@ -151,8 +126,8 @@ pub const EXAMPLES: [Example; 58] = [
     example!("opposite", Some("Popescu 9"), "two opposite views of a street, continuous"),
     example!("graph-camera", Some("Popescu 9"), "the same two views by a graph camera, with its breaks"),
     example!("aeroplane", Some("Popescu 11"), "an aeroplane across a joint of segments, smooth", || vec![
-        ("aeroplane.obj", Part::Text(include_str!("example/aeroplane.obj").into())),
-        ("aeroplane.mtl", Part::Text(include_str!("example/aeroplane.mtl").into())),
+        ("aeroplane.obj", include_str!("example/aeroplane.obj").into()),
+        ("aeroplane.mtl", include_str!("example/aeroplane.mtl").into()),
     ]),
     example!("city-cylinder", Some("Lorenz 1, 4"), "a city all around in 160 perspective strips"),
     example!("deformation", Some("Lorenz 5, 6"), "a city deformed by a grid of offsets", make::offsets),

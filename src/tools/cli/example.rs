@@ -19,8 +19,8 @@ pub fn run(args: &ExampleArgs) -> Result<()> {
     std::fs::create_dir_all(&args.out).map_err(|e| {
         Error::work(format!("{}: the folder cannot be made: {e}; choose another --out", args.out.display()))
     })?;
-    for (file, part) in &example.parts() {
-        may_write(&args.out.join(file), &part.bytes(), "--out")?;
+    for (file, content) in &example.parts() {
+        may_write(&args.out.join(file), content, "--out")?;
     }
     let scene = example.write(&args.out)?;
     print(&format!("{}\n", scene.display()))

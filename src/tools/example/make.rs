@@ -1,6 +1,6 @@
 //! The files that examples' cameras read.
 
-use super::Part;
+use super::{NamedFile, npy};
 use crate::arrays::MapEach;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
@@ -21,7 +21,7 @@ struct Vertex {
 
 /// A grid of `columns x rows` cells over the image, two triangles each, with the rays (near, far) that `ray` gives
 /// for (a, b).
-fn grid(columns: usize, rows: usize, ray: impl Fn(f64, f64) -> (DVec3, DVec3)) -> Part {
+fn grid(columns: usize, rows: usize, ray: impl Fn(f64, f64) -> (DVec3, DVec3)) -> Vec<u8> {
     let mut pieces = Pieces::default();
     for j in 0..=rows {
         for i in 0..=columns {
@@ -38,7 +38,7 @@ fn grid(columns: usize, rows: usize, ray: impl Fn(f64, f64) -> (DVec3, DVec3)) -
         }
     }
     // numbers and lists alone: nothing that JSON refuses
-    Part::Text(serde_json::to_string(&pieces).unwrap_or_default() + "\n")
+    (serde_json::to_string(&pieces).unwrap_or_default() + "\n").into()
 }
 
 /// Six digits behind the point, so that a person can read the file; the same on every machine, whatever the last
@@ -47,8 +47,14 @@ fn short(v: DVec3) -> [f64; 3] {
     (v * 1e6).round().to_array().map_each(|x| x / 1e6)
 }
 
+/// A vertex of an .obj.
+fn vertex_line(v: DVec3) -> String {
+    let [x, y, z] = short(v);
+    format!("v {x} {y} {z}\n")
+}
+
 /// `mesh.json`: an eye above a city, with the picture's middle enlarged.
-pub fn lens() -> Vec<(&'static str, Part)> {
+pub fn lens() -> Vec<NamedFile> {
     const EYE: DVec3 = DVec3::new(34.0, 40.0, 62.0);
     const TARGET: DVec3 = DVec3::new(0.0, 3.0, 0.0);
     const HALF_HEIGHT: f64 = 0.34;
@@ -70,7 +76,7 @@ pub fn lens() -> Vec<(&'static str, Part)> {
 }
 
 /// `panorama.json`: an eye that goes round the y axis and looks at it.
-pub fn ring() -> Vec<(&'static str, Part)> {
+pub fn ring() -> Vec<NamedFile> {
     const DISTANCE: f64 = 9.0;
     const HEIGHT: f64 = 4.5;
     const SWEEP_DEG: f64 = 270.0;
@@ -87,7 +93,7 @@ pub fn ring() -> Vec<(&'static str, Part)> {
 
 /// `fisheye-origins.npy` and `fisheye-directions.npy`: the angle from straight up grows with the distance from the
 /// picture's middle; NaN outside the circle.
-pub fn fisheye() -> Vec<(&'static str, Part)> {
+pub fn fisheye() -> Vec<NamedFile> {
     const SIDE: u64 = 600;
     const FIELD_DEG: f64 = 190.0;
     const EYE: DVec3 = DVec3::new(0.3, 1.6, 0.2);
@@ -105,7 +111,7 @@ pub fn fisheye() -> Vec<(&'static str, Part)> {
         cos * DVec3::Y + sin / radius * (x * WEST + y * NORTH)
     };
     let pixels = || (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
-    let file = |numbers: Vec<f64>| Part::Numbers { shape: [SIDE, SIDE, 3], numbers };
+    let file = |numbers: Vec<f64>| npy([SIDE, SIDE, 3], &numbers);
     vec![
         ("fisheye-origins.npy", file(pixels().flat_map(|_| EYE.to_array()).collect())),
         ("fisheye-directions.npy", file(pixels().flat_map(|(i, j)| direction(i, j).to_array()).collect())),
@@ -113,7 +119,7 @@ pub fn fisheye() -> Vec<(&'static str, Part)> {
 }
 
 /// `deformation.npy` and finer ones of the same: offsets that turn and enlarge the picture's middle, none at its border.
-pub fn offsets() -> Vec<(&'static str, Part)> {
+pub fn offsets() -> Vec<NamedFile> {
     vec![
         ("deformation.npy", deformation(16, 16)),
         ("deformation-80x60.npy", deformation(80, 60)),
@@ -121,7 +127,7 @@ pub fn offsets() -> Vec<(&'static str, Part)> {
     ]
 }
 
-fn deformation(columns: u64, rows: u64) -> Part {
+fn deformation(columns: u64, rows: u64) -> Vec<u8> {
     const TURN: f64 = 0.6;
     const GROWTH: f64 = 0.5;
     let place = |k: u64, count: u64| k as f64 / (count - 1) as f64 - 0.5;
@@ -131,13 +137,13 @@ fn deformation(columns: u64, rows: u64) -> Part {
         (1.0 + GROWTH * inside) * DVec2::from_angle(TURN * inside).rotate(p) - p
     };
     let places = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
-    let numbers = places.flat_map(|(i, j)| offset(i, j).to_array()).collect();
-    Part::Numbers { shape: [rows, columns, 2], numbers }
+    let numbers: Vec<f64> = places.flat_map(|(i, j)| offset(i, j).to_array()).collect();
+    npy([rows, columns, 2], &numbers)
 }
 
 /// `surround.obj`: 400 triangles around a walker: the sides of a rounded square box, two for each of 20 x 9 cells from
 /// the top left, then its lid and its base alternately. In an image of 20 x 10 cells the sides unfold in one piece.
-pub fn barrel() -> Vec<(&'static str, Part)> {
+pub fn barrel() -> Vec<NamedFile> {
     const AROUND: usize = 20;
     const UP: usize = 9;
     const RADIUS: f64 = 0.75;
@@ -146,10 +152,7 @@ pub fn barrel() -> Vec<(&'static str, Part)> {
     /// How far lid and base rise beyond the sides, in their middle.
     const CROWN: f64 = 0.2;
     let mut text = String::new();
-    let mut vertex = |v: DVec3| {
-        let [x, y, z] = short(v);
-        text += &format!("v {x} {y} {z}\n");
-    };
+    let mut vertex = |v: DVec3| text += &vertex_line(v);
     for j in 0..=UP {
         for i in 0..AROUND {
             let (sin, cos) = (std::f64::consts::TAU * i as f64 / AROUND as f64).sin_cos();
@@ -170,30 +173,29 @@ pub fn barrel() -> Vec<(&'static str, Part)> {
         face([lid, at(i, 0), at(i + 1, 0)]);
         face([base, at(i + 1, UP), at(i, UP)]);
     }
-    vec![("surround.obj", Part::Text(text))]
+    vec![("surround.obj", text.into())]
 }
 
 /// `ring.obj`: 400 triangles around the y axis, a ring of radius 1 and height 0.55 on the ground.
-pub fn band() -> Vec<(&'static str, Part)> {
+pub fn band() -> Vec<NamedFile> {
     const AROUND: usize = 200;
     const HEIGHT: f64 = 0.55;
     let mut text = String::new();
     for y in [0.0, HEIGHT] {
         for i in 0..AROUND {
             let (sin, cos) = (std::f64::consts::TAU * i as f64 / AROUND as f64).sin_cos();
-            let [x, y, z] = short(DVec3::new(sin, y, cos));
-            text += &format!("v {x} {y} {z}\n");
+            text += &vertex_line(DVec3::new(sin, y, cos));
         }
     }
     for i in 0..AROUND {
         let (a, b) = (i + 1, (i + 1) % AROUND + 1);
         text += &format!("f {a} {b} {}\nf {a} {} {}\n", b + AROUND, b + AROUND, a + AROUND);
     }
-    vec![("ring.obj", Part::Text(text))]
+    vec![("ring.obj", text.into())]
 }
 
 /// `helix.ply`: the atoms of a double helix about the y axis, 42 pairs in four turns; strands of eight atoms a pair, and rungs of seven.
-pub fn helix() -> Vec<(&'static str, Part)> {
+pub fn helix() -> Vec<NamedFile> {
     const PAIRS: usize = 42;
     const PAIRS_A_TURN: f64 = 10.5;
     const RISE: f64 = 0.17;
@@ -230,17 +232,17 @@ pub fn helix() -> Vec<(&'static str, Part)> {
         let [x, y, z] = short(at);
         text.push_str(&format!("{x} {y} {z} {radius} {r} {g} {b}\n"));
     }
-    vec![("helix.ply", Part::Text(text))]
+    vec![("helix.ply", text.into())]
 }
 
 /// `flock-300.obj` and three larger ones, with their colours: so many triangles, four a butterfly, in a ring around the y axis.
 /// A larger flock has the butterflies of a smaller one and more.
-pub fn flocks() -> Vec<(&'static str, Part)> {
-    let flock = |name, triangles: usize| (name, Part::Text(flock(triangles / 4)));
+pub fn flocks() -> Vec<NamedFile> {
+    let flock = |name, triangles: usize| (name, flock(triangles / 4).into());
     let colours = [[0.85, 0.45, 0.1], [0.2, 0.35, 0.75], [0.85, 0.8, 0.3], [0.7, 0.15, 0.3]];
     let material = |(k, [r, g, b]): (usize, &[f64; 3])| format!("newmtl wings{k}\nKd {r} {g} {b}\n");
     vec![
-        ("flock.mtl", Part::Text(colours.iter().enumerate().map(material).collect())),
+        ("flock.mtl", colours.iter().enumerate().map(material).collect::<String>().into()),
         flock("flock-300.obj", 300),
         flock("flock-700.obj", 700),
         flock("flock-1100.obj", 1100),
@@ -279,10 +281,7 @@ fn flock(count: usize) -> String {
             tip(-1.0, 1.3, 1.0),
             tip(-1.0, -1.2, 0.7),
         ];
-        for v in points {
-            let [x, y, z] = short(v);
-            text += &format!("v {x} {y} {z}\n");
-        }
+        text.extend(points.map(vertex_line));
         let n = 6 * k + 1;
         let [head, tail, front, hind, front2, hind2] = [n, n + 1, n + 2, n + 3, n + 4, n + 5];
         text += &format!("usemtl wings{}\nf {tail} {front} {head}\nf {tail} {hind} {front}\n", k % COLOURS);
@@ -292,7 +291,7 @@ fn flock(count: usize) -> String {
 }
 
 /// `plume.npy`: smoke that rises, swings to and fro, widens and thins; how dense it is, at nodes along z, y (upwards) and x.
-pub fn plume() -> Vec<(&'static str, Part)> {
+pub fn plume() -> Vec<NamedFile> {
     const NODES: [u64; 3] = [32, 96, 32];
     /// Of 1, at the top.
     const THINNED: f64 = 0.75;
@@ -315,5 +314,5 @@ pub fn plume() -> Vec<(&'static str, Part)> {
         let exact = density(2.0 * place(i, columns) - 1.0, place(j, rows), 2.0 * place(k, depth) - 1.0);
         (DIGITS * exact).round() / DIGITS
     };
-    vec![("plume.npy", Part::Numbers { shape: NODES, numbers: nodes.map(number).collect() })]
+    vec![("plume.npy", npy(NODES, &nodes.map(number).collect::<Vec<f64>>()))]
 }

@@ -1,7 +1,8 @@
 //! Pictures as cameras on masts take them of a street corner with its paint: every pixel's ray against a few boxes and the ground.
 
-use super::Part;
+use super::NamedFile;
 use crate::arrays::MapEach;
+use crate::image::png_bytes;
 use glam::{DVec2, DVec3};
 
 /// Pixels.
@@ -41,7 +42,7 @@ const EAST: (DVec3, DVec3, f64) = (DVec3::new(14.0, 10.0, 11.0), DVec3::new(-1.0
 const MAST: (DVec3, DVec3, f64) = (DVec3::new(0.5, 11.0, 0.5), DVec3::new(0.0, 0.0, 0.0), 150.0);
 
 /// The pictures of two pinhole cameras and of a fisheye above the crossing, four frames each.
-pub fn takes() -> Vec<(&'static str, Part)> {
+pub fn takes() -> Vec<NamedFile> {
     let cameras = [(WEST, false), (EAST, false), (MAST, true)];
     let of_frame = |(frame, names): (u32, [&'static str; 3])| {
         [0, 1, 2].map_each(|k| (names[k], take(cameras[k].0, cameras[k].1, frame)))
@@ -49,7 +50,7 @@ pub fn takes() -> Vec<(&'static str, Part)> {
     (0..).zip(NAMES).flat_map(of_frame).collect()
 }
 
-fn take((eye, target, angle): (DVec3, DVec3, f64), is_fisheye: bool, frame: u32) -> Part {
+fn take((eye, target, angle): (DVec3, DVec3, f64), is_fisheye: bool, frame: u32) -> Vec<u8> {
     let (width, height) = SIZE;
     let forward = (target - eye).normalize();
     let right = forward.cross(if is_fisheye { DVec3::NEG_Z } else { DVec3::Y }).normalize();
@@ -73,7 +74,9 @@ fn take((eye, target, angle): (DVec3, DVec3, f64), is_fisheye: bool, frame: u32)
         let sum: DVec3 = places.iter().map(|p| seen(eye, direction(corner + DVec2::from(*p)), frame)).sum();
         (0.25 * sum).to_array().map_each(|v| (255.0 * v).round() as u8)
     };
-    Part::Picture { size: SIZE, srgb8: (0..width * height).flat_map(pixel).collect() }
+    let srgb8: Vec<u8> = (0..width * height).flat_map(pixel).collect();
+    // three bytes a pixel
+    png_bytes(width, height, &srgb8).unwrap_or_default()
 }
 
 /// The colour of what a ray meets first.
