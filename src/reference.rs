@@ -24,6 +24,7 @@ pub mod caustics;
 mod composed;
 mod cover;
 mod curve;
+mod dual;
 #[cfg(any(feature = "cli", feature = "view"))]
 mod explain;
 mod finding;

@@ -1,11 +1,11 @@
 //! Gradients by their definitions: numbers that carry their derivative go through the formulas of t, weights and distances. In f64.
 
+use super::dual::{Dual, Number};
 use crate::arrays::MapEach;
 use crate::camera::change::PixelRay;
 use crate::parallel;
 use crate::scene::gradients::{HIT_NUMBERS, NONE, Seen, VERTEX_DIRECTIONS};
 use glam::DVec3;
-use std::ops::{Add, Div, Mul, Sub};
 
 /// The changes of a pixel along some directions.
 #[derive(Debug, Clone, Default)]
@@ -86,7 +86,7 @@ fn coverage_rate(seen: &Seen, pixel: usize, edge: &Edge, direction: &Direction) 
 /// Whether E is positive inside the edge's triangle, at the pixel that shows it.
 fn is_inside_positive(seen: &Seen, edge: &Edge) -> bool {
     let ray = vectors(seen.rays[edge.pixels[0] as usize]);
-    across(&ray, &(seen.corners)(edge.triangle).map_each(vector)) > 0.0
+    across(&ray, &(seen.corners)(edge.triangle).map_each(|v| v.to_array())) > 0.0
 }
 
 /// Distances (px), shares of a way, and depths (relative) that differ by less are equal: rounding does not choose between them.
@@ -105,7 +105,7 @@ fn nearest_edge(seen: &Seen, pixel: usize) -> Option<Edge> {
     let mut nearest: Option<Edge> = None;
     for neighbour in around.into_iter().flatten() {
         let Some((triangle, number, pixels)) = edge_between(seen, pixel, neighbour) else { continue };
-        let (ray, corners) = (vectors(seen.rays[pixel]), (seen.corners)(triangle).map_each(vector));
+        let (ray, corners) = (vectors(seen.rays[pixel]), (seen.corners)(triangle).map_each(|v| v.to_array()));
         let edge = Edge { triangle, number, pixels, distance: 0.0, coverage: 1.0, change: Vec::new() };
         let sign = if is_inside_positive(seen, &edge) { 1.0 } else { -1.0 };
         let distance = sign * distance(&ray, &corners, number);
@@ -126,7 +126,7 @@ fn edge_between(seen: &Seen, a: usize, b: usize) -> Option<(u32, usize, [u32; 2]
     }
     let depth = |pixel: usize| match seen.ids[pixel] {
         NONE => f64::INFINITY,
-        id => hit(&vectors(seen.rays[pixel]), &(seen.corners)(id).map_each(vector))[1],
+        id => hit(&vectors(seen.rays[pixel]), &(seen.corners)(id).map_each(|v| v.to_array()))[1],
     };
     let [depth_a, depth_b] = [a, b].map_each(depth);
     let level = LEVEL * depth_a.abs().min(depth_b.abs());
@@ -144,7 +144,7 @@ fn edge_left(seen: &Seen, inside: usize, outside: usize) -> Option<usize> {
     if id == NONE || seen.rays[outside][..6].iter().any(|number| number.is_nan()) {
         return None;
     }
-    let corners = (seen.corners)(id).map_each(vector);
+    let corners = (seen.corners)(id).map_each(|v| v.to_array());
     let (from, to) = (vectors(seen.rays[inside]), vectors(seen.rays[outside]));
     let sign = across(&from, &corners).signum();
     let mut first = None;
@@ -209,13 +209,16 @@ fn distance<T: Number>(ray: &Vectors<T>, corners: &[[T; 3]; 3], k: usize) -> T {
     side(ray, corners, k) / (x * x + y * y).root()
 }
 
+/// A number and its rate along a direction.
+type Rated = Dual<f64, f64>;
+
 /// The pixel's ray and a triangle's corners with their rates along a direction.
 fn moving(
     ray: PixelRay,
     corners: [DVec3; 3],
     pixel: usize,
     direction: &Direction,
-) -> (Vectors<Dual<f64>>, [[Dual<f64>; 3]; 3]) {
+) -> (Vectors<Rated>, [[Rated; 3]; 3]) {
     let rate = direction.rays.map_or([0.0; 18], |rays| rays[pixel]);
     let number = |n: usize| Dual { value: ray[n], rate: rate[n] };
     let coordinate = |corner: usize, axis: usize| {
@@ -223,87 +226,14 @@ fn moving(
         Dual { value: corners[corner][axis], rate }
     };
     (
-        split(std::array::from_fn(number)),
+        vectors(std::array::from_fn(number)),
         [0, 1, 2].map_each(|corner| [0, 1, 2].map_each(|axis| coordinate(corner, axis))),
     )
 }
 
-fn vectors(ray: PixelRay) -> Vectors<f64> {
-    split(ray)
-}
-
-fn vector(v: DVec3) -> [f64; 3] {
-    v.to_array()
-}
-
-fn split<T: Number>(n: [T; 18]) -> Vectors<T> {
+fn vectors<T: Number>(n: [T; 18]) -> Vectors<T> {
     let vector = |k: usize| [n[3 * k], n[3 * k + 1], n[3 * k + 2]];
     Vectors { p: vector(0), d: vector(1), right: [vector(2), vector(3)], down: [vector(4), vector(5)] }
-}
-
-/// Numbers, with or without a derivative.
-trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
-    const NOUGHT: Self;
-    fn root(self) -> Self;
-}
-
-impl Number for f64 {
-    const NOUGHT: f64 = 0.0;
-
-    fn root(self) -> f64 {
-        self.sqrt()
-    }
-}
-
-/// A number and its derivative.
-#[derive(Debug, Clone, Copy)]
-struct Dual<T> {
-    value: T,
-    rate: T,
-}
-
-impl<T: Number> Dual<T> {
-    fn still(value: T) -> Dual<T> {
-        Dual { value, rate: T::NOUGHT }
-    }
-}
-
-impl<T: Number> Add for Dual<T> {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Dual { value: self.value + other.value, rate: self.rate + other.rate }
-    }
-}
-
-impl<T: Number> Sub for Dual<T> {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        Dual { value: self.value - other.value, rate: self.rate - other.rate }
-    }
-}
-
-impl<T: Number> Mul for Dual<T> {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        Dual { value: self.value * other.value, rate: self.value * other.rate + self.rate * other.value }
-    }
-}
-
-impl<T: Number> Div for Dual<T> {
-    type Output = Self;
-    fn div(self, other: Self) -> Self {
-        let value = self.value / other.value;
-        Dual { value, rate: (self.rate - value * other.rate) / other.value }
-    }
-}
-
-impl<T: Number> Number for Dual<T> {
-    const NOUGHT: Self = Dual { value: T::NOUGHT, rate: T::NOUGHT };
-
-    fn root(self) -> Self {
-        let value = self.value.root();
-        Dual { value, rate: self.rate / (value + value) }
-    }
 }
 
 fn minus<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {

@@ -6,7 +6,7 @@
 //! which needs no inverse and is smooth up to the fold. Behind a pole that cancels, it is traced from a circle about the middle. Where the model is radial, interval arithmetic proves that it grows, and
 //! bisection with secants finds the radius.
 
-pub mod dual;
+pub mod brown;
 mod poles;
 mod projection;
 mod radial;

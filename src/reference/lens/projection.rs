@@ -89,22 +89,20 @@ fn shifted(xi: f64, theta: f64) -> f64 {
 
 /// Bounds on the derivative of `c[0] x + c[1] x^2 + ...` over a range of x, from 0 up.
 fn slope(c: &[f64], x: Range) -> Range {
-    let mut power = Range::at(1.0);
-    let mut sum = Range::at(0.0);
-    for (n, c) in c.iter().enumerate() {
-        sum = sum + Range::at((n + 1) as f64 * c) * power;
-        power = power * x;
-    }
-    sum
+    polynomial(c.iter().enumerate().map(|(n, c)| (n + 1) as f64 * c), x)
 }
 
 /// Bounds on `h - r h'` over a range of r, for `h = c[0] + c[1] r + ...`.
 fn growth(c: &[f64], r: Range) -> Range {
-    let mut power = Range::at(1.0);
-    let mut sum = Range::at(0.0);
-    for (n, c) in c.iter().enumerate() {
-        sum = sum + Range::at((1.0 - n as f64) * c) * power;
-        power = power * r;
+    polynomial(c.iter().enumerate().map(|(n, c)| (1.0 - n as f64) * c), r)
+}
+
+/// Bounds on `k[0] + k[1] x + ...` over a range of x, from 0 up.
+fn polynomial(coefficients: impl Iterator<Item = f64>, x: Range) -> Range {
+    let (mut power, mut sum) = (Range::at(1.0), Range::at(0.0));
+    for k in coefficients {
+        sum = sum + Range::at(k) * power;
+        power = power * x;
     }
     sum
 }
@@ -117,16 +115,9 @@ fn w(alpha: f64) -> f64 {
 /// The angle under `end` with `seen = r`, for a projection that grows from 0 to `end`, by halving.
 fn bisect(seen: impl Fn(f64) -> f64, end: f64, r: f64) -> Option<f64> {
     assert!(end.is_finite(), "the projection has an end");
-    let (mut lo, mut hi) = (0.0, end);
-    loop {
-        let middle = lo + (hi - lo) / 2.0;
-        if middle <= lo || middle >= hi {
-            break;
-        }
-        // at and past a pole, where nothing is seen, the formula is infinite or negative
-        let at = seen(middle);
-        if at >= 0.0 && at < r { lo = middle } else { hi = middle }
-    }
+    // at and past a pole, where nothing is seen, the formula is infinite or negative
+    let is_before = |theta: f64| (0.0..r).contains(&seen(theta));
+    let angle = radial::bisect(|theta| !is_before(theta), [0.0, end]);
     // not reached before the end
-    (hi < end).then_some(hi)
+    (angle < end).then_some(angle)
 }

@@ -1,6 +1,6 @@
 //! Traces the preimage of the straight line from the middle to a place, through the plane of rays.
 
-use super::dual::seen;
+use super::brown::seen;
 use super::radial;
 use crate::arrays::MapEach;
 use crate::camera::calibration::Coefficients;
@@ -27,7 +27,7 @@ struct At {
 impl At {
     /// `None` on a pole or beyond.
     fn new(line: &Line, p: DVec2) -> Option<At> {
-        let [u, v] = seen(line.k, line.side, [p.x, p.y])?.map_each(|d| d.0);
+        let [u, v] = seen(line.k, line.side, [p.x, p.y])?.map_each(|d| [d.value, d.rate.x, d.rate.y]);
         let line = line.place;
         // (u, v) = along * line + across * line', line' the line rotated by 90 degrees
         let part = |x: f64, y: f64| [0, 1, 2].map_each(|n| (x * u[n] + y * v[n]) / line.length_squared());

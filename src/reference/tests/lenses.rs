@@ -2,7 +2,7 @@
 
 use crate::camera::calibration::{Coefficients, Model, Projection};
 use crate::camera::kinds::calibrated::lens::Lens;
-use crate::reference::lens::{self, dual};
+use crate::reference::lens::{self, brown};
 use crate::testing::Rng;
 use glam::{DVec2, DVec3};
 
@@ -44,9 +44,9 @@ fn places() -> impl Iterator<Item = DVec2> {
 
 /// Where the direction is seen, x and y with their derivatives, and whether it lies behind a pole.
 fn seen(k: &[f64; 14], d: DVec3) -> ([[f64; 3]; 2], bool) {
-    let on_side = |side: f64| dual::seen(&Coefficients::of_opencv(k), side, [d.x, d.y]);
+    let on_side = |side: f64| brown::seen(&Coefficients::of_opencv(k), side, [d.x, d.y]);
     let (place, is_behind) = on_side(1.0).map_or_else(|| (on_side(-1.0), true), |place| (Some(place), false));
-    (place.unwrap().map(|d| d.0), is_behind)
+    (place.unwrap().map(|d| [d.value, d.rate.x, d.rate.y]), is_behind)
 }
 
 #[test]
