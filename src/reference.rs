@@ -306,14 +306,13 @@ impl<'a> Reference<'a> {
 
 /// The box of a triangle or sphere at all moments; `None` if it is never hit.
 fn item(all: MovingMesh, id: u32) -> Option<Item> {
-    let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
     if let Some(radius) = all.mesh.radius(id) {
         let at = |step| Sphere { centre: all.corners(id, step)[0], radius }.bounds();
-        let (lo, hi) = (0..all.count()).map(at).reduce(join)?;
+        let (lo, hi) = bvh::bounds((0..all.count()).map(at));
         return Some(Item { lo, hi, id });
     }
     let corners = (0..all.count()).map(|step| Corners::new(all.corners(id, step)));
-    let (lo, hi) = corners.clone().map(|corners| corners.bounds()).reduce(join)?;
+    let (lo, hi) = bvh::bounds(corners.clone().map(|corners| corners.bounds()));
     let is_there = all.count() > 1 || corners.clone().any(|corners| !corners.is_degenerate());
     is_there.then_some(Item { lo, hi, id })
 }

@@ -124,7 +124,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
     let share = run.share.part_of(1 + run.repeat as usize);
     let timed = || {
         let started = Instant::now();
-        let frame = reference::image::image_with_caustics(scene, camera, &channels, maps.as_ref(), &share);
+        let frame = reference::image::rows_with_caustics(scene, camera, &channels, maps.as_ref(), (1, &share));
         (frame, ms_since(started))
     };
     let (mut frame, first_ms) = timed();

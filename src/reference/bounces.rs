@@ -10,7 +10,6 @@ use crate::camera::optics::bounce::{Split, after, at_facet};
 use crate::camera::optics::meeting::first_meeting;
 use crate::camera::optics::{Branch, Optics, Surface};
 use glam::DVec3;
-use std::cmp::Ordering;
 
 /// Where a pixel's path ends, and what it shows.
 #[derive(Debug, Clone)]
@@ -69,14 +68,12 @@ impl Reference<'_> {
                 let branches = optics.branches().iter().rev();
                 let steps = branches.map(|b| self.step(optics, &outcome, first, Split { branch: *b, tilt: *tilt }));
                 for step in steps {
-                    match step {
-                        Step::Bounced(outcome, last) => todo.push((outcome, Some(last))),
-                        Step::Ended(outcome) => {
-                            // all branches end at the same hit
-                            all.push(outcome);
-                            break;
-                        }
+                    if step.1.is_none() {
+                        // all branches end at the same hit
+                        all.push(step.0);
+                        break;
                     }
+                    todo.push(step);
                 }
             }
         }
@@ -86,42 +83,28 @@ impl Reference<'_> {
     /// Follows `path` through the optics, whose facets are the last triangles of the mesh. Also returns the outcomes of the paths
     /// that tie with it.
     fn outcomes(&self, optics: &Optics, path: Path) -> (Outcome, Vec<Outcome>) {
+        let split = Split { branch: Branch::Main, tilt: optics.tilts()[0] };
         let mut todo = vec![(Outcome::of_eye(None, path), None)];
         let mut done = Vec::new();
         while let Some((outcome, last)) = todo.pop() {
-            let fork = self.go_on(optics, outcome, last);
+            let meetings = if outcome.seen.is_some() { Vec::new() } else { self.meetings(optics, &outcome, last) };
+            let Some(main) = meetings.iter().copied().reduce(sooner) else {
+                done.push(outcome);
+                continue;
+            };
+            let step = |meeting: &Meeting| self.step(optics, &outcome, *meeting, split);
             if done.len() + todo.len() < PATHS_MAX {
-                // the first path is the true one
-                todo.extend(fork.others);
+                let is_tie = |m: &&Meeting| m.hit.triangle != main.hit.triangle && !clears(main.t(), m.t());
+                todo.extend(meetings.iter().filter(is_tie).map(step));
             }
-            match fork.main {
-                Step::Ended(outcome) => done.push(outcome),
-                Step::Bounced(outcome, last) => todo.push((outcome, Some(last))),
+            // the last of the list comes first: the first path is the true one
+            match step(&main) {
+                (outcome, None) => done.push(outcome),
+                bounced => todo.push(bounced),
             }
         }
         let others = done.split_off(1);
         (done.remove(0), others)
-    }
-
-    /// Follows a path to its next hit, and to the hits that tie with it.
-    fn go_on(&self, optics: &Optics, outcome: Outcome, last: Option<u32>) -> Fork {
-        if outcome.seen.is_some() {
-            return Fork { main: Step::Ended(outcome), others: Vec::new() };
-        }
-        let meetings = self.meetings(optics, &outcome, last);
-        let Some(main) = meetings.iter().copied().reduce(sooner) else {
-            return Fork { main: Step::Ended(outcome), others: Vec::new() };
-        };
-        let split = Split { branch: Branch::Main, tilt: optics.tilts()[0] };
-        let step = |meeting: &Meeting| self.step(optics, &outcome, *meeting, split);
-        let ties = meetings.iter().filter(|m| m.hit.triangle != main.hit.triangle && !clears(main.t(), m.t()));
-        let others = ties
-            .map(|m| match step(m) {
-                Step::Bounced(outcome, last) => (outcome, Some(last)),
-                Step::Ended(outcome) => (outcome, None),
-            })
-            .collect();
-        Fork { main: step(&main), others }
     }
 
     /// All hits that may be the first: of the eye's segments, or of the last bounced ray.
@@ -170,17 +153,17 @@ impl Reference<'_> {
         meetings
     }
 
-    /// The path after a hit: bounced or ended.
-    fn step(&self, optics: &Optics, outcome: &Outcome, meeting: Meeting, split: Split) -> Step {
+    /// The path after a hit: bounced, with the id of the surface, or ended.
+    fn step(&self, optics: &Optics, outcome: &Outcome, meeting: Meeting, split: Split) -> (Outcome, Option<u32>) {
         let Meeting { layer, piece, hit, .. } = meeting;
         let mut outcome = outcome.clone();
-        let Some((_, segment)) = outcome.path.segments[layer] else { return Step::Ended(outcome) };
+        let Some((_, segment)) = outcome.path.segments[layer] else { return (outcome, None) };
         outcome.touches |= self.touches(&segment, &hit);
         let surface = hit.triangle.checked_sub(optics.first_id(self.triangle_count()));
         let Some(surface) = surface.filter(|_| outcome.bounces < optics.depth) else {
             let t = if outcome.bounces > 0 { hit.t } else { outcome.path.within(hit.t) };
             outcome.seen = Some(Seen { layer, piece, hit: Hit { t, ..hit } });
-            return Step::Ended(outcome);
+            return (outcome, None);
         };
         outcome.first = outcome.first.or(Some(surface));
         let arriving = segment.direction(hit.t);
@@ -214,7 +197,7 @@ impl Reference<'_> {
         outcome.light *= share;
         outcome.bounces += 1;
         outcome.path.segments.push(goes_on.then(|| (piece, straight(optics.environment.unwrap_or(place), direction))));
-        Step::Bounced(outcome, hit.triangle)
+        (outcome, Some(hit.triangle))
     }
 
     /// Judges a pixel behind optics by samples of the box, as [`Reference::finding`] does curves: all must have
@@ -267,27 +250,10 @@ impl Meeting {
 
 /// The one in the lower layer; there the nearer one.
 fn sooner(a: Meeting, b: Meeting) -> Meeting {
-    match a.layer.cmp(&b.layer) {
-        Ordering::Less => a,
-        Ordering::Greater => b,
-        Ordering::Equal => match nearer(Some(a.hit), b.hit) {
-            Some(hit) => Meeting { hit, ..a },
-            None => a,
-        },
+    if a.layer != b.layer {
+        return if a.layer < b.layer { a } else { b };
     }
-}
-
-/// A path after one more hit.
-enum Step {
-    Ended(Outcome),
-    /// With the id of the surface.
-    Bounced(Outcome, u32),
-}
-
-/// The true path and those that tie with it.
-struct Fork {
-    main: Step,
-    others: Vec<(Outcome, Option<u32>)>,
+    nearer(Some(a.hit), b.hit).map_or(a, |hit| Meeting { hit, ..a })
 }
 
 impl Outcome {

@@ -1,12 +1,11 @@
 //! A bounding volume hierarchy over triangles, in f64.
 
-use crate::arrays::MapEach;
 use crate::parallel;
 use glam::DVec3;
 
 /// Most triangles in a leaf.
 const LEAF: usize = 4;
-/// Bins per axis for the surface area heuristic.
+/// Bins along the longest side for the surface area heuristic.
 const BINS: usize = 16;
 /// Deeper nodes split at the median, so that the depth stays under `MAX_SAH_DEPTH` + 31 for any u32 count.
 const MAX_SAH_DEPTH: u32 = 36;
@@ -136,7 +135,8 @@ fn grow(items: &mut [Item], first: u32, depth: u32, nodes: &mut Vec<Node>) {
     nodes[at].count = 0;
 }
 
-fn bounds(boxes: impl Iterator<Item = (DVec3, DVec3)>) -> (DVec3, DVec3) {
+/// The box around boxes.
+pub fn bounds(boxes: impl Iterator<Item = (DVec3, DVec3)>) -> (DVec3, DVec3) {
     boxes.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), (a, b)| (lo.min(a), hi.max(b)))
 }
 
@@ -148,31 +148,19 @@ fn centre(item: &Item) -> DVec3 {
 /// Reorders `items` and returns where the second part starts: neither part is empty.
 fn split(items: &mut [Item], depth: u32) -> usize {
     let (lo, hi) = bounds(items.iter().map(|i| (centre(i), centre(i))));
-    let binning = Binning { lo, scale: (hi - lo).map(|e| if e > 0.0 { BINS as f64 / e } else { 0.0 }) };
-    let plane = if depth < MAX_SAH_DEPTH { best_plane(items, &binning) } else { None };
-    if let Some((axis, bin)) = plane {
-        let middle = partition(items, |i| binning.bin(i)[axis] <= bin);
+    let axis = (hi - lo).max_position();
+    let extent = hi[axis] - lo[axis];
+    if depth < MAX_SAH_DEPTH && extent > 0.0 {
+        let bin = |item: &Item| (((centre(item)[axis] - lo[axis]) * (BINS as f64 / extent)) as usize).min(BINS - 1);
+        let last = best_bin(items, bin);
+        let middle = partition(items, |i| last.is_some_and(|last| bin(i) <= last));
         if middle > 0 && middle < items.len() {
             return middle;
         }
     }
-    let axis = (hi - lo).max_position();
     let middle = items.len() / 2;
     items.select_nth_unstable_by(middle, |a, b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.id.cmp(&b.id)));
     middle
-}
-
-struct Binning {
-    lo: DVec3,
-    /// Bins per unit of doubled centre; 0 on an axis without extent.
-    scale: DVec3,
-}
-
-impl Binning {
-    fn bin(&self, item: &Item) -> [usize; 3] {
-        let at = (centre(item) - self.lo) * self.scale;
-        at.to_array().map_each(|v| (v as usize).min(BINS - 1))
-    }
 }
 
 #[derive(Clone, Copy)]
@@ -201,31 +189,24 @@ impl Bin {
     }
 }
 
-/// The axis and last bin of the first part with the least surface area cost; `None` when all centres fall
-/// into one bin or the cost is not a number.
-fn best_plane(items: &[Item], binning: &Binning) -> Option<(usize, usize)> {
-    let mut bins = [[Bin::EMPTY; BINS]; 3];
+/// The last bin of the first part with the least surface area cost; `None` when all centres fall into one bin or the cost is not a number.
+fn best_bin(items: &[Item], bin: impl Fn(&Item) -> usize) -> Option<usize> {
+    let mut bins = [Bin::EMPTY; BINS];
     for item in items {
-        let one = Bin { lo: item.lo, hi: item.hi, count: 1 };
-        for (axis, bin) in binning.bin(item).into_iter().enumerate() {
-            bins[axis][bin].join(&one);
-        }
+        bins[bin(item)].join(&Bin { lo: item.lo, hi: item.hi, count: 1 });
     }
-    let mut best = None;
-    let mut best_cost = f64::INFINITY;
-    for (axis, axis_bins) in bins.iter().enumerate() {
-        let mut after = [Bin::EMPTY; BINS];
-        for b in (0..BINS - 1).rev() {
-            after[b] = after[b + 1];
-            after[b].join(&axis_bins[b + 1]);
-        }
-        let mut before = Bin::EMPTY;
-        for b in 0..BINS - 1 {
-            before.join(&axis_bins[b]);
-            let cost = before.cost() + after[b].cost();
-            if before.count > 0 && after[b].count > 0 && cost < best_cost {
-                (best, best_cost) = (Some((axis, b)), cost);
-            }
+    let mut after = [Bin::EMPTY; BINS];
+    for b in (0..BINS - 1).rev() {
+        after[b] = after[b + 1];
+        after[b].join(&bins[b + 1]);
+    }
+    let (mut best, mut best_cost) = (None, f64::INFINITY);
+    let mut before = Bin::EMPTY;
+    for b in 0..BINS - 1 {
+        before.join(&bins[b]);
+        let cost = before.cost() + after[b].cost();
+        if before.count > 0 && after[b].count > 0 && cost < best_cost {
+            (best, best_cost) = (Some(b), cost);
         }
     }
     best

@@ -80,8 +80,12 @@ fn add(map: &mut Map, triangle: &CausticTriangle, budget: &mut FluxBudget) {
     budget.degenerate += u64::from(shares.flat);
 }
 
-/// The light that a receiver adds to the colour of a hit: diffuse reflection of the caustic.
-pub fn reflected(scene: &Scene, caustics: &CausticMaps, triangle: u32, bary: [f64; 2]) -> [f32; 3] {
+/// The light that a receiver adds to the colour of what a camera shows: diffuse reflection of the caustic.
+pub fn shown_by(scene: &Scene, camera: &Camera, shown: &Outcome, caustics: &CausticMaps) -> [f32; 3] {
+    let first = camera.optics.as_ref().map_or(u32::MAX, |o| o.first_id(scene.mesh.triangle_count()));
+    let Some(Hit { triangle, bary, .. }) = shown.seen.map(|s| s.hit).filter(|hit| hit.triangle < first) else {
+        return [0.0; 3];
+    };
     if scene.mesh.radius(triangle).is_some() {
         return [0.0; 3];
     }
@@ -94,13 +98,4 @@ pub fn reflected(scene: &Scene, caustics: &CausticMaps, triangle: u32, bary: [f6
     let diffuse = albedo(&scene.mesh, corners, &Hit { t: 0.0, triangle, bary });
     let received = map.irradiance(map.receiver.texels_of(p)).unwrap_or_default();
     [0, 1, 2].map_each(|k| (f64::from(diffuse[k]) * received[k] / std::f64::consts::PI) as f32)
-}
-
-/// The camera of a scene with caustics shows them.
-pub fn shown_by(scene: &Scene, camera: &Camera, shown: &Outcome, caustics: &CausticMaps) -> [f32; 3] {
-    let first = camera.optics.as_ref().map_or(u32::MAX, |o| o.first_id(scene.mesh.triangle_count()));
-    match shown.seen.filter(|s| s.hit.triangle < first) {
-        Some(seen) => reflected(scene, caustics, seen.hit.triangle, seen.hit.bary),
-        None => [0.0; 3],
-    }
 }

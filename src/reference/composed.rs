@@ -12,7 +12,6 @@ use crate::image::frame::{NO_ID, PixelValues};
 use crate::scene::Scene;
 use crate::scene::caustics::CausticMaps;
 use std::borrow::Cow;
-use std::cmp::Ordering;
 
 /// What is seen by each camera, and the rule that chooses.
 pub(super) struct Composed<'a> {
@@ -114,9 +113,8 @@ impl<'a> Composed<'a> {
         };
         let hits = (0..values.len()).filter(among).filter(|k| values[*k].triangle != NO_ID);
         let mut candidates: Vec<Candidate> = hits.map(candidate).collect();
-        candidates.sort_by(|a, b| match b.priority.cmp(&a.priority) {
-            Ordering::Equal => a.depth.total_cmp(&b.depth).then(a.number.cmp(&b.number)),
-            other => other,
+        candidates.sort_by(|a, b| {
+            b.priority.cmp(&a.priority).then(a.depth.total_cmp(&b.depth)).then(a.number.cmp(&b.number))
         });
         candidates
     }

@@ -74,7 +74,7 @@ fn join(nearby: &[BoxTriangle]) -> (Sets, Vec<bool>) {
         }
     }
     edges.sort_unstable();
-    let mut sets = Sets::new(nearby.len());
+    let mut sets = Sets((0..nearby.len()).collect());
     let mut open_at = Vec::new();
     for shared in edges.chunk_by(|a, b| a.0 == b.0) {
         let mut hit = shared.iter().filter(|e| e.3);
@@ -94,10 +94,6 @@ fn join(nearby: &[BoxTriangle]) -> (Sets, Vec<bool>) {
 struct Sets(Vec<usize>);
 
 impl Sets {
-    fn new(n: usize) -> Sets {
-        Sets((0..n).collect())
-    }
-
     fn root(&mut self, mut k: usize) -> usize {
         while self.0[k] != k {
             self.0[k] = self.0[self.0[k]];

@@ -31,7 +31,7 @@ pub fn meetings(curve: &Curve, c: &Corners) -> Vec<Meeting> {
 /// The curve passes the triangle's plane so flat at `t` that the place is not sure to [`GAP`], or not at all.
 pub fn is_flat(curve: &Curve, c: &Corners, t: f64) -> bool {
     let plane = Plane::of(curve, c);
-    2.0 * plane.blur(t) > GAP * t.max(GAP)
+    2.0 * blur(&plane.height, plane.zero, t) > GAP * t.max(GAP)
 }
 
 /// A triangle's plane as a curve sees it.
@@ -72,7 +72,7 @@ impl Plane {
         let at = curve.at(root.t);
         // the curve's places are as exact as its points, evaluated with three levels of rounding
         let coordinate = curve.points().iter().fold(0.0_f64, |m, p| m.max(p.abs().max_element()));
-        let blur = self.blur(root.t);
+        let blur = blur(&self.height, self.zero, root.t);
         let drift =
             (curve.at((root.t + blur).min(1.0)) - at).length().max((curve.at((root.t - blur).max(0.0)) - at).length());
         let reach = 2.0 * drift + 3.0 * (self.place_error + VALUE_ROUNDING * coordinate);
@@ -90,10 +90,6 @@ impl Plane {
         let sum: f64 = weight.iter().sum();
         let bary = if sum == 0.0 { [1.0 / 3.0; 2] } else { [weight[1] / sum, weight[2] / sum] };
         Some(Meeting { t: root.t, sign: root.sign * c.parity, bary })
-    }
-
-    fn blur(&self, t: f64) -> f64 {
-        blur(&self.height, self.zero, t)
     }
 }
 

@@ -34,7 +34,7 @@ pub struct Judgement {
 
 /// The asked-for channels of the reference's frame.
 pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
-    rows_of_image(scene, camera, channels, EVERY_ROW)
+    rows_of_image(scene, camera, channels, 1)
 }
 
 /// The same of each `step`-th row alone, the first one first.
@@ -44,20 +44,8 @@ pub fn rows_of_image(scene: &Scene, camera: &Camera, channels: &[Channel], step:
     rows_with_caustics(scene, camera, channels, maps.as_ref(), (step, &Share::default()))
 }
 
-/// A frame with given caustics.
-pub fn image_with_caustics(
-    scene: &Scene,
-    camera: &Camera,
-    channels: &[Channel],
-    maps: Option<&CausticMaps>,
-    share: &Share,
-) -> Frame {
-    rows_with_caustics(scene, camera, channels, maps, (EVERY_ROW, share))
-}
-
-const EVERY_ROW: u32 = 1;
-
-fn rows_with_caustics(
+/// Each `step`-th row of a frame with given caustics.
+pub fn rows_with_caustics(
     scene: &Scene,
     camera: &Camera,
     channels: &[Channel],
@@ -87,7 +75,7 @@ fn rows_with_caustics(
 
 /// Compares `frame`'s triangle ids with the reference.
 pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
-    judge_rows(scene, camera, frame_seen, EVERY_ROW)
+    judge_rows(scene, camera, frame_seen, 1)
 }
 
 /// The same in each `step`-th row alone: what comes has these rows only.

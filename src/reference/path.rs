@@ -23,7 +23,8 @@ pub enum Segment {
 pub struct Path {
     /// The layers' segments, first to last, each with its piece, numbered through all layers.
     pub segments: Vec<Option<(u32, Segment)>>,
-    t_range: [f64; 2],
+    /// The camera's.
+    pub t_range: [f64; 2],
 }
 
 /// The first hit of a path.
@@ -139,11 +140,6 @@ impl Path {
             t1 += face_allowance(error, direction);
         }
         [t0, t1]
-    }
-
-    /// The camera's range of t.
-    pub fn ends(&self) -> [f64; 2] {
-        self.t_range
     }
 
     /// `t` in the camera's own range.

@@ -89,7 +89,7 @@ impl<'a> Medium<'a> {
     pub fn along(&self, path: &Path, seen: Option<&Seen>) -> Passed {
         let stretches = path.segments.iter().enumerate().filter_map(|(layer, segment)| {
             let (_, segment) = segment.as_ref()?;
-            let [first, last] = path.ends();
+            let [first, last] = path.t_range;
             let last = match seen {
                 Some(seen) if seen.layer < layer => return None,
                 Some(seen) if seen.layer == layer => seen.hit.t,
