@@ -51,7 +51,7 @@ impl Server {
     pub fn start(document: Document, base: Option<Scene>, options: Options) -> Result<Server> {
         // wrong values end it now; later they are said on the page
         document.scene_file(options.frame)?;
-        let loader = Arc::new(Loader::new(document.path(), document.limits(), base));
+        let loader = Arc::new(Loader::new(&document.path, document.limits, base));
         let engine = Engine::open(&options.gpu)?;
         let adapter = engine.as_ref().map_or("the CPU, by the reference".into(), |e| e.gpu.info.name.clone());
         let session = Arc::new(Session::new(document, options.frame, adapter)?);

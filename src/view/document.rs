@@ -24,6 +24,12 @@ pub struct Edit {
     pub value: Json,
 }
 
+impl Edit {
+    fn new(path: &str, value: Json) -> Edit {
+        Edit { path: path.into(), value }
+    }
+}
+
 /// A drag of a handle or a slider: a page, and its number there. The edits of one gesture are undone together.
 pub type Gesture = (u64, u64);
 
@@ -47,8 +53,8 @@ pub struct Keys {
 }
 
 pub struct Document {
-    /// The scene file.
-    path: PathBuf,
+    /// The scene file, from whose folder relative paths start.
+    pub path: PathBuf,
     /// Where it is saved: the scene file, or for a .json the .toml beside it; `None` for a scene in memory.
     target: Option<PathBuf>,
     text: String,
@@ -58,7 +64,7 @@ pub struct Document {
     redo: Vec<String>,
     gesture: Option<Gesture>,
     /// The limits of every load of the text.
-    limits: Limits,
+    pub limits: Limits,
 }
 
 impl Document {
@@ -83,9 +89,11 @@ impl Document {
             let (name, bytes) = (path.display(), text.len());
             return Err(Error::input(format!("{name}: {bytes} bytes of text; view takes at most {TEXT_MAX}")));
         }
-        let (undo, redo) = (Vec::new(), Vec::new());
-        let (path, target) = (path.to_owned(), Some(target));
-        Ok(Document { path, target, text, saved, undo, redo, gesture: None, limits })
+        Ok(Document::new(path.to_owned(), text, limits, Some(target), saved))
+    }
+
+    fn new(path: PathBuf, text: String, limits: Limits, target: Option<PathBuf>, saved: Option<String>) -> Document {
+        Document { path, target, text, saved, undo: Vec::new(), redo: Vec::new(), gesture: None, limits }
     }
 
     /// The document of a scene in memory: its camera, a table in TOML or, where it begins with a brace, JSON; and the size of the image.
@@ -103,8 +111,7 @@ impl Document {
         scene.insert("camera".into(), values::json(&parse::parse(camera, format, Path::new("camera"))?));
         let root = parse::parse(&Json::Object(scene).to_string(), Format::Json, &path)?;
         let text = values::toml(&root).map_err(Error::input)?;
-        let (undo, redo) = (Vec::new(), Vec::new());
-        Ok(Document { path, target: None, text, saved: None, undo, redo, gesture: None, limits })
+        Ok(Document::new(path, text, limits, None, None))
     }
 
     /// Applies the changes of a command line: the image's size, and `key=value` texts as of `--set`.
@@ -112,9 +119,9 @@ impl Document {
     /// # Errors
     /// [`Error::Input`] for a text without a value, and for a path that leads nowhere.
     pub fn change(&mut self, size: Option<(u32, u32)>, set: &[String], frame: f64) -> Result<()> {
-        let edit = |path: &str, value: Json| Edit { path: path.into(), value };
-        let sides =
-            |(width, height): (u32, u32)| [edit("image.width", width.into()), edit("image.height", height.into())];
+        let sides = |(width, height): (u32, u32)| {
+            [Edit::new("image.width", width.into()), Edit::new("image.height", height.into())]
+        };
         self.edit(&size.map(sides).into_iter().flatten().collect::<Vec<Edit>>(), frame, None)?;
         if set.is_empty() {
             return Ok(());
@@ -129,15 +136,6 @@ impl Document {
             paths::set(&mut document, &steps, value).map_err(|why| wrong(&why))?;
         }
         self.replace(self.with_line_ends(document.to_string()), None)
-    }
-
-    /// The scene file, from whose folder relative paths start.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    pub fn limits(&self) -> Limits {
-        self.limits
     }
 
     pub fn text(&self) -> &str {
@@ -188,8 +186,8 @@ impl Document {
         // of text that cannot be read, nothing does
         let Ok(root) = self.root() else { return Keys::default() };
         let Ok(expanded) = file::expanded(&self.text, &self.path, &self.loading()) else { return Keys::default() };
-        let has_poses = values::keyframed(&expanded) != values::keyframed(&root);
-        Keys { frames: values::frames(&expanded), paths: values::keyframed(&root), has_poses }
+        let ((frames, expanded), (_, paths)) = (values::keys(&expanded), values::keys(&root));
+        Keys { frames, has_poses: expanded != paths, paths }
     }
 
     /// Changes values. A keyframed value gets a key at `frame`.
@@ -210,8 +208,7 @@ impl Document {
             }
             let keys = (1..=steps.len()).find(|n| paths::get(&document, &steps[..*n]).is_some_and(is_keys));
             match (keys, &edit.value) {
-                (None, Json::Null) => paths::remove(&mut document, &steps).map_err(|why| wrong(edit, why))?,
-                (Some(n), Json::Null) if n == steps.len() => {
+                (n, Json::Null) if n.is_none_or(|n| n == steps.len()) => {
                     paths::remove(&mut document, &steps).map_err(|why| wrong(edit, why))?;
                 }
                 (None, value) => {
@@ -266,8 +263,7 @@ impl Document {
         }
         let rows: Vec<Vec<[f64; 2]>> =
             offsets.chunks(columns as usize).map(|row| row.iter().map(|o| o.to_array()).collect()).collect();
-        let edit = |path: &str, value: Json| Edit { path: path.into(), value };
-        self.edit(&[edit("camera.offsets", rows.into()), edit("camera.file", Json::Null)], frame, None)
+        self.edit(&[Edit::new("camera.offsets", rows.into()), Edit::new("camera.file", Json::Null)], frame, None)
     }
 
     /// Replaces the whole text, which need not be valid.

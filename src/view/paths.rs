@@ -1,7 +1,7 @@
 //! Values in a TOML document by their dotted paths. Everything else of the text, comments and layout, stays as it is.
 
 use super::values::is_keys;
-use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
 
 /// The item that a path leads to.
 pub fn get<'a>(document: &'a DocumentMut, steps: &[&str]) -> Option<&'a Item> {
@@ -12,87 +12,62 @@ pub fn get<'a>(document: &'a DocumentMut, steps: &[&str]) -> Option<&'a Item> {
     })
 }
 
+/// The same, to be changed.
+fn get_mut<'a>(document: &'a mut DocumentMut, steps: &[&str]) -> Option<&'a mut Item> {
+    // `Item::get_mut` adds keys that are not there
+    get(document, steps)?;
+    steps.iter().try_fold(document.as_item_mut(), |at, step| match step.parse::<usize>() {
+        Ok(index) if !at.is_table_like() => at.get_mut(index),
+        _ => at.get_mut(step),
+    })
+}
+
 /// Sets a value; tables on the way to it are added. One past a list's last index adds an item.
 pub fn set(document: &mut DocumentMut, steps: &[&str], value: Value) -> Result<(), String> {
-    match steps {
-        [section, rest @ ..] if !rest.is_empty() && document.get(section).is_none() => {
-            // a section of its own
-            let item = match nested(rest, value)? {
-                Value::InlineTable(table) => Item::Table(table.into_table()),
+    let known = (0..=steps.len()).rev().find(|n| get(document, &steps[..*n]).is_some()).unwrap_or(0);
+    let (known, new) = steps.split_at(known);
+    let parent = &known[..known.len().saturating_sub(1)];
+    let is_of_list = get(document, parent).is_some_and(Item::is_array_of_tables);
+    match (get_mut(document, known), new) {
+        (Some(item), []) if is_of_list => *item = Item::Table(whole(value)?),
+        (Some(item), []) => replace(item, value),
+        (Some(item), [step, rest @ ..]) => {
+            let is_section = known.is_empty() && !rest.is_empty();
+            add(item, step, nested(rest, value), is_section)?;
+        }
+        (None, _) => return Err(format!("{known:?} leads nowhere")),
+    }
+    Ok(())
+}
+
+/// Adds a key to a table, as a section of its own if it is to be one, or an item to a list.
+fn add(item: &mut Item, step: &str, value: Result<Value, String>, is_section: bool) -> Result<(), String> {
+    match item {
+        Item::ArrayOfTables(tables) => {
+            check_index(step, tables.len())?;
+            tables.push(whole(value?)?);
+        }
+        Item::Value(Value::Array(items)) => {
+            check_index(step, items.len())?;
+            push(items, value?);
+        }
+        _ => {
+            let table = item.as_table_like_mut().ok_or_else(|| format!("{step:?} cannot be set in a single value"))?;
+            let added = match value? {
+                Value::InlineTable(section) if is_section => Item::Table(section.into_table()),
                 other => Item::Value(other),
             };
-            document.insert(section, item);
-            Ok(())
+            table.insert(step, added);
         }
-        _ => set_in_item(document.as_item_mut(), steps, value),
     }
+    Ok(())
 }
 
-fn set_in_item(item: &mut Item, steps: &[&str], value: Value) -> Result<(), String> {
-    let Some((step, rest)) = steps.split_first() else {
-        match (item, value) {
-            (Item::Value(old), value) => replace(old, value),
-            // a section stays one, in its place
-            (Item::Table(old), Value::InlineTable(new)) => {
-                let (decor, position) = (old.decor().clone(), old.position());
-                *old = new.into_table();
-                *old.decor_mut() = decor;
-                old.set_position(position);
-            }
-            (other, value) => *other = Item::Value(value),
-        }
-        return Ok(());
-    };
-    match item {
-        Item::Value(inner) => set_in_value(inner, steps, value),
-        Item::ArrayOfTables(tables) => {
-            let count = tables.len();
-            let index = index_of(step, count)?;
-            let whole = |value: Value| match value {
-                Value::InlineTable(table) => Ok(table.into_table()),
-                _ => Err("only a table can stand here".to_owned()),
-            };
-            match (tables.get_mut(index), rest) {
-                (Some(table), []) => *table = whole(value)?,
-                (Some(table), _) => set_in_table(table, rest, value)?,
-                (None, _) => tables.push(whole(nested(rest, value)?)?),
-            }
-            Ok(())
-        }
-        Item::Table(table) => set_in_table(table, steps, value),
-        Item::None => Err(format!("{step:?} leads nowhere")),
-    }
-}
-
-fn set_in_value(inner: &mut Value, steps: &[&str], value: Value) -> Result<(), String> {
-    let Some((step, rest)) = steps.split_first() else {
-        replace(inner, value);
-        return Ok(());
-    };
-    match inner {
-        Value::Array(items) => {
-            let index = index_of(step, items.len())?;
-            match items.get_mut(index) {
-                Some(item) => set_in_value(item, rest, value),
-                None => {
-                    push(items, nested(rest, value)?);
-                    Ok(())
-                }
-            }
-        }
-        Value::InlineTable(table) => set_in_table(table, steps, value),
-        _ => Err(format!("{step:?} cannot be set in a single value")),
-    }
-}
-
-fn set_in_table(table: &mut dyn TableLike, steps: &[&str], value: Value) -> Result<(), String> {
-    let Some((step, rest)) = steps.split_first() else { return Err("a table cannot be replaced here".into()) };
-    match table.get_mut(step) {
-        Some(item) => set_in_item(item, rest, value),
-        None => {
-            table.insert(step, Item::Value(nested(rest, value)?));
-            Ok(())
-        }
+/// A table of `[[...]]`.
+fn whole(value: Value) -> Result<Table, String> {
+    match value {
+        Value::InlineTable(table) => Ok(table.into_table()),
+        _ => Err("only a table can stand here".into()),
     }
 }
 
@@ -105,16 +80,30 @@ fn nested(steps: &[&str], value: Value) -> Result<Value, String> {
     })
 }
 
-/// Index of an item, or one past the last.
-fn index_of(step: &str, count: usize) -> Result<usize, String> {
-    let index = step.parse::<usize>().ok().filter(|index| *index <= count);
-    index.ok_or_else(|| format!("{step:?} is not an index into this list of {count}; they count from 0"))
+/// Refuses the index of an item that is added, unless it is one past the last.
+fn check_index(step: &str, count: usize) -> Result<(), String> {
+    let is_next = step.parse() == Ok(count);
+    is_next
+        .then_some(())
+        .ok_or_else(|| format!("{step:?} is not an index into this list of {count}; they count from 0"))
 }
 
 /// Another value in the same place, with the comment and the spaces around it.
-fn replace(old: &mut Value, mut value: Value) {
-    *value.decor_mut() = old.decor().clone();
-    *old = value;
+fn replace(item: &mut Item, value: Value) {
+    match (item, value) {
+        (Item::Value(old), mut value) => {
+            *value.decor_mut() = old.decor().clone();
+            *old = value;
+        }
+        // a section stays one, in its place
+        (Item::Table(old), Value::InlineTable(new)) => {
+            let (decor, position) = (old.decor().clone(), old.position());
+            *old = new.into_table();
+            *old.decor_mut() = decor;
+            old.set_position(position);
+        }
+        (other, value) => *other = Item::Value(value),
+    }
 }
 
 /// Adds an item, laid out as the last one.
@@ -131,65 +120,22 @@ fn push(items: &mut Array, mut value: Value) {
 /// Removes a key, or an item of a list.
 pub fn remove(document: &mut DocumentMut, steps: &[&str]) -> Result<(), String> {
     let Some((last, before)) = steps.split_last() else { return Err("nothing to remove".into()) };
-    let none = || format!("there is no {last:?} to remove");
-    let mut at = Place::Item(document.as_item_mut());
-    for step in before {
-        at = at.into(step).ok_or_else(none)?;
-    }
-    at.remove(last).then_some(()).ok_or_else(none)
-}
-
-/// A place in a document.
-enum Place<'a> {
-    Item(&'a mut Item),
-    Value(&'a mut Value),
-    Table(&'a mut Table),
-}
-
-impl<'a> Place<'a> {
-    fn into(self, step: &str) -> Option<Place<'a>> {
-        match self {
-            Place::Table(table) => table.get_mut(step).map(Place::Item),
-            Place::Item(Item::Table(table)) => table.get_mut(step).map(Place::Item),
-            Place::Item(Item::ArrayOfTables(tables)) => tables.get_mut(step.parse().ok()?).map(Place::Table),
-            Place::Item(Item::Value(value)) => Place::Value(value).into(step),
-            Place::Item(Item::None) => None,
-            Place::Value(Value::Array(items)) => items.get_mut(step.parse().ok()?).map(Place::Value),
-            Place::Value(Value::InlineTable(table)) => table.get_mut(step).map(Place::Value),
-            Place::Value(_) => None,
-        }
-    }
-
-    /// Whether there was something to remove.
-    fn remove(self, step: &str) -> bool {
-        let within = |count: usize| step.parse::<usize>().ok().filter(|index| *index < count);
-        match self {
-            Place::Table(table) | Place::Item(Item::Table(table)) => table.remove(step).is_some(),
-            Place::Item(Item::ArrayOfTables(tables)) => {
-                within(tables.len()).map(|index| tables.remove(index)).is_some()
-            }
-            Place::Item(Item::Value(value)) | Place::Value(value) => match value {
-                Value::Array(items) => within(items.len()).map(|index| items.remove(index)).is_some(),
-                Value::InlineTable(table) => table.remove(step).is_some(),
-                _ => false,
-            },
-            Place::Item(Item::None) => false,
-        }
-    }
+    let within = |count: usize| last.parse::<usize>().ok().filter(|index| *index < count);
+    let removed = match get_mut(document, before) {
+        Some(Item::ArrayOfTables(tables)) => within(tables.len()).map(|index| Item::Table(tables.remove(index))),
+        Some(Item::Value(Value::Array(items))) => within(items.len()).map(|index| Item::Value(items.remove(index))),
+        Some(other) => other.as_table_like_mut().and_then(|table| table.remove(last)),
+        None => None,
+    };
+    removed.map(drop).ok_or_else(|| format!("there is no {last:?} to remove"))
 }
 
 /// Sets the value of a keyframed value at a frame: the key of that frame, or a new one.
 pub fn set_key(document: &mut DocumentMut, steps: &[&str], frame: f64, value: Value) -> Result<(), String> {
     let keys = get(document, steps).filter(|item| is_keys(item)).ok_or("this has no keys")?;
-    let number = |item: Option<&Item>| item.and_then(|i| i.as_float().or(i.as_integer().map(|n| n as f64)));
-    let of_value = |item: &Value| {
-        item.as_inline_table().and_then(|table| number(table.get("frame").map(|v| Item::Value(v.clone())).as_ref()))
-    };
-    let frames: Vec<Option<f64>> = match keys {
-        Item::ArrayOfTables(tables) => tables.iter().map(|table| number(table.get("frame"))).collect(),
-        Item::Value(Value::Array(items)) => items.iter().map(of_value).collect(),
-        _ => Vec::new(),
-    };
+    let number = |item: &Item| item.as_float().or(item.as_integer().map(|n| n as f64));
+    let frames: Vec<Option<f64>> =
+        (0..).map_while(|k| keys.get(k)).map(|key: &Item| key.get("frame").and_then(number)).collect();
     let at = frames.iter().position(|found| found.is_some_and(|found| found >= frame)).unwrap_or(frames.len());
     if frames.get(at).is_some_and(|found| *found == Some(frame)) {
         let index = at.to_string();
@@ -198,19 +144,13 @@ pub fn set_key(document: &mut DocumentMut, steps: &[&str], frame: f64, value: Va
     let whole = frame.fract() == 0.0 && frame.abs() < 1e15;
     let frame = if whole { Value::from(frame as i64) } else { Value::from(frame) };
     let key = InlineTable::from_iter([("frame", frame), ("value", value)]);
-    let mut place = Place::Item(document.as_item_mut());
-    for step in steps {
-        place = place.into(step).ok_or("this has no keys")?;
-    }
-    match place {
-        Place::Item(Item::ArrayOfTables(tables)) => {
+    match get_mut(document, steps) {
+        Some(Item::ArrayOfTables(tables)) => {
             let mut all: Vec<Table> = tables.iter().cloned().collect();
             all.insert(at, key.into_table());
             *tables = all.into_iter().collect();
         }
-        Place::Item(Item::Value(Value::Array(items))) | Place::Value(Value::Array(items)) => {
-            items.insert(at, Value::InlineTable(key));
-        }
+        Some(Item::Value(Value::Array(items))) => items.insert(at, Value::InlineTable(key)),
         _ => return Err("this has no keys".into()),
     }
     Ok(())

@@ -129,23 +129,17 @@ fn each_keys(node: &Node, path: &str, found: &mut impl FnMut(&str, &[f64])) {
     }
 }
 
-/// The first and the last frame with a key.
-pub fn frames(root: &Node) -> Option<[f64; 2]> {
-    let mut ends: Option<[f64; 2]> = None;
-    each_keys(root, "", &mut |_, frames| {
+/// The first and the last frame with a key, and the paths of all keyframed values.
+pub fn keys(root: &Node) -> (Option<[f64; 2]>, Vec<String>) {
+    let (mut ends, mut paths) = (None, Vec::new());
+    each_keys(root, "", &mut |path, frames| {
+        paths.push(path.to_owned());
         for frame in frames {
             let [first, last] = ends.unwrap_or([*frame; 2]);
             ends = Some([first.min(*frame), last.max(*frame)]);
         }
     });
-    ends
-}
-
-/// The paths of all keyframed values.
-pub fn keyframed(root: &Node) -> Vec<String> {
-    let mut paths = Vec::new();
-    each_keys(root, "", &mut |path, _| paths.push(path.to_owned()));
-    paths
+    (ends, paths)
 }
 
 /// `key=value` texts for `--set` that make `new` of `old`; `None` if a section of `old` is not in `new`.
@@ -250,10 +244,10 @@ mod tests {
             "[camera]\nvfov = [{ frame = 2, value = 1 }, { frame = 30, value = 2 }]\neye = [0, 1, 2]\n[[mesh]]\n\
                          translate = [{ frame = -4.5, value = [0, 0, 0] }]\n",
         );
-        assert_eq!(frames(&root), Some([-4.5, 30.0]));
-        let mut paths = keyframed(&root);
+        let (frames, mut paths) = keys(&root);
+        assert_eq!(frames, Some([-4.5, 30.0]));
         paths.sort();
         assert_eq!(paths, ["camera.vfov", "mesh.0.translate"]);
-        assert_eq!(frames(&read("a = [{ frame = 1, other = 2 }]")), None);
+        assert_eq!(keys(&read("a = [{ frame = 1, other = 2 }]")).0, None);
     }
 }
