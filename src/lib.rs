@@ -109,7 +109,10 @@ pub use crate::api::*;
 pub use crate::input::{Error, Result};
 #[cfg(feature = "cli")]
 #[doc(hidden)]
-pub use crate::tools::process::{ExitWhenFull, keep_window_system_quiet, program};
+pub use crate::tools::{
+    cli::main as program,
+    process::{ExitWhenFull, keep_window_system_quiet},
+};
 
 /// The README's example, compiled.
 #[cfg(doctest)]

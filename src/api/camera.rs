@@ -15,7 +15,7 @@ use crate::input::tree::Node;
 use crate::input::{Error, Loading, Result};
 use crate::parallel;
 use crate::scene::file::{self, CameraKeys};
-use glam::DVec3;
+use bytemuck::cast_slice;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -98,8 +98,7 @@ impl Camera {
         if !(first <= last && first < f64::INFINITY && last > f64::NEG_INFINITY) {
             return Err(Error::input(format!("t_range: [{first}, {last}] holds no finite t; use e.g. [0, inf]")));
         }
-        let vectors = |list: &[[f64; 3]]| list.iter().map(|v| DVec3::from_array(*v)).collect::<Vec<_>>();
-        let field = Field::new(width, height, &vectors(origins), &vectors(directions))?;
+        let field = Field::new(width, height, cast_slice(origins), cast_slice(directions))?;
         let kind = CameraKind::new("raymap", RayArrays { field: Arc::new(field) });
         let camera = crate::camera::Camera::new(&CameraSpec { kind, t_range }, None)?;
         Ok(Camera::compiled(Arc::new(camera), Arc::default(), started))
@@ -174,8 +173,7 @@ pub fn colmap_images(folder: impl AsRef<Path>) -> Result<Vec<String>> {
 /// [`Error::Input`] for a camera with a mirror or a lens.
 pub fn project(camera: &Camera, points: &[[f64; 3]]) -> Result<Vec<Images>> {
     refuse_optics(camera)?;
-    let points: Vec<DVec3> = points.iter().map(|point| DVec3::from_array(*point)).collect();
-    Ok(Projector::project_all(&camera.camera, &points))
+    Ok(Projector::project_all(&camera.camera, cast_slice(points)))
 }
 
 #[cfg(test)]

@@ -82,10 +82,9 @@ impl Scene {
 
     /// Moves an object's vertices and normals.
     fn move_vertices(&mut self, name: &str, place: DAffine3) -> Result<()> {
-        let rest = self.rest(name)?;
-        let triangles = rest.triangles.clone();
+        let mut triangles = self.rest(name)?.triangles.clone();
         let is_sphere = |id: usize| self.scene.mesh.radius(id as u32).is_some();
-        if triangles.clone().any(is_sphere) && (!keeps_spheres(&place) || (size_of(&place) - 1.0).abs() > STRETCH_MAX) {
+        if triangles.any(is_sphere) && (!keeps_spheres(&place) || (size_of(&place) - 1.0).abs() > STRETCH_MAX) {
             return Err(Error::input(format!(
                 "{name}: the matrix scales or stretches spheres; use rotation and translation"
             )));

@@ -7,7 +7,7 @@ use crate::gpu::device::{GpuOptions, NO_ADAPTER};
 use crate::input::{Error, Result};
 use crate::jobs::project::{self, Projected};
 use crate::jobs::splat::{self, Splatted};
-use glam::DVec3;
+use bytemuck::cast_slice;
 
 /// What works on points.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -48,7 +48,7 @@ pub fn project_many(camera: &Camera, points: &[[f64; 3]], device: &Device, withi
     }
     refuse_optics(camera)?;
     let gpu = device.open()?;
-    project::project_many(&Projector::new(&camera.camera), &vectors(points), gpu.as_ref(), within_px)
+    project::project_many(&Projector::new(&camera.camera), cast_slice(points), gpu.as_ref(), within_px)
 }
 
 /// Draws points (world units): each pixel shows the nearest of those whose images lie in it, by t; of several at one t the one of the lowest
@@ -59,7 +59,7 @@ pub fn project_many(camera: &Camera, points: &[[f64; 3]], device: &Device, withi
 pub fn splat(camera: &Camera, points: &[[f64; 3]], device: &Device) -> Result<Splatted> {
     refuse_optics(camera)?;
     let gpu = device.open()?;
-    splat::splat(&camera.camera, &vectors(points), gpu.as_ref())
+    splat::splat(&camera.camera, cast_slice(points), gpu.as_ref())
 }
 
 pub(super) fn refuse_optics(camera: &Camera) -> Result<()> {
@@ -67,8 +67,4 @@ pub(super) fn refuse_optics(camera: &Camera) -> Result<()> {
         None => Ok(()),
         Some(_) => Err(Error::input(format!("camera: {} reflects or refracts rays; use another kind", camera.kind()))),
     }
-}
-
-fn vectors(points: &[[f64; 3]]) -> Vec<DVec3> {
-    points.iter().map(|point| DVec3::from_array(*point)).collect()
 }

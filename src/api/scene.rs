@@ -208,15 +208,13 @@ impl Scene {
     }
 
     fn camera_of(&self, size: Option<(u32, u32)>) -> Result<Camera> {
-        self.check_camera()?;
+        if !self.has_camera {
+            return Err(Error::input("the scene has no camera; give one"));
+        }
         let started = Instant::now();
         self.cameras.next_scene();
         let camera = self.cameras.of_scene(&self.scene, size, true, &Loading::new(self.scene.limits))?;
         Ok(Camera::compiled(camera, self.scene.camera_keys.clone(), started))
-    }
-
-    fn check_camera(&self) -> Result<()> {
-        if self.has_camera { Ok(()) } else { Err(Error::input("the scene has no camera; give one")) }
     }
 
     /// The number of triangles and spheres.

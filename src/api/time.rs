@@ -43,10 +43,8 @@ impl Scene {
     }
 
     fn animate_vertices(&mut self, name: &str, times: &[f64], vertices: &[Vec<[f64; 3]>]) -> Result<()> {
-        let (range, count) = {
-            let rest = self.rest(name)?;
-            (rest.vertices(), rest.vertices().len())
-        };
+        let range = self.rest(name)?.vertices();
+        let count = range.len();
         if times.is_empty() || times.len() != vertices.len() {
             let (k, n) = (times.len(), vertices.len());
             return Err(Error::input(format!(

@@ -2,6 +2,7 @@
 
 use crate::arrays::MapEach;
 use crate::camera::Camera;
+use crate::camera::volume::corners;
 use crate::image::frame::{Channel, Frame, NO_ID};
 use crate::reference::image::rows_of_image;
 use crate::scene::Scene;
@@ -52,17 +53,14 @@ fn is_empty(scene: &Scene, camera: &Camera, srgb8: &[u8]) -> bool {
 fn place(camera: &Camera, lo: DVec3, hi: DVec3) -> String {
     let (i, j) = camera.middle();
     let Some(ray) = camera.ray(i, j) else { return String::new() };
-    let corner = |k: u32| {
-        DVec3::new([lo.x, hi.x][(k & 1) as usize], [lo.y, hi.y][(k >> 1 & 1) as usize], [lo.z, hi.z][(k >> 2) as usize])
-    };
-    let along = |k: u32| (corner(k) - ray.origin).dot(ray.direction) / ray.direction.length_squared();
+    let along = corners((lo, hi)).map(|p| (p - ray.origin).dot(ray.direction) / ray.direction.length_squared());
     let [start, end] = camera.t_range;
     let is_within = ray.origin.cmpge(lo).all() && ray.origin.cmple(hi).all();
     let relation = match () {
         () if is_within => "around the camera",
-        () if (0..8).all(|k| along(k) < 0.0) => "behind the camera",
-        () if (0..8).all(|k| along(k) < start) => "before the start of the camera's t_range",
-        () if (0..8).all(|k| along(k) > end) => "beyond the end of the camera's t_range",
+        () if along.iter().all(|t| *t < 0.0) => "behind the camera",
+        () if along.iter().all(|t| *t < start) => "before the start of the camera's t_range",
+        () if along.iter().all(|t| *t > end) => "beyond the end of the camera's t_range",
         () => "beside what the camera sees",
     };
     format!(

@@ -4,7 +4,6 @@ use crate::image::{check_writable, folder_of, identity, identity_of_new, real_pa
 use crate::input::files::Inputs;
 use crate::input::{Error, Result};
 use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -107,13 +106,8 @@ impl Outputs {
         let Some(own) = own else { return Added { first: None, exists: false } };
         let exists = exists && path.is_file();
         self.any_exists |= exists;
-        let first = match self.owners.entry(own) {
-            Entry::Vacant(free) => {
-                free.insert(owner);
-                None
-            }
-            Entry::Occupied(earlier) => Some(*earlier.get()),
-        };
+        let first = self.owners.get(&own).copied();
+        self.owners.entry(own).or_insert(owner);
         Added { first, exists }
     }
 
@@ -161,19 +155,15 @@ pub fn check<'a>(inputs: &Inputs, outputs: impl Iterator<Item = (&'a Path, Kind)
     }
     if let Some((input, k)) = all.first_input(inputs) {
         let output = outputs.clone().nth(k).map_or(input, |(path, _)| path);
-        return Err(is_read(output, input));
+        let name = if output == input { String::new() } else { format!(", {}", input.display()) };
+        let output = output.display();
+        return Err(Error::input(format!("{output}: is also an input{name}; choose another name for the output")));
     }
     for (path, kind) in outputs {
         kind.check(path)?;
         check_writable(path)?;
     }
     Ok(())
-}
-
-/// The error for an output that is also an input.
-fn is_read(output: &Path, input: &Path) -> Error {
-    let name = if output == input { String::new() } else { format!(", {}", input.display()) };
-    Error::input(format!("{}: is also an input{name}; choose another name for the output", output.display()))
 }
 
 /// Refuses an output that a scene names outside of its own folder: a scene from elsewhere must not replace files of the user.

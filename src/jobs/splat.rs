@@ -103,26 +103,27 @@ impl Splatted {
         self.index.iter().map(|k| list.get(*k as usize).copied().unwrap_or(none)).collect()
     }
 
+    /// Of each pixel the linear colour of its point, white if none are given; `None` where there is no point.
+    fn colors(&self, colors: Option<&[[f32; 3]]>) -> impl Iterator<Item = Option<[f32; 3]>> {
+        self.index.iter().map(move |k| match (*k, colors) {
+            (NO_ID, _) => None,
+            (_, None) => Some([1.0; 3]),
+            (k, Some(colors)) => Some(colors.get(k as usize).copied().unwrap_or_default()),
+        })
+    }
+
     /// 8-bit sRGB and coverage, four bytes a pixel, of linear colours of the points; white without them.
     pub fn rgba(&self, colors: Option<&[[f32; 3]]>) -> Vec<u8> {
-        let color = |k: &u32| match (*k, colors) {
-            (NO_ID, _) => [0; 4],
-            (_, None) => [255; 4],
-            (k, Some(colors)) => {
-                let [r, g, b] = colors[k as usize].map_each(srgb8);
-                [r, g, b, 255]
-            }
+        let rgba = |color: Option<[f32; 3]>| {
+            let [r, g, b] = color?.map_each(srgb8);
+            Some([r, g, b, 255])
         };
-        self.index.iter().flat_map(color).collect()
+        self.colors(colors).flat_map(|color| rgba(color).unwrap_or_default()).collect()
     }
 
     /// Channels R, G, B (linear), A and t, as those of a render.
     pub fn frame(&self, colors: Option<&[[f32; 3]]>) -> Frame {
-        let white = vec![[1.0; 3]; if colors.is_none() { self.index.len() } else { 0 }];
-        let own = match colors {
-            Some(colors) => self.of_points(colors, [0.0; 3]),
-            None => white.iter().zip(&self.index).map(|(c, k)| if *k == NO_ID { [0.0; 3] } else { *c }).collect(),
-        };
+        let own: Vec<[f32; 3]> = self.colors(colors).map(Option::unwrap_or_default).collect();
         let plane = |k: usize| Plane::F32(own.iter().map(|c| c[k]).collect());
         let coverage = self.index.iter().map(|k| if *k == NO_ID { 0.0 } else { 1.0 }).collect();
         let t = self.t.iter().map(|t| *t as f32).collect();

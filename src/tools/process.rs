@@ -1,13 +1,7 @@
 //! The process of a program: its environment, its allocator, and its end when memory runs out.
 
 use std::alloc::{GlobalAlloc, Layout, System};
-use std::ffi::OsString;
 use std::io::Write;
-
-/// Runs the program `anamorph` on these arguments, the first of which is its name; its exit code.
-pub fn program(arguments: Vec<OsString>) -> u8 {
-    super::cli::main(arguments)
-}
 
 /// Vulkan's device-select layer asks for a Wayland display, whose client library complains on stderr where this
 /// variable is missing, as on a machine without a desktop. A folder that does not exist is no display either, silently.

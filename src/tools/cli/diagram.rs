@@ -2,7 +2,6 @@
 //! Yu and McMillan 2004, Brosz et al. 2007 and Popescu et al. draw theirs.
 
 mod image;
-mod layer;
 mod space;
 mod svg;
 mod view;

@@ -10,14 +10,8 @@ use crate::parallel;
 use crate::reference::{Path, Reference, Segment};
 use glam::DVec2;
 use serde::Serialize;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path as FilePath;
-
-/// The `layers` of a chain, each with the keys of a mesh camera.
-#[derive(Serialize)]
-struct LayersFile {
-    layers: Vec<PiecesFile>,
-}
 
 /// The `file` of a mesh camera: these two keys and no other.
 #[derive(Serialize)]
@@ -58,7 +52,7 @@ pub fn write_pieces(path: &FilePath, spec: &CameraSpec, camera: &Camera, limits:
     };
     let text = match layers.len() {
         1 => serde_json::to_string_pretty(&layers.remove(0)),
-        _ => serde_json::to_string_pretty(&LayersFile { layers }),
+        _ => serde_json::to_string_pretty(&BTreeMap::from([("layers", layers)])),
     };
     let text = text.map_err(|e| Error::work(format!("camera as JSON: {e}")))?;
     write_text(path, &(text + "\n"))

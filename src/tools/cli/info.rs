@@ -4,10 +4,9 @@ mod contents;
 mod lens;
 
 use super::args::InfoArgs;
-use super::say::print;
 use crate::gpu::device::{AdapterFeatures, NO_ADAPTER, adapters};
 use crate::gpu::needs::lacks;
-use crate::input::{Error, Result};
+use crate::input::Result;
 use serde::Serialize;
 use std::fmt;
 
@@ -60,26 +59,19 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     if let Some(file) = &args.file {
         return contents::run(file, args.json, args.caps.limits());
     }
-    let adapters: Vec<AdapterInfo> = adapters().iter().enumerate().map(|(k, a)| of_adapter(a, k == 0)).collect();
+    let of_adapter = |(k, adapter): (usize, &wgpu::Adapter)| {
+        let (info, limits) = (adapter.get_info(), adapter.limits());
+        about(&info, &limits, AdapterFeatures::of(adapter.features(), &info, &limits), k == 0)
+    };
+    let adapters: Vec<AdapterInfo> = adapters().iter().enumerate().map(of_adapter).collect();
     let engine = if adapters.is_empty() { "reference" } else { "compute" };
-    let info = Info { version: env!("CARGO_PKG_VERSION"), engine, adapters };
-    if !args.json {
-        return print(&info.to_string());
-    }
-    let text = serde_json::to_string_pretty(&info).map_err(|e| Error::work(format!("info as JSON: {e}")))?;
-    print(&(text + "\n"))
+    contents::show(&Info { version: env!("CARGO_PKG_VERSION"), engine, adapters }, args.json)
 }
 
 /// An open device's adapter, in lines.
 #[cfg(feature = "internals")]
 pub fn lines(gpu: &crate::gpu::Gpu) -> String {
     about(&gpu.info, &gpu.limits, gpu.has, false).to_string().trim_start().to_owned()
-}
-
-fn of_adapter(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
-    let info = adapter.get_info();
-    let limits = adapter.limits();
-    about(&info, &limits, AdapterFeatures::of(adapter.features(), &info, &limits), chosen)
 }
 
 fn about(info: &wgpu::AdapterInfo, limits: &wgpu::Limits, has: AdapterFeatures, chosen: bool) -> AdapterInfo {

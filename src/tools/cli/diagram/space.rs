@@ -1,6 +1,5 @@
 //! The scene with the camera's volume: near surface, far ends, sample rays or projectors, and slits.
 
-use super::layer;
 use super::svg::{Frame, Svg};
 use super::view::View;
 use crate::arrays::MapEach;
@@ -21,12 +20,24 @@ pub fn draw(svg: &mut Svg, frame: Frame, mesh: &Mesh, camera: &Camera) {
     let view = View::beside(look).fitted(&points, &frame);
     let scene = draw_scene(svg, mesh, bounds, &view);
     for (k, drawing) in drawings.iter().enumerate() {
-        svg.layer(k, &frame, |svg| layer::draw(svg, drawing, &view));
+        svg.layer(k, &frame, |svg| draw_layer(svg, drawing, &view));
     }
     draw_axes(svg, &frame, &view);
     let foot = DVec2::new(frame.lo.x, frame.hi().y + 36.0);
     svg.text("label", foot - DVec2::Y * 16.0, &scene);
     svg.text("label", foot, &legend(camera, &drawings, left_out));
+}
+
+/// The rays of one layer.
+fn draw_layer(svg: &mut Svg, layer: &LayerVolume, view: &View) {
+    let places = |points: &[DVec3]| points.iter().map(|p| view.place(*p)).collect::<Vec<DVec2>>();
+    layer.far().iter().for_each(|line| svg.polyline("far", &places(line)));
+    layer.rays().for_each(|curve| svg.bezier("ray", &places(curve.points())));
+    layer.outlines.iter().for_each(|outline| svg.polygon("near", &outline.map_each(|p| view.place(p))));
+    layer.near().iter().for_each(|line| svg.polyline("near", &places(line)));
+    for [a, b] in layer.slits.iter().map(|ends| ends.map_each(|p| view.place(p))) {
+        if a == b { svg.dot("eye", a, 3.5) } else { svg.polyline("slit", &[a, b]) }
+    }
 }
 
 /// What is drawn of the camera; `left_out` slits are not.

@@ -122,7 +122,7 @@ pub fn run(path: &Path, json: bool, limits: Limits) -> Result<()> {
     show(&read(path, &loading)?, json)
 }
 
-fn show(contents: &(impl Serialize + fmt::Display), json: bool) -> Result<()> {
+pub fn show(contents: &(impl Serialize + fmt::Display), json: bool) -> Result<()> {
     if !json {
         return print(&contents.to_string());
     }
