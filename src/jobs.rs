@@ -19,7 +19,7 @@ mod strips;
 mod work;
 
 pub use crate::engine::rival::EngineName;
-pub use backend::Backend;
+pub use backend::{Backend, Kept, render_each};
 #[cfg(feature = "cli")]
 pub use files::{CAMERA, named_as};
 pub use job::{Change, RenderJob};

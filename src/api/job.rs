@@ -3,7 +3,7 @@
 use super::Renderer;
 use crate::input::{Error, Limits, Result};
 use crate::jobs::batch::Shard;
-use crate::jobs::{RenderJob, Work, options};
+use crate::jobs::{Backend, RenderJob, Work, options};
 use crate::scene::library::Library;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -133,7 +133,8 @@ impl Job {
         work.check_memory()?;
         renderer.recover()?;
         let seen = work.render(&mut renderer.backend(work.job())?)?;
-        let written = work.write(seen, &renderer.device_of(work.job()), started, |_| ())?;
+        let device = Backend::device_of(renderer.engine.as_ref(), work.job());
+        let written = work.write(seen, &device, started, |_| ())?;
         Ok(work.summary(&written))
     }
 }

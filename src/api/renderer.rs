@@ -4,16 +4,14 @@ use super::{Camera, Scene};
 use crate::camera::Camera as Rays;
 use crate::engine::call_ms::ms_since;
 use crate::engine::plan::Wanted;
-use crate::engine::planned::Planned;
-use crate::engine::report::{Device, Report};
-use crate::engine::sequence::Sequence;
-use crate::engine::{self, Engine, RunOptions};
+use crate::engine::report::Report;
+use crate::engine::{self, Engine};
 use crate::gpu::device::GpuOptions;
 use crate::image::compare::{Comparison, compare};
 use crate::image::frame::{Channel, Frame};
 use crate::image::{rgb8, write_exr, write_png};
 use crate::input::{Error, Limits, Result};
-use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options};
+use crate::jobs::{Backend, EngineName, Kept, RenderJob, check_memory, options};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -119,9 +117,7 @@ pub struct Renderer {
     /// Those that the engine was opened with.
     options: GpuOptions,
     is_reference: bool,
-    /// The contents of the device, and the plan of the last image.
-    pub(super) sequence: Sequence,
-    pub(super) last: Option<Planned>,
+    pub(super) kept: Kept,
 }
 
 impl Renderer {
@@ -144,15 +140,12 @@ impl Renderer {
 
     /// The reference: f64 on the CPU, slow.
     pub fn reference() -> Renderer {
-        Renderer::with(None, GpuOptions::default(), true)
+        Renderer { engine: None, options: GpuOptions::default(), is_reference: true, kept: Kept::default() }
     }
 
     fn open(options: GpuOptions) -> Result<Renderer> {
-        Ok(Renderer::with(Engine::open(&options)?, options, false))
-    }
-
-    fn with(engine: Option<Engine>, options: GpuOptions, is_reference: bool) -> Renderer {
-        Renderer { engine, options, is_reference, sequence: Sequence::default(), last: None }
+        let engine = Engine::open(&options)?;
+        Ok(Renderer { engine, options, is_reference: false, kept: Kept::default() })
     }
 
     /// Opens the adapter again. Nothing is on it then: what the next image needs is sent anew. A renderer whose device has failed, as for want of
@@ -163,7 +156,7 @@ impl Renderer {
     pub fn reopen(&mut self) -> Result<()> {
         let Some(engine) = &self.engine else { return Ok(()) };
         // its memory is free before more is taken
-        (self.sequence, self.last) = (Sequence::default(), None);
+        self.kept = Kept::default();
         let gone = || Error::work(format!("adapter {}: it is not there any more", engine.gpu.info.name));
         let opened = Engine::open(&self.options)?.ok_or_else(gone)?;
         self.engine = Some(opened);
@@ -196,7 +189,7 @@ impl Renderer {
         let mut rendered = self.render_frame(scene, camera, &wanted)?;
         rendered.call.camera = compile_ms;
         rendered.call.total = compile_ms + ms_since(started);
-        let device = self.device_of(&RenderJob::of(""));
+        let device = Backend::device_of(self.engine.as_ref(), &RenderJob::of(""));
         let mut report = Report::new(device, scene, camera, &rendered, None);
         report.samples = options.samples;
         Ok(Rendered { frame: rendered.frame, rgba: rendered.srgb8, report })
@@ -209,28 +202,7 @@ impl Renderer {
         camera: &Arc<Rays>,
         wanted: &Wanted,
     ) -> Result<engine::Rendered> {
-        if let Some(rendered) = self.render_in_sequence(scene, camera, wanted)? {
-            return Ok(rendered);
-        }
-        let mut backend = self.backend(&RenderJob::of(""))?;
-        backend.render(scene, camera, wanted, &RunOptions::default(), &mut |_| {})
-    }
-
-    /// Renders an image that may be one of a sequence of frames; `None` for all others.
-    fn render_in_sequence(
-        &mut self,
-        scene: &crate::scene::Scene,
-        camera: &Arc<Rays>,
-        wanted: &Wanted,
-    ) -> Result<Option<engine::Rendered>> {
-        let Some(engine) = self.engine.as_mut().filter(|_| Sequence::takes(scene, camera, wanted)) else {
-            return Ok(None);
-        };
-        let (planner, run) = (engine.planner(), RunOptions::default());
-        planner.check_size(camera, wanted)?;
-        let planned = planner.plan(scene, camera.clone(), wanted, &run, self.last.as_ref())?;
-        self.last = Some(planned.clone());
-        Ok(Some(self.sequence.render(engine, planned, &run)?.rendered()))
+        self.kept.render(self.engine.as_mut(), scene, camera, wanted)
     }
 
     pub(super) fn backend(&mut self, job: &RenderJob) -> Result<Backend<'_>> {
@@ -238,10 +210,6 @@ impl Renderer {
             return Err(Error::input("the renderer is the reference; open one on an adapter for other engines"));
         }
         Backend::of(self.engine.as_mut(), job)
-    }
-
-    pub(super) fn device_of(&self, job: &RenderJob) -> Device {
-        Backend::device_of(self.engine.as_ref(), job)
     }
 }
 

@@ -9,11 +9,11 @@ use crate::engine::left_out::LeftOut;
 use crate::engine::plan::Wanted;
 use crate::engine::report::{FrameMs, Report};
 use crate::engine::sequence::Sequence;
-use crate::engine::{Engine, Rendered, RunOptions};
+use crate::engine::{Rendered, RunOptions};
 use crate::image::frame::{Channel, Plane};
 use crate::image::size::MAX_PIXELS;
 use crate::input::{Error, Result};
-use crate::jobs::{RenderJob, memory_need as need};
+use crate::jobs::{Backend, RenderJob, memory_need as need, render_each};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -134,7 +134,8 @@ impl Renderer {
         }
         let Gathered { planes, rgba, frame_ms, call, last, .. } = views;
         let last = last.ok_or_else(|| Error::work("no frame was rendered"))?;
-        let mut report = Report::new(self.device_of(&RenderJob::of("")), &scene.scene, &cameras[0], &last, None);
+        let device = Backend::device_of(self.engine.as_ref(), &RenderJob::of(""));
+        let mut report = Report::new(device, &scene.scene, &cameras[0], &last, None);
         report.views = Some(cameras.len());
         report.samples = options.samples;
         report.call_ms = CallMs { camera: camera_ms, total: camera_ms + ms_since(started), ..call };
@@ -181,38 +182,25 @@ impl Renderer {
     /// Renders frames one after another; each is planned while the device renders the one before.
     fn in_flight(&mut self, scene: &Scene, jobs: &[Job], wanted: &Wanted, views: &mut Gathered) -> Result<()> {
         // what fails in the middle is not there for the next call
-        let mut sequence = std::mem::take(&mut self.sequence);
+        let mut sequence = std::mem::take(&mut self.kept.sequence);
         let (Some(engine), run) = (&mut self.engine, RunOptions::default()) else { return Ok(()) };
-        let planner = engine.planner();
+        let (planner, last) = (engine.planner(), &mut self.kept.last);
         let mut until = Instant::now();
-        let mut finish = |sequence: &mut Sequence, engine: &mut Engine, job: &Job, in_flight| {
-            let rendered = sequence.wait_for(engine, in_flight)?.rendered();
+        let frames = jobs.iter().map(|job| {
+            let camera = job.camera();
+            planner.check_size(&camera, wanted)?;
+            let planned = planner.plan(&scene.scene, camera, wanted, &run, last.as_ref())?;
+            *last = Some(planned.clone());
+            Ok((job, planned))
+        });
+        render_each((engine, &mut sequence), &run, frames, |job, readback| {
+            let rendered = readback.rendered();
             let ms = ms_since(until);
             until = Instant::now();
             views.add(job, Rendered { frame_ms: vec![ms], ..rendered });
-            Ok::<(), Error>(())
-        };
-        let mut before = None;
-        for job in jobs {
-            let camera = job.camera();
-            planner.check_size(&camera, wanted)?;
-            let planned = planner.plan(&scene.scene, camera, wanted, &run, self.last.as_ref())?;
-            self.last = Some(planned.clone());
-            if !sequence.show(&planned)? {
-                if let Some((job, in_flight)) = before.take() {
-                    finish(&mut sequence, engine, job, in_flight)?;
-                }
-                sequence.upload(engine, &planned, &run)?;
-            }
-            let next = sequence.start(engine, planned)?;
-            if let Some((job, in_flight)) = before.replace((job, next)) {
-                finish(&mut sequence, engine, job, in_flight)?;
-            }
-        }
-        if let Some((job, in_flight)) = before {
-            finish(&mut sequence, engine, job, in_flight)?;
-        }
-        self.sequence = sequence;
+            Ok(true)
+        })?;
+        self.kept.sequence = sequence;
         Ok(())
     }
 }

@@ -7,8 +7,11 @@ use crate::engine::call_ms::{CallMs, ms_since};
 use crate::engine::combinations::Asked;
 use crate::engine::left_out::LeftOut;
 use crate::engine::plan::Wanted;
+use crate::engine::planned::Planned;
+use crate::engine::readback::{InFlight, Readback};
 use crate::engine::report::Device;
 use crate::engine::rival::{Choice, EngineName};
+use crate::engine::sequence::Sequence;
 use crate::engine::{Counts, Engine, MethodUsed, Rendered, RunOptions};
 use crate::gpu::device::NO_ADAPTER;
 use crate::image::frame::Channel;
@@ -111,6 +114,65 @@ impl<'e> Backend<'e> {
             }
         }
     }
+}
+
+/// The contents of a device, and the plan of its last image: what the next image needs of it is not sent again.
+#[derive(Default)]
+pub struct Kept {
+    pub sequence: Sequence,
+    pub last: Option<Planned>,
+}
+
+impl Kept {
+    /// Renders an image on an engine; without an adapter by the reference.
+    pub fn render(
+        &mut self,
+        mut engine: Option<&mut Engine>,
+        scene: &Scene,
+        camera: &Arc<Camera>,
+        wanted: &Wanted,
+    ) -> Result<Rendered> {
+        let run = RunOptions::default();
+        if let Some(engine) = engine.as_mut().filter(|_| Sequence::takes(scene, camera, wanted)) {
+            let planner = engine.planner();
+            planner.check_size(camera, wanted)?;
+            let planned = planner.plan(scene, camera.clone(), wanted, &run, self.last.as_ref())?;
+            self.last = Some(planned.clone());
+            return Ok(self.sequence.render(engine, planned, &run)?.rendered());
+        }
+        let mut backend = Backend::of(engine, &RenderJob::of(""))?;
+        backend.render(scene, camera, wanted, &run, &mut |_| {})
+    }
+}
+
+/// Renders frames one after another; each is planned while the device renders the one before. `take` receives each result, with the value
+/// beside its plan, and says whether to go on.
+pub fn render_each<T>(
+    (engine, sequence): (&mut Engine, &mut Sequence),
+    run: &RunOptions,
+    frames: impl Iterator<Item = Result<(T, Planned)>>,
+    mut take: impl FnMut(T, Readback) -> Result<bool>,
+) -> Result<()> {
+    let mut finish = |engine: &mut Engine, sequence: &mut Sequence, rendered: Option<(T, InFlight)>| match rendered {
+        Some((of, in_flight)) => take(of, sequence.wait_for(engine, in_flight)?),
+        None => Ok(true),
+    };
+    let mut before = None;
+    for frame in frames {
+        let (of, planned) = frame?;
+        if !sequence.show(&planned)? {
+            // the frame in flight uses the present contents
+            if !finish(engine, sequence, before.take())? {
+                return Ok(());
+            }
+            sequence.upload(engine, &planned, run)?;
+        }
+        let next = (of, sequence.start(engine, planned)?);
+        if !finish(engine, sequence, before.replace(next))? {
+            return Ok(());
+        }
+    }
+    finish(engine, sequence, before).map(drop)
 }
 
 /// A frame by the reference, in the engine's form.

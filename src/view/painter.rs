@@ -1,6 +1,5 @@
 //! Draws what pages ask for: from the scene's text to the bytes of a picture.
 
-use super::display::{Legend, Shown};
 use super::lines;
 use super::messages::{Header, Quality, Times};
 use super::session::{At, Inspection, Job, Session, Work};
@@ -9,8 +8,6 @@ use crate::camera::exposure::Exposure;
 use crate::engine::call_ms::ms_since;
 use crate::engine::left_out::LeftOut;
 use crate::engine::plan::Wanted;
-use crate::engine::planned::Planned;
-use crate::engine::sequence::Sequence;
 use crate::engine::{Engine, Rendered, RunOptions};
 use crate::geometry::load::{Object, with_unique_names};
 use crate::geometry::mesh::Mesh;
@@ -21,7 +18,7 @@ use crate::gpu::device::GpuOptions;
 use crate::image::png_bytes;
 use crate::image::tone::Tone;
 use crate::input::{Error, Limits, Loading, Result};
-use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options};
+use crate::jobs::{Backend, Kept, RenderJob, check_memory, options};
 use crate::reference;
 use crate::scene::labels::Labels;
 use crate::scene::library::Library;
@@ -52,7 +49,7 @@ const MOVING_QUALITY: u8 = 80;
 /// The camera of a drawn volume needs few pixels.
 const VOLUME_SIDE: u32 = 192;
 /// Scenes of fewer triangles are kept on the device once for each quality.
-const LANES_TRIANGLES: usize = 1 << 20;
+const KEPT_TRIANGLES: usize = 1 << 20;
 
 /// What loads scenes, for the painter and the inspector.
 pub struct Loader {
@@ -143,20 +140,14 @@ impl Loader {
     }
 }
 
-/// A scene on the device, as of the last picture of one quality.
-#[derive(Default)]
-struct Lane {
-    sequence: Sequence,
-    last: Option<Planned>,
-}
-
 /// Draws pictures, one after another.
 struct Painter {
     loader: Arc<Loader>,
     options: GpuOptions,
     engine: Option<Engine>,
     is_open: bool,
-    lanes: [Lane; 3],
+    /// The scene on the device, as of the last picture of each quality.
+    kept: [Kept; 3],
     pace: Pace,
     /// The meshes whose lines were sent, and their number.
     wires: (Weak<SceneMesh>, u64),
@@ -200,28 +191,11 @@ impl Pace {
         if self.slow >= SLOW_MAX && self.eighths > 1 {
             let fitting = (1..self.eighths).rev().find(|k| ms * area(*k) <= MOVING_MS).unwrap_or(1);
             self.patience = if self.has_grown { self.patience.saturating_mul(2) } else { self.patience };
-            *self = Pace { eighths: fitting, slow: 0, fast: 0, patience: self.patience, has_grown: false, count: 0 };
+            *self = Pace { eighths: fitting, patience: self.patience, ..Pace::new() };
         } else if self.fast >= self.patience && self.eighths < most {
-            *self = Pace {
-                eighths: self.eighths + 1,
-                slow: 0,
-                fast: 0,
-                patience: self.patience,
-                has_grown: true,
-                count: 0,
-            };
+            *self = Pace { eighths: self.eighths + 1, patience: self.patience, has_grown: true, ..Pace::new() };
         }
     }
-}
-
-/// Pixels of a picture, and what is known of them.
-struct Pixels {
-    rgb: Vec<u8>,
-    size: (u32, u32),
-    whole: (u32, u32),
-    legend: Option<Legend>,
-    times: Times,
-    notes: Vec<String>,
 }
 
 /// Works for a session until it ends. `engine` is open; `options` open it again after it was lost.
@@ -231,7 +205,7 @@ pub fn paint(session: &Session, loader: Arc<Loader>, engine: Option<Engine>, opt
         options,
         engine,
         is_open: true,
-        lanes: Default::default(),
+        kept: Default::default(),
         pace: Pace::new(),
         wires: (Weak::new(), 0),
     };
@@ -255,34 +229,34 @@ pub fn inspect(session: &Session, loader: &Loader) {
     while let Some(inspection) = session.next_inspection() {
         match inspection {
             Inspection::Pixel { page, x, y, tag, scene } => {
-                let answer = guarded(|| pixel(loader, &scene, x, y));
-                let mut answer = answer.unwrap_or_else(|why| json!({ "why": why }));
+                let answer = caught(|| pixel(loader, &scene, x, y));
+                let mut answer = answer.unwrap_or_else(|why| json!({ "why": why.to_string() }));
                 (answer["is"], answer["tag"], answer["x"], answer["y"]) =
                     ("pixel".into(), tag.into(), x.into(), y.into());
-                session.answer(page, &answer);
+                session.state().answer(page, &answer);
             }
-            Inspection::Beside(job) => session.drawn_beside(&job, guarded(|| by_reference(loader, &job))),
+            Inspection::Beside(job) => {
+                session.drawn_beside(&job, caught(|| beside(loader, &job, None)).map_err(|e| e.to_string()))
+            }
         }
     }
 }
 
 /// The result of some work; a panic is a defect of the program, and an error for the user.
-fn guarded<T>(work: impl FnOnce() -> Result<T>) -> std::result::Result<T, String> {
-    match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(result) => result.map_err(|e| e.to_string()),
-        Err(_) => Err("internal error; please report it with the scene's text".into()),
-    }
+fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    let defect = |_| Err(Error::work("internal error; please report it with the scene's text"));
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(defect)
 }
 
 impl Painter {
     fn guarded<T>(&mut self, work: impl FnOnce(&mut Painter) -> Result<T>) -> std::result::Result<T, String> {
-        let result = catch_unwind(AssertUnwindSafe(|| work(self)));
-        if !matches!(result, Ok(Ok(_) | Err(Error::Input(_)))) {
+        let result = caught(|| work(self));
+        if !matches!(result, Ok(_) | Err(Error::Input(_))) {
             // what failed may be half done, and the device lost
-            self.lanes = Default::default();
+            self.kept = Default::default();
             (self.engine, self.is_open) = (None, false);
         }
-        guarded(|| result.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        result.map_err(|e| e.to_string())
     }
 
     fn open(&mut self) -> Result<()> {
@@ -305,62 +279,39 @@ impl Painter {
         let eighths = if quality == Quality::Moving { self.pace.eighths.min(most) } else { most };
         let camera = self.loader.scaled(&scene, eighths)?;
         let read = ms_since(started);
-        let mut pixels = self.pixels(job, &scene, &camera)?;
-        pixels.whole = scene.size.unwrap_or(pixels.size);
-        pixels.times.read = read;
+        let (mut header, rgb) = self.pixels(job, &scene, &camera)?;
+        header.whole = scene.size.map_or(header.whole, |(width, height)| [width, height]);
+        header.times.read = read;
         if most < STEPS {
-            pixels.notes.push(format!("shown at {most}/8 of its width and height"));
+            header.notes.push(format!("shown at {most}/8 of its width and height"));
         }
-        let encoded = encoded(job, pixels)?;
+        let encoded = encoded(job, header, &rgb)?;
         if quality == Quality::Moving {
             self.pace.took(ms_since(started), most);
         }
         Ok(encoded)
     }
 
-    fn pixels(&mut self, job: &Job, scene: &Scene, camera: &Arc<Camera>) -> Result<Pixels> {
+    fn pixels(&mut self, job: &Job, scene: &Scene, camera: &Arc<Camera>) -> Result<(Header, Vec<u8>)> {
         let started = Instant::now();
         let shown = job.asked.look.shown;
         let count = if job.asked.quality == Quality::Rest { job.asked.look.samples } else { 1 };
         let wanted = Wanted { samples: count, ..shown.wanted() };
         check_memory((camera.width, camera.height), wanted.channels.len() + 3, 0, scene.limits)?;
-        let lane = match job.asked.quality {
-            _ if scene.mesh.triangle_count() >= LANES_TRIANGLES => 0,
+        let kept = match job.asked.quality {
+            _ if scene.mesh.triangle_count() >= KEPT_TRIANGLES => 0,
             quality => quality as usize,
         };
-        let rendered = self.render(lane, scene, camera, &wanted)?;
-        let mut pixels = coloured(shown, scene, camera, &rendered)?;
-        pixels.times.render = ms_since(started);
-        Ok(pixels)
-    }
-
-    fn render(&mut self, lane: usize, scene: &Scene, camera: &Arc<Camera>, wanted: &Wanted) -> Result<Rendered> {
-        let run = RunOptions::default();
-        if let Some(engine) = &mut self.engine
-            && Sequence::takes(scene, camera, wanted)
-        {
-            let Lane { sequence, last } = &mut self.lanes[lane];
-            let planner = engine.planner();
-            planner.check_size(camera, wanted)?;
-            let planned = planner.plan(scene, camera.clone(), wanted, &run, last.as_ref())?;
-            *last = Some(planned.clone());
-            return Ok(sequence.render(engine, planned, &run)?.rendered());
-        }
-        let mut backend = Backend::of(self.engine.as_mut(), &RenderJob::of(""))?;
-        backend.render(scene, camera, wanted, &run, &mut |_| {})
+        let rendered = self.kept[kept].render(self.engine.as_mut(), scene, camera, &wanted)?;
+        let (mut header, rgb) = coloured(job, scene, camera, &rendered)?;
+        header.times.render = ms_since(started);
+        Ok((header, rgb))
     }
 
     /// The same picture by a rival.
     fn beside(&mut self, job: &Job) -> Result<(Header, Arc<Vec<u8>>)> {
         self.open()?;
-        let (scene, camera, render_job) = beside(&self.loader, job)?;
-        let started = Instant::now();
-        let mut backend = Backend::of(self.engine.as_mut(), &render_job)?;
-        let wanted = job.asked.look.shown.wanted();
-        let rendered = backend.render(&scene, &camera, &wanted, &RunOptions::default(), &mut |_| {})?;
-        let mut pixels = coloured(job.asked.look.shown, &scene, &camera, &rendered)?;
-        pixels.times.render = ms_since(started);
-        encoded(job, pixels)
+        beside(&self.loader, job, self.engine.as_mut())
     }
 
     fn lines(&mut self, session: &Session, at: &At) -> Result<()> {
@@ -378,70 +329,65 @@ impl Painter {
     }
 }
 
-/// The scene of a second picture, and the job of its engine.
-fn beside(loader: &Loader, job: &Job) -> Result<(Scene, Arc<Camera>, RenderJob)> {
+/// A second picture, by the engine that is asked for.
+fn beside(loader: &Loader, job: &Job, engine: Option<&mut Engine>) -> Result<(Header, Arc<Vec<u8>>)> {
     let name = job.asked.look.beside.as_deref().unwrap_or("reference");
-    let engine = options::engine(name).map_err(Error::Input)?;
+    let render_job = RenderJob { engine: Some(options::engine(name).map_err(Error::Input)?), ..RenderJob::of("") };
     let scene = loader.scene(&job.scene)?;
     let camera = loader.camera(&scene, None)?;
     if u64::from(camera.width) * u64::from(camera.height) > PIXELS_MAX {
         return Err(Error::input("the picture is too large for a second one beside it; make it smaller"));
     }
-    Ok((scene, camera, RenderJob { engine: Some(engine), ..RenderJob::of("") }))
+    let (started, shown) = (Instant::now(), job.asked.look.shown);
+    let mut backend = Backend::of(engine, &render_job)?;
+    let rendered = backend.render(&scene, &camera, &shown.wanted(), &RunOptions::default(), &mut |_| {})?;
+    let (mut header, rgb) = coloured(job, &scene, &camera, &rendered)?;
+    header.times.render = ms_since(started);
+    encoded(job, header, &rgb)
 }
 
-fn by_reference(loader: &Loader, job: &Job) -> Result<(Header, Arc<Vec<u8>>)> {
-    let (scene, camera, render_job) = beside(loader, job)?;
-    debug_assert!(matches!(render_job.engine, Some(EngineName::Reference)));
-    let started = Instant::now();
-    let shown = job.asked.look.shown;
-    let rendered = Backend::Reference.render(&scene, &camera, &shown.wanted(), &RunOptions::default(), &mut |_| {})?;
-    let mut pixels = coloured(shown, &scene, &camera, &rendered)?;
-    pixels.times.render = ms_since(started);
-    encoded(job, pixels)
-}
-
-fn coloured(shown: Shown, scene: &Scene, camera: &Camera, rendered: &Rendered) -> Result<Pixels> {
-    let colours = shown.colours(scene, camera, &rendered.frame, rendered.srgb8.as_deref())?;
-    let size = (camera.width, camera.height);
+/// The pixels of a picture, 8-bit sRGB, and its header but for the encoding.
+fn coloured(job: &Job, scene: &Scene, camera: &Camera, rendered: &Rendered) -> Result<(Header, Vec<u8>)> {
+    let colours = job.asked.look.shown.colours(scene, camera, &rendered.frame, rendered.srgb8.as_deref())?;
     let stages = rendered.stages.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
     // what the engine leaves out is nothing that this picture lacks, but for a style
     let left_out = rendered.left_out.iter().filter(|left| **left == LeftOut::Style).map(LeftOut::to_string);
     let notes = left_out.chain(camera.notes.iter().chain(&camera.unfulfilled).cloned()).collect();
     let parts = rendered.call.parts().into_iter().filter(|(_, ms)| *ms > 0.0).collect();
-    let times = Times { parts, stages, ..Times::default() };
-    Ok(Pixels { rgb: colours.rgb, size, whole: size, legend: colours.legend, times, notes })
-}
-
-/// A picture's bytes: PNG at rest, as `anamorph render` writes it; else JPEG.
-fn encoded(job: &Job, pixels: Pixels) -> Result<(Header, Arc<Vec<u8>>)> {
-    let started = Instant::now();
-    let Pixels { rgb, size: (width, height), whole, legend, mut times, notes } = pixels;
-    let rest = if job.asked.look.samples > 1 { Quality::Rest } else { Quality::Whole };
-    let (bytes, mime) = if job.asked.quality >= rest {
-        (png_bytes(width, height, &rgb)?, "image/png")
-    } else {
-        let mut bytes = Vec::new();
-        let encoder = JpegEncoder::new_with_quality(&mut bytes, MOVING_QUALITY);
-        let written = encoder.write_image(&rgb, width, height, ExtendedColorType::Rgb8);
-        written.map_err(|e| Error::work(format!("the picture cannot be encoded: {e}")))?;
-        (bytes, "image/jpeg")
-    };
-    times.encode = ms_since(started);
     let header = Header {
         id: 0,
         beside: false,
         revision: job.asked.revision,
         seq: job.seq,
         quality: job.asked.quality,
-        width,
-        height,
-        whole: [whole.0, whole.1],
-        mime,
-        legend,
-        times,
+        width: camera.width,
+        height: camera.height,
+        whole: [camera.width, camera.height],
+        mime: "",
+        legend: colours.legend,
+        times: Times { parts, stages, ..Times::default() },
         notes,
     };
+    Ok((header, colours.rgb))
+}
+
+/// A picture's bytes: PNG at rest, as `anamorph render` writes it; else JPEG.
+fn encoded(job: &Job, mut header: Header, rgb: &[u8]) -> Result<(Header, Arc<Vec<u8>>)> {
+    let started = Instant::now();
+    let Header { width, height, .. } = header;
+    let rest = if job.asked.look.samples > 1 { Quality::Rest } else { Quality::Whole };
+    let bytes = if job.asked.quality >= rest {
+        header.mime = "image/png";
+        png_bytes(width, height, rgb)?
+    } else {
+        header.mime = "image/jpeg";
+        let mut bytes = Vec::new();
+        let encoder = JpegEncoder::new_with_quality(&mut bytes, MOVING_QUALITY);
+        let written = encoder.write_image(rgb, width, height, ExtendedColorType::Rgb8);
+        written.map_err(|e| Error::work(format!("the picture cannot be encoded: {e}")))?;
+        bytes
+    };
+    header.times.encode = ms_since(started);
     Ok((header, Arc::new(bytes)))
 }
 

@@ -16,7 +16,7 @@ use hyper_util::service::TowerToHyperService;
 use serde::Deserialize;
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::AbortHandle;
 
@@ -172,14 +172,17 @@ async fn watch(mut socket: WebSocket, session: Arc<Session>) {
         tokio::select! {
             message = socket.recv() => match message {
                 Some(Ok(Message::Text(text))) => session.take(id, &text),
-                Some(Ok(Message::Binary(_))) => session.refuse(id, "not a message: send JSON as text"),
+                Some(Ok(Message::Binary(_))) => {
+                    let why = serde_json::json!({ "is": "refused", "why": "not a message: send JSON as text" });
+                    session.state().answer(id, &why);
+                }
                 Some(Ok(Message::Ping(_) | Message::Pong(_))) => {}
                 Some(Ok(Message::Close(_)) | Err(_)) | None => break,
             },
             () = notify.notified() => {}
             () = held => {}
         }
-        let (messages, wait) = session.outgoing(id);
+        let (messages, wait) = session.state().outgoing(id, Instant::now());
         later = wait;
         let bytes = messages.iter().map(Outgoing::bytes).sum::<usize>() as u64;
         let sent = tokio::time::timeout(SEND_TIMEOUT + Duration::from_secs(bytes / SLOWEST), async {

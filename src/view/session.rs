@@ -103,7 +103,7 @@ impl Inspection {
     }
 }
 
-struct State {
+pub struct State {
     document: Document,
     frame: f64,
     /// Counts the states of the scene.
@@ -131,6 +131,7 @@ struct State {
     has_ended: bool,
 }
 
+#[derive(Default)]
 struct Page {
     look: Look,
     seq: u64,
@@ -185,7 +186,7 @@ impl Session {
         Ok(Session { state: Mutex::new(state), work: Condvar::new() })
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    pub fn state(&self) -> MutexGuard<'_, State> {
         // a state is whole between statements; what panics elsewhere is reported
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -200,20 +201,9 @@ impl Session {
         state.next_page += 1;
         let page = Page {
             look: Look { volume: false, ..Look::default() },
-            seq: 0,
-            problem: None,
             is_stale: true,
             notify: notify.clone(),
-            drawn: None,
-            whole: Duration::ZERO,
-            drawn_beside: None,
-            outgoing: VecDeque::new(),
-            awaited: None,
-            answers: Vec::new(),
-            is_greeted: false,
-            sent_at: None,
-            sent_lines: 0,
-            sent_wires: 0,
+            ..Page::default()
         };
         state.pages.insert(id, page);
         drop(state);
@@ -245,16 +235,6 @@ impl Session {
         }
         drop(state);
         self.work.notify_all();
-    }
-
-    /// Tells a page why something that it sent was refused.
-    pub fn refuse(&self, page: u64, why: &str) {
-        self.state().answer(page, &json!({ "is": "refused", "why": why }));
-    }
-
-    /// The messages that a page has to get now, and how long to wait for those that are held back.
-    pub fn outgoing(&self, page: u64) -> (Vec<Outgoing>, Option<Duration>) {
-        self.state().outgoing(page, Instant::now())
     }
 
     /// Waits for what the painter is to do next; `None` at the end.
@@ -337,11 +317,6 @@ impl Session {
         whole["is"] = "wires".into();
         state.wires = Some((number, whole.to_string().into()));
     }
-
-    /// Sends a page an answer.
-    pub fn answer(&self, page: u64, answer: &Json) {
-        self.state().answer(page, answer);
-    }
 }
 
 impl State {
@@ -363,23 +338,19 @@ impl State {
             Request::Edit { edits, gesture, .. } => {
                 let gesture: Option<Gesture> = gesture.map(|number| (id, number));
                 self.document.edit(&edits, self.frame, gesture)?;
-                self.touch(gesture.is_some());
-                self.changed();
+                self.changed(gesture.is_some());
             }
             Request::Text { text, .. } => {
                 self.document.replace(text, None)?;
-                self.touch(false);
-                self.changed();
+                self.changed(false);
             }
             Request::Undo { .. } => {
                 self.document.undo();
-                self.touch(false);
-                self.changed();
+                self.changed(false);
             }
             Request::Redo { .. } => {
                 self.document.redo();
-                self.touch(false);
-                self.changed();
+                self.changed(false);
             }
             Request::Save {} => {
                 self.document.save()?;
@@ -390,8 +361,7 @@ impl State {
                     return Err(Error::input("frame: use a finite number"));
                 }
                 self.frame = frame;
-                self.touch(playing);
-                self.changed();
+                self.changed(playing);
             }
             Request::Look { look, .. } => {
                 options::samples(&look.samples.to_string()).map_err(Error::Input)?;
@@ -429,20 +399,15 @@ impl State {
             }
             Request::Offsets { .. } => {
                 self.document.inline_offsets(&self.values, self.frame)?;
-                self.touch(false);
-                self.changed();
+                self.changed(false);
             }
         }
         Ok(())
     }
 
-    fn touch(&mut self, is_moving: bool) {
-        self.last_input = Instant::now();
-        self.is_moving = is_moving;
-    }
-
-    /// The scene is another one.
-    fn changed(&mut self) {
+    /// The scene is another one, by input that goes on or not.
+    fn changed(&mut self, is_moving: bool) {
+        (self.last_input, self.is_moving) = (Instant::now(), is_moving);
         self.revision += 1;
         self.text = self.document.text().into();
         self.keys = self.document.keys();
@@ -467,14 +432,16 @@ impl State {
         At { revision: self.revision, text: self.text.clone(), frame: self.frame }
     }
 
-    fn answer(&mut self, id: u64, answer: &Json) {
+    /// Sends a page an answer.
+    pub fn answer(&mut self, id: u64, answer: &Json) {
         if let Some(page) = self.pages.get_mut(&id) {
             page.answers.push(answer.to_string());
             page.notify.notify_one();
         }
     }
 
-    fn outgoing(&mut self, id: u64, now: Instant) -> (Vec<Outgoing>, Option<Duration>) {
+    /// The messages that a page has to get now, and how long to wait for those that are held back.
+    pub fn outgoing(&mut self, id: u64, now: Instant) -> (Vec<Outgoing>, Option<Duration>) {
         let Some(page) = self.pages.get_mut(&id) else { return (Vec::new(), None) };
         let mut messages: Vec<Outgoing> = page.answers.drain(..).map(Outgoing::Text).collect();
         let wait = page.sent_at.map_or(Duration::ZERO, |at| VALUES.saturating_sub(now - at));
