@@ -55,7 +55,7 @@ impl Batch {
     /// # Errors
     /// As [`Batch::run`].
     pub fn gather(&self) -> Result<Vec<String>> {
-        Ok(self.open(None)?.gather()?.missing)
+        Ok(self.open(None)?.gather()?.1)
     }
 
     fn open(&self, shard: Option<Shard>) -> Result<batch::Batch> {

@@ -29,7 +29,6 @@ use manifest::{Costs, Manifest};
 use paths::{Paths, folder_of, folders};
 use run::Run;
 pub use shard::Shard;
-use slots::Slots;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -130,10 +129,9 @@ impl Batch {
         let inputs = loading.into_inputs();
         let paths = Paths::of(list, shard);
         let earlier = paths.others();
-        let library = Library::default();
-        let checks = Checks { beside: &beside, list, jobs: &jobs, paths: &paths, earlier: &earlier, inputs: &inputs };
-        checks.run(&library)?;
-        Ok(Batch { jobs, paths, earlier, library, beside, limits })
+        let batch = Batch { jobs, paths, earlier, library: Library::default(), beside, limits };
+        Checks { batch: &batch, list, inputs: &inputs }.run()?;
+        Ok(batch)
     }
 
     /// Opens the devices and the manifest for the list, or for a shard of it.
@@ -149,99 +147,81 @@ impl Batch {
             let more = self.beside.iter().filter_map(|(path, _)| folder_of(path));
             folders(&self.jobs)?.into_iter().chain(more).try_for_each(|folder| clear_up(&folder))?;
         }
-        Ok(Started { batch: self, options: options.clone(), own, workers, manifest })
+        Ok(Started { frames: Frames { batch: self, own, manifest }, options: options.clone(), workers })
     }
 
-    /// Merges the manifests of all shards into that of the list.
+    /// Merges the manifests of all shards into that of the list. Also returns the names of the frames that are not done.
     ///
     /// # Errors
     /// [`Error::Work`] if the manifest cannot be opened.
-    pub fn gather(&self) -> Result<Gathered> {
+    pub fn gather(&self) -> Result<(Frames<'_>, Vec<String>)> {
         let manifest = Manifest::open(&self.paths.whole, &self.earlier, true)?;
-        let mut gathered = Gathered { manifest, frames: 0, missing: Vec::new() };
+        let mut missing = Vec::new();
         for task in self.jobs.tasks() {
-            gathered.frames += 1;
-            if gathered.manifest.status(&task)? == Status::Done {
-                gathered.manifest.adopt(&task)?;
+            if manifest.status(&task)? == Status::Done {
+                manifest.adopt(&task)?;
             } else {
-                gathered.manifest.forget(&task)?;
-                gathered.missing.push(task.name);
+                manifest.forget(&task)?;
+                missing.push(task.name);
             }
         }
-        Ok(gathered)
+        Ok((Frames { batch: self, own: None, manifest }, missing))
     }
 }
 
-/// A list with the merged manifest of its shards.
-pub struct Gathered {
+/// Frames of a list, and the manifest that says which of them are done.
+pub struct Frames<'a> {
+    batch: &'a Batch,
+    /// For each frame of the list whether it is one of these; `None`: all are.
+    own: Option<Vec<bool>>,
     manifest: Manifest,
-    /// Number of frames in the list.
-    pub frames: usize,
-    /// Names of the frames that are not done.
-    pub missing: Vec<String>,
 }
 
-impl Gathered {
-    /// Each frame of the list that was gathered, with its manifest entry if it is done.
+impl<'a> Frames<'a> {
+    /// Number of these frames.
+    pub fn count(&self) -> usize {
+        self.own.as_ref().map_or_else(|| self.batch.jobs.count(), |own| own.iter().filter(|own| **own).count())
+    }
+
+    fn tasks(&self) -> Box<dyn Iterator<Item = Task<'a>> + Send + 'a> {
+        let tasks = self.batch.jobs.tasks();
+        match self.own.clone() {
+            Some(own) => Box::new(tasks.filter(move |task| own[task.index])),
+            None => Box::new(tasks),
+        }
+    }
+
+    /// Each frame with its manifest entry if it is done.
     #[cfg(feature = "cli")]
-    pub fn each<'a>(&'a self, batch: &'a Batch) -> impl Iterator<Item = Result<(Task<'a>, Option<Done>)>> {
-        each(shard::tasks(&batch.jobs, None), &self.manifest)
+    pub fn each(&self) -> impl Iterator<Item = Result<(Task<'a>, Option<Done>)>> {
+        self.tasks().map(|task| self.manifest.done(&task).map(|done| (task, done)))
     }
 }
 
 /// A batch whose devices are open.
 pub struct Started<'a> {
-    batch: &'a Batch,
+    pub frames: Frames<'a>,
     options: BatchOptions,
-    /// For each frame of the list whether this run renders it; `None`: all.
-    own: Option<Vec<bool>>,
     workers: Vec<Worker>,
-    manifest: Manifest,
 }
 
 impl Started<'_> {
-    /// Number of frames of this run.
-    pub fn frames(&self) -> usize {
-        self.own.as_ref().map_or_else(|| self.batch.jobs.count(), |own| own.iter().filter(|own| **own).count())
-    }
-
     /// Renders all frames. A failed frame is reported to `watch`; the others continue.
     ///
     /// # Errors
     /// [`Error::Work`] if no thread can be started.
     pub fn run(&mut self, watch: &Watch) -> Result<Outcome> {
-        let (jobs, own, frames) = (&self.batch.jobs, self.own.clone(), self.frames());
-        let (library, slots) = (&self.batch.library, Slots::of_this_machine(self.batch.limits));
-        let tasks = shard::tasks(jobs, own);
-        let run = Run::new(tasks, frames, &self.manifest, library, slots, &self.options, watch);
-        if self.workers.iter().any(|worker| !worker.has_adapter()) && jobs.need_adapter()? {
+        let run = Run::new(&self.frames, &self.options, watch);
+        if self.workers.iter().any(|worker| !worker.has_adapter()) && self.frames.batch.jobs.need_adapter()? {
             run.note(&format!("{NO_ADAPTER}; frames are rendered on the CPU as --engine reference does"));
         }
         let started = Instant::now();
-        run.work(&mut self.workers, self.options.writers.unwrap_or_else(cores))?;
+        run.work(&mut self.workers)?;
         let wall_s = started.elapsed().as_secs_f64();
         let (counts, failures, stopped_by) = run.end();
         let devices = self.workers.iter().map(|worker| worker.worked(wall_s)).collect();
         Ok(Outcome { counts, wall_s, devices, failures, stopped_by })
     }
-
-    /// Each frame of this run, with its manifest entry if it is done.
-    #[cfg(feature = "cli")]
-    pub fn each(&self) -> impl Iterator<Item = Result<(Task<'_>, Option<Done>)>> {
-        each(shard::tasks(&self.batch.jobs, self.own.clone()), &self.manifest)
-    }
-}
-
-#[cfg(feature = "cli")]
-fn each<'a>(
-    tasks: impl Iterator<Item = Task<'a>>,
-    manifest: &Manifest,
-) -> impl Iterator<Item = Result<(Task<'a>, Option<Done>)>> {
-    tasks.map(|task| manifest.done(&task).map(|done| (task, done)))
-}
-
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Locks even if a thread panicked while it held the lock: each statement leaves the data consistent.

@@ -26,7 +26,7 @@ struct Job {
     /// Its position in the file.
     key: String,
     scene: String,
-    /// Flags of `render`, and their values as they are written.
+    /// Keys of flags of `render`, and their values as they are written.
     flags: Vec<(&'static str, Option<String>)>,
     sweep: Vec<Swept>,
     /// The folder of COLMAP's whose images [`IMAGE`] sweeps.
@@ -62,26 +62,14 @@ pub struct Task<'a> {
     limits: Limits,
 }
 
-/// Files that a job writes, by key and flag; their names differ from frame to frame.
-const OUTPUTS: [(&str, &str, Kind); 4] = [
-    ("color", "--output", PICTURE),
-    ("exr", "--exr", EXR),
-    ("points", "--points", POINTS),
-    ("report", "--report", REPORT),
-];
+/// The keys of files that a job writes; their names differ from frame to frame.
+const OUTPUTS: [(&str, Kind); 4] = [("color", PICTURE), ("exr", EXR), ("points", POINTS), ("report", REPORT)];
 
-/// Other flags with a value.
-const VALUES: [(&str, &str); 5] = [
-    ("size", "--size"),
-    ("engine", "--engine"),
-    ("method", "--method"),
-    ("samples", "--samples"),
-    ("repeat", "--repeat"),
-];
+/// Keys of other flags with a value.
+const VALUES: [&str; 5] = ["size", "engine", "method", "samples", "repeat"];
 
-/// Flags without one.
-const SWITCHES: [(&str, &str); 4] =
-    [("analytic", "--analytic"), ("check", "--check"), ("no_cull", "--no-cull"), ("strict", "--strict")];
+/// Keys of flags without one.
+const SWITCHES: [&str; 4] = ["analytic", "check", "no_cull", "strict"];
 
 /// A list has fewer frames, even without limits: the numbers of frames must be exact in f64.
 const FRAMES_MAX: f64 = 1e15;
@@ -200,12 +188,9 @@ impl Task<'_> {
         let mut job = RenderJob::of(&self.job.scene);
         job.change = Change { frame: self.frame, ..Change::default() };
         job.limits = self.limits;
-        for (flag, value) in &self.job.flags {
-            let value = self.filled(flag, value.as_deref().unwrap_or_default())?;
-            set(&mut job, flag, value).map_err(|e| {
-                let key = flag.trim_start_matches('-').replace('-', "_");
-                Error::input(format!("{}: {}: {e}", self.job.key, if key == "output" { "color" } else { &key }))
-            })?;
+        for (key, value) in &self.job.flags {
+            let value = self.filled(key, value.as_deref().unwrap_or_default())?;
+            set(&mut job, key, value).map_err(|e| Error::input(format!("{}: {key}: {e}", self.job.key)))?;
         }
         let mut sets = self.image_camera();
         sets.append(&mut job.change.set);
@@ -234,11 +219,6 @@ impl Task<'_> {
         &self.job.name
     }
 
-    /// The command line that says all that the frame depends on but for what is in files, as if typed in the folder of the list.
-    pub(crate) fn settings(&self) -> Result<Vec<String>> {
-        self.command_line(|path| self.short(path))
-    }
-
     /// A path as from the folder of the list, where it is in there.
     pub(crate) fn short(&self, path: &Path) -> PathBuf {
         let whole = absolute(path);
@@ -252,14 +232,14 @@ impl Task<'_> {
 
     /// The files that it writes, at least one.
     pub fn outputs(&self) -> Result<Vec<PathBuf>> {
-        let outputs = self.job.flags.iter().filter(|(flag, _)| is_output(flag));
-        outputs.map(|(flag, file)| self.filled(flag, file.as_deref().unwrap_or_default()).map(PathBuf::from)).collect()
+        let outputs = self.job.flags.iter().filter(|(key, _)| is_output(key));
+        outputs.map(|(key, file)| self.filled(key, file.as_deref().unwrap_or_default()).map(PathBuf::from)).collect()
     }
 
     /// The kinds of the [`outputs`](Task::outputs), in their order.
     pub(crate) fn kinds(&self) -> Vec<Kind> {
-        let kind = |flag: &str| OUTPUTS.iter().find(|own| own.1 == flag).map(|own| own.2);
-        self.job.flags.iter().filter_map(|(flag, _)| kind(flag)).collect()
+        let kind = |key: &str| OUTPUTS.iter().find(|own| own.0 == key).map(|own| own.1);
+        self.job.flags.iter().filter_map(|(key, _)| kind(key)).collect()
     }
 
     /// The key of an output of this frame in [`manifest::outputs`](super::manifest::outputs).
@@ -267,15 +247,16 @@ impl Task<'_> {
         key_of(self.short(path))
     }
 
-    fn command_line(&self, path: impl Fn(&Path) -> PathBuf) -> Result<Vec<String>> {
-        let shown = |text: String| path(Path::new(&text)).display().to_string();
+    /// The command line that says all that the frame depends on but for what is in files, as if typed in the folder of the list.
+    pub(crate) fn settings(&self) -> Result<Vec<String>> {
+        let shown = |text: String| self.short(Path::new(&text)).display().to_string();
         let mut line = vec!["render".to_owned(), shown(self.job.scene.clone())];
         line.extend(self.image_camera().into_iter().flat_map(|camera| ["--set".to_owned(), camera]));
-        for (flag, value) in &self.job.flags {
-            line.push((*flag).to_owned());
+        for (key, value) in &self.job.flags {
+            line.push(format!("--{}", if *key == "color" { "output".into() } else { key.replace('_', "-") }));
             if let Some(value) = value {
-                let filled = self.filled(flag, value)?;
-                line.push(if is_output(flag) { shown(filled) } else { filled });
+                let filled = self.filled(key, value)?;
+                line.push(if is_output(key) { shown(filled) } else { filled });
             }
         }
         line.extend(self.swept().flat_map(|(key, value)| ["--set".to_owned(), format!("{key}={value}")]));
@@ -284,8 +265,8 @@ impl Task<'_> {
     }
 
     /// The value of a flag: names of files have those of this task in them.
-    fn filled(&self, flag: &str, text: &str) -> Result<String> {
-        if !is_output(flag) {
+    fn filled(&self, key: &str, text: &str) -> Result<String> {
+        if !is_output(key) {
             return Ok(text.to_owned());
         }
         let swept = |key: &str| self.values.iter().find(|v| v.0 == key).map(|v| plain(v.1));
@@ -294,26 +275,26 @@ impl Task<'_> {
     }
 }
 
-/// Sets the option of a flag of `render`.
-fn set(job: &mut RenderJob, flag: &str, value: String) -> std::result::Result<(), String> {
-    match flag {
-        "--output" => job.color = Some(value.into()),
-        "--exr" => job.exr = Some(value.into()),
-        "--points" => job.points = Some(value.into()),
-        "--report" => job.report = Some(value.into()),
-        "--size" => job.change.size = Some(options::size(&value)?),
-        "--engine" => job.engine = Some(options::engine(&value)?),
-        "--method" => job.method = options::method(&value)?,
-        "--samples" => job.samples = options::samples(&value)?,
-        "--repeat" => job.repeat = Some(options::repeat(&value)?),
-        "--channels" => {
+/// Sets the option of a key.
+fn set(job: &mut RenderJob, key: &str, value: String) -> std::result::Result<(), String> {
+    match key {
+        "color" => job.color = Some(value.into()),
+        "exr" => job.exr = Some(value.into()),
+        "points" => job.points = Some(value.into()),
+        "report" => job.report = Some(value.into()),
+        "size" => job.change.size = Some(options::size(&value)?),
+        "engine" => job.engine = Some(options::engine(&value)?),
+        "method" => job.method = options::method(&value)?,
+        "samples" => job.samples = options::samples(&value)?,
+        "repeat" => job.repeat = Some(options::repeat(&value)?),
+        "channels" => {
             job.channels = Some(value.split(',').map(options::channels).collect::<std::result::Result<_, _>>()?)
         }
-        "--set" => job.change.set.push(value),
-        "--analytic" => job.analytic = true,
-        "--check" => job.check = true,
-        "--no-cull" => job.no_cull = true,
-        "--strict" => job.strict = true,
+        "set" => job.change.set.push(value),
+        "analytic" => job.analytic = true,
+        "check" => job.check = true,
+        "no_cull" => job.no_cull = true,
+        "strict" => job.strict = true,
         _ => return Err("jobs do not have this option".into()),
     }
     Ok(())
@@ -324,37 +305,37 @@ fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
-fn is_output(flag: &str) -> bool {
-    OUTPUTS.iter().any(|o| o.1 == flag)
+fn is_output(key: &str) -> bool {
+    OUTPUTS.iter().any(|own| own.0 == key)
 }
 
 fn read_job(k: usize, field: &Field, path: &Path) -> Result<Job> {
     let table = field.table()?;
     let mut known = vec!["scene", "frames", "images", "set", "sweep", "channels"];
     known.extend(OUTPUTS.iter().map(|own| own.0));
-    known.extend(VALUES.iter().chain(&SWITCHES).map(|own| own.0));
+    known.extend(VALUES.iter().chain(&SWITCHES));
     table.allow(&known)?;
     let mut flags = Vec::new();
-    for (key, flag, _) in OUTPUTS {
-        flags.extend(table.optional(key, |f| f.path())?.map(|file| (flag, Some(file.display().to_string()))));
+    for (key, _) in OUTPUTS {
+        flags.extend(table.optional(key, |f| f.path())?.map(|file| (key, Some(file.display().to_string()))));
     }
-    if flags.iter().all(|(flag, _)| *flag == "--report") {
+    if flags.iter().all(|(key, _)| *key == "report") {
         return Err(table.error("nothing to write; add color, exr or points"));
     }
-    for (key, flag) in VALUES {
-        flags.extend(table.optional(key, Field::inline)?.map(|value| (flag, Some(value.trim_matches('"').to_owned()))));
+    for key in VALUES {
+        flags.extend(table.optional(key, Field::inline)?.map(|value| (key, Some(value.trim_matches('"').to_owned()))));
     }
-    for (key, flag) in SWITCHES {
-        flags.extend(table.or(key, false, Field::boolean)?.then_some((flag, None)));
+    for key in SWITCHES {
+        flags.extend(table.or(key, false, Field::boolean)?.then_some((key, None)));
     }
     if let Some(list) = table.get("channels") {
         let names = list.items("a list of channels, as [\"R\", \"Z\"]")?;
         let names: Vec<&str> = names.map(|name| name.text()).collect::<Result<_>>()?;
-        flags.push(("--channels", Some(names.join(","))));
+        flags.push(("channels", Some(names.join(","))));
     }
     if let Some(list) = table.get("set") {
         for text in list.items("a list of texts, as [\"camera.vfov=40\"]")? {
-            flags.push(("--set", Some(text.text()?.to_owned())));
+            flags.push(("set", Some(text.text()?.to_owned())));
         }
     }
     let mut sweep = Vec::new();

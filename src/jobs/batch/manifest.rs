@@ -3,7 +3,6 @@
 
 use super::list::Task;
 use super::lock;
-use crate::engine::report::Judged;
 use crate::image::is_full;
 use crate::input::files::{Inputs, Stamp, stamp};
 use crate::input::{Error, Result};
@@ -122,30 +121,17 @@ impl Manifest {
         let failed = |e: io::Error| failure(path, &e);
         others.iter().map(PathBuf::as_path).chain([path]).try_for_each(check_file)?;
         let own = File::options().create(true).append(true).read(true).open(path).map_err(failed)?;
-        match own.try_lock() {
-            Err(TryLockError::WouldBlock) => {
-                let advice = "wait for it, or give each a --shard I/N";
-                return Err(Error::work(format!("{}: another batch is using this manifest; {advice}", path.display())));
-            }
-            // the file system has no locks
-            Err(TryLockError::Error(_)) | Ok(()) => {}
+        // other errors: the file system has no locks
+        if let Err(TryLockError::WouldBlock) = own.try_lock() {
+            let advice = "wait for it, or give each a --shard I/N";
+            return Err(Error::work(format!("{}: another batch is using this manifest; {advice}", path.display())));
         }
-        if keeps {
-            let whole = whole_lines(&own).map_err(|e| unreadable(path, &e))?;
-            let torn = own.metadata().map_err(failed)?.len() - whole;
-            own.set_len(own.metadata().map_err(failed)?.len() - torn).map_err(failed)?;
-        } else {
-            own.set_len(0).map_err(failed)?;
-        }
-        let mut files = Vec::new();
+        let kept = if keeps { whole_lines(&own).map_err(|e| unreadable(path, &e))? } else { 0 };
+        own.set_len(kept).map_err(failed)?;
+        let others = others.iter().filter(|other| keeps && *other != path);
+        let mut files: Vec<_> =
+            others.filter_map(|other| Some((other.clone(), Mutex::new(File::open(other).ok()?)))).collect();
         let mut lines = HashMap::new();
-        if keeps {
-            for other in others.iter().filter(|other| *other != path) {
-                if let Ok(file) = File::open(other) {
-                    files.push((other.clone(), Mutex::new(file)));
-                }
-            }
-        }
         files.push((path.to_owned(), Mutex::new(own)));
         for (k, (path, file)) in files.iter().enumerate() {
             read_lines(k, &lock(file), &mut lines, Counts::Newest).map_err(|e| unreadable(path, &e))?;
@@ -217,13 +203,14 @@ impl Manifest {
                 *first = CHANGED.into();
             }
         }
+        let as_json = |error| serde_json::to_value(error).map_err(|e| Error::work(format!("an error as JSON: {e}")));
         let done = Done {
             frame: task.name.clone(),
             version: env!("CARGO_PKG_VERSION").into(),
             settings: task.settings()?,
             inputs: found,
             outputs,
-            made_ms: nanoseconds(SystemTime::now()) / 1_000_000,
+            made_ms: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_millis() as u64),
             ms,
             adapter: written.adapter.clone(),
             triangles: written.triangles,
@@ -341,10 +328,6 @@ fn failure(path: &Path, e: &io::Error) -> Error {
     if is_full(e) { Error::Full(text) } else { Error::Write(text) }
 }
 
-fn as_json(error: &Judged) -> Result<serde_json::Value> {
-    serde_json::to_value(error).map_err(|e| Error::work(format!("an error as JSON: {e}")))
-}
-
 /// Identifies a frame: its first output that no other frame writes; several may write to one device, such as `/dev/null`. Without any,
 /// its settings.
 fn key(task: &Task) -> Result<u64> {
@@ -407,11 +390,6 @@ fn read_lines(k: usize, file: &File, lines: &mut HashMap<u64, Line>, counts: Cou
         text.clear();
     }
     Ok(())
-}
-
-/// Nanoseconds since 1970.
-fn nanoseconds(time: SystemTime) -> u64 {
-    time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos() as u64)
 }
 
 /// The words of a command line that are missing from another one, or in other positions there.

@@ -1,16 +1,15 @@
 //! The threads of a batch and their shared state: per device two that read and plan and one that renders, and several that write.
 
 use super::list::Task;
-use super::manifest::{Manifest, Status};
+use super::manifest::Status;
 use super::queue::Queue;
 use super::slots::Slots;
 use super::worker::{Picture, Taken, Worker};
-use super::{BatchOptions, Counts, Event, FAILURES_MAX, Watch, lock, taken};
+use super::{BatchOptions, Counts, Event, FAILURES_MAX, Frames, Watch, lock, taken};
 use crate::engine::Rendered;
 use crate::engine::left_out::LeftOut;
 use crate::geometry::mesh::Missing;
 use crate::input::{Error, Result};
-use crate::scene::library::Library;
 use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -23,15 +22,13 @@ const READERS: usize = 2;
 
 /// State shared by all threads of a batch.
 pub struct Run<'a> {
-    queue: Queue<'a>,
-    manifest: &'a Manifest,
-    library: &'a Library,
+    pub queue: Queue<'a>,
+    pub frames: &'a Frames<'a>,
+    options: &'a BatchOptions,
     watch: &'a Watch<'a>,
     counts: Mutex<Counts>,
     /// Memory for frames between reading and writing.
-    slots: Arc<Slots>,
-    resumes: bool,
-    fail_fast: bool,
+    pub slots: Arc<Slots>,
     /// Number of workers with a device.
     workers: AtomicUsize,
     stopped_by: Mutex<Option<Error>>,
@@ -42,24 +39,14 @@ pub struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    pub fn new(
-        tasks: Box<dyn Iterator<Item = Task<'a>> + Send + 'a>,
-        frames: usize,
-        manifest: &'a Manifest,
-        library: &'a Library,
-        slots: Arc<Slots>,
-        options: &BatchOptions,
-        watch: &'a Watch<'a>,
-    ) -> Run<'a> {
+    pub fn new(frames: &'a Frames<'a>, options: &'a BatchOptions, watch: &'a Watch<'a>) -> Run<'a> {
         Run {
-            queue: Queue::new(tasks),
-            manifest,
-            library,
+            queue: Queue::new(frames.tasks()),
+            frames,
+            options,
             watch,
-            counts: Mutex::new(Counts { all: frames, ..Counts::default() }),
-            slots,
-            resumes: options.resume,
-            fail_fast: options.fail_fast,
+            counts: Mutex::new(Counts { all: frames.count(), ..Counts::default() }),
+            slots: Slots::of_this_machine(frames.batch.limits),
             workers: AtomicUsize::new(0),
             stopped_by: Mutex::default(),
             failures: Mutex::default(),
@@ -68,23 +55,26 @@ impl<'a> Run<'a> {
     }
 
     /// Runs all threads until every frame is done.
-    pub fn work(&self, workers: &mut [Worker], writers: usize) -> Result<()> {
+    pub fn work(&self, workers: &mut [Worker]) -> Result<()> {
         self.workers.store(workers.len(), Ordering::SeqCst);
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        let writers = self.options.writers.unwrap_or_else(cores).max(1);
         std::thread::scope(|scope| {
             let start = || {
                 let (to_write, taken) = sync_channel(1);
                 let taken = Arc::new(Mutex::new(taken));
                 for worker in workers {
                     let (to_render, ready) = sync_channel(1);
-                    let (reader, mut driver) = worker.parts();
+                    let Worker { reader, driver } = worker;
+                    let reader = &*reader;
                     for _ in 0..READERS {
                         let to_render = to_render.clone();
                         named(scope, "read", move || reader.run(self, &to_render))?;
                     }
                     let to_write = to_write.clone();
-                    named(scope, "device", move || driver.run(self, &ready, &to_write))?;
+                    named(scope, "device", move || driver.run(self, reader, &ready, &to_write))?;
                 }
-                for _ in 0..writers.max(1) {
+                for _ in 0..writers {
                     let taken = taken.clone();
                     named(scope, "write", move || self.write(&taken))?;
                 }
@@ -109,10 +99,13 @@ impl<'a> Run<'a> {
                 };
                 let written = ready.work.write(seen, &device, ready.started, |_| ())?;
                 self.tell_left_out(&written.left_out);
-                self.manifest.add(&ready.task, &ready.inputs, &written, ms)
+                self.frames.manifest.add(&ready.task, &ready.inputs, &written, ms)
             });
             match written {
-                Ok(_) => self.done(&ready.task, ms),
+                Ok(_) => {
+                    self.tell(Event::Done(&ready.task, ms));
+                    self.queue.finished();
+                }
                 Err(e) => self.failed(&ready.task, &e),
             }
         }
@@ -122,14 +115,14 @@ impl<'a> Run<'a> {
     pub fn next(&self) -> Option<Task<'a>> {
         loop {
             let task = self.queue.next()?;
-            if !self.resumes {
+            if !self.options.resume {
                 return Some(task);
             }
-            match self.manifest.status(&task) {
+            match self.frames.manifest.status(&task) {
                 Ok(Status::New) => return Some(task),
                 Ok(Status::Changed(why)) => {
                     self.tell(Event::Again(&task, &why));
-                    match self.manifest.forget(&task) {
+                    match self.frames.manifest.forget(&task) {
                         Ok(()) => return Some(task),
                         Err(e) => self.failed(&task, &e),
                     }
@@ -143,23 +136,6 @@ impl<'a> Run<'a> {
         }
     }
 
-    pub fn queue(&self) -> &Queue<'a> {
-        &self.queue
-    }
-
-    pub fn library(&self) -> &Library {
-        self.library
-    }
-
-    pub fn slots(&self) -> &Arc<Slots> {
-        &self.slots
-    }
-
-    fn done(&self, task: &Task, ms: f64) {
-        self.tell(Event::Done(task, ms));
-        self.queue.finished();
-    }
-
     /// Records a failed frame; ends the batch if the disk is full.
     pub fn failed(&self, task: &Task, why: &Error) {
         self.tell(Event::Failed(task, why));
@@ -170,7 +146,7 @@ impl<'a> Run<'a> {
         drop(failures);
         if matches!(why, Error::Full(_)) {
             self.stop(Error::Full("the disk is full".into()));
-        } else if self.fail_fast {
+        } else if self.options.fail_fast {
             self.queue.stop();
         }
         self.queue.finished();

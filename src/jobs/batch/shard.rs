@@ -1,6 +1,6 @@
 //! Divides a list into shards of about equal cost; every process computes the same division.
 
-use super::list::{Jobs, Task};
+use super::list::Jobs;
 use super::manifest::Costs;
 use crate::input::Result;
 use std::cmp::Reverse;
@@ -20,14 +20,6 @@ pub struct Shard {
 pub fn share(jobs: &Jobs, shard: Shard, costs: &Costs) -> Result<Vec<bool>> {
     let known: Vec<Option<f64>> = jobs.tasks().map(|task| costs.of(&task)).collect::<Result<_>>()?;
     Ok(shared(&known, shard))
-}
-
-/// The frames of a list in this shard.
-pub fn tasks(jobs: &Jobs, own: Option<Vec<bool>>) -> Box<dyn Iterator<Item = Task<'_>> + Send + '_> {
-    match own {
-        Some(own) => Box::new(jobs.tasks().filter(move |task| own[task.index])),
-        None => Box::new(jobs.tasks()),
-    }
 }
 
 fn shared(costs: &[Option<f64>], shard: Shard) -> Vec<bool> {

@@ -49,7 +49,7 @@ fn run_list(
     let batch = Batch::open(&list, None, Vec::new(), Limits::default()).unwrap();
     let options = BatchOptions { writers: Some(2), ..BatchOptions::default() };
     let manifest = Manifest::open(&batch.paths.own, &[], false).unwrap();
-    let mut started = Started { batch: &batch, options, own: None, workers, manifest };
+    let mut started = Started { frames: Frames { batch: &batch, own: None, manifest }, options, workers };
     let done = AtomicUsize::new(0);
     let outcome = std::thread::scope(|scope| {
         scope.spawn(|| beside(&done, &gpu));

@@ -1,6 +1,7 @@
 //! A worker keeps one device busy: while it renders a frame, the next one is read, planned and uploaded, and the previous one written.
 
 use super::list::Task;
+use super::lock;
 use super::run::{Run, guarded};
 use super::slots::Slot;
 use crate::engine::Engine;
@@ -15,9 +16,9 @@ use crate::input::{Error, Result};
 use crate::jobs::{Backend, Seen, Work};
 use serde::Serialize;
 use std::collections::VecDeque;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError};
-use std::sync::{Mutex, PoisonError};
+use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::{Duration, Instant};
 
 /// A frame after reading.
@@ -45,23 +46,10 @@ pub enum Picture {
     Seen(Box<Seen>),
 }
 
-/// One device and its contents.
+/// One device: the half of its reading threads and that of its rendering thread.
 pub struct Worker {
-    options: GpuOptions,
-    /// Its adapter.
-    name: String,
-    /// `None` on a machine without adapters.
-    engine: Option<Engine>,
-    sequence: Sequence,
-    /// The last planned frame.
-    last: Mutex<Option<Planned>>,
-    planner: Option<Planner>,
-    /// End of the last busy time, and total busy time.
-    until: Instant,
-    busy: Duration,
-    reopened: u32,
-    /// The device is lost for good.
-    is_gone: AtomicBool,
+    pub reader: Reader,
+    pub driver: Driver,
 }
 
 /// A frame fails after losing the device this often.
@@ -102,68 +90,61 @@ impl Worker {
     pub fn open(options: GpuOptions) -> Result<Worker> {
         let engine = Engine::open(&options)?;
         let planner = engine.as_ref().map(Engine::planner);
-        Ok(Worker {
+        let driver = Driver {
             options,
             name: engine.as_ref().map_or("cpu".into(), |engine| engine.gpu.info.name.clone()),
             engine,
             sequence: Sequence::default(),
-            last: Mutex::default(),
-            planner,
             until: Instant::now(),
             busy: Duration::ZERO,
             reopened: 0,
-            is_gone: AtomicBool::new(false),
-        })
-    }
-
-    /// Splits it into the half of the reading threads and that of the device's thread.
-    pub fn parts(&mut self) -> (Reader<'_>, Driver<'_>) {
-        let Worker { options, name: _, engine, sequence, last, planner, until, busy, reopened, is_gone } = self;
-        *until = Instant::now();
-        let driver = Driver { options, engine, sequence, until, busy, reopened, is_gone, is_uncertain: false };
-        (Reader { last, planner: planner.as_ref(), is_gone }, driver)
+            is_uncertain: false,
+        };
+        Ok(Worker { reader: Reader { last: Mutex::default(), planner, is_gone: AtomicBool::new(false) }, driver })
     }
 
     pub fn has_adapter(&self) -> bool {
-        self.engine.is_some()
+        self.driver.engine.is_some()
     }
 
     #[cfg(test)]
     pub fn gpu(&self) -> Option<std::sync::Arc<crate::gpu::Gpu>> {
-        self.engine.as_ref().map(|engine| engine.gpu.clone())
+        self.driver.engine.as_ref().map(|engine| engine.gpu.clone())
     }
 
     /// From now on none like its device will be found.
     #[cfg(test)]
     pub fn lose_adapter(&mut self) {
-        self.options.adapter = Some("none that is there".into());
+        self.driver.options.adapter = Some("none that is there".into());
     }
 
     /// Its statistics over a time, s.
     pub fn worked(&self, wall_s: f64) -> Worked {
-        let busy_s = self.busy.as_secs_f64();
-        Worked { adapter: self.name.clone(), busy_s, busy_share: busy_s / wall_s, reopened: self.reopened }
+        let Driver { name, busy, reopened, .. } = &self.driver;
+        let busy_s = busy.as_secs_f64();
+        Worked { adapter: name.clone(), busy_s, busy_share: busy_s / wall_s, reopened: *reopened }
     }
 }
 
-/// Reads frames for a worker.
-#[derive(Clone, Copy)]
-pub struct Reader<'s> {
-    last: &'s Mutex<Option<Planned>>,
-    planner: Option<&'s Planner>,
-    is_gone: &'s AtomicBool,
+/// Reads and plans frames for a worker.
+pub struct Reader {
+    /// The last planned frame.
+    last: Mutex<Option<Planned>>,
+    planner: Option<Planner>,
+    /// The device is lost for good.
+    is_gone: AtomicBool,
 }
 
-impl Reader<'_> {
+impl Reader {
     /// Reads frames until the queue ends or the device is lost for good.
-    pub fn run<'a>(self, run: &Run<'a>, ready: &SyncSender<Ready<'a>>) {
+    pub fn run<'a>(&self, run: &Run<'a>, ready: &SyncSender<Ready<'a>>) {
         while !self.is_gone.load(Ordering::SeqCst)
             && let Some(task) = run.next()
         {
             match guarded(|| self.read(run, task.clone())) {
                 Ok(read) => {
                     if let Err(unsent) = ready.send(read) {
-                        return run.queue().give_back(unsent.0.task);
+                        return run.queue.give_back(unsent.0.task);
                     }
                 }
                 Err(e) => run.failed(&task, &e),
@@ -171,62 +152,67 @@ impl Reader<'_> {
         }
     }
 
-    fn read<'a>(self, run: &Run<'a>, task: Task<'a>) -> Result<Ready<'a>> {
+    fn read<'a>(&self, run: &Run<'a>, task: Task<'a>) -> Result<Ready<'a>> {
         let started = Instant::now();
         let job = task.job()?;
-        let (work, inputs) = Work::read_of_many(job, run.library())?;
+        let (work, inputs) = Work::read_of_many(job, &run.frames.batch.library)?;
         run.tell_missing(work.missing());
-        let slot = run.slots().reserve(work.bytes());
+        let slot = run.slots.reserve(work.bytes());
         work.check_memory()?;
-        let planned = match self.planner {
-            Some(planner) => {
-                let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).clone();
-                let planned = work.plan(planner, last.as_ref())?;
-                if let Some(planned) = &planned {
-                    *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(planned.clone());
-                }
-                planned
-            }
+        let last = lock(&self.last).clone();
+        let planned = match &self.planner {
+            Some(planner) => work.plan(planner, last.as_ref())?,
             None => None,
         };
+        if let Some(planned) = &planned {
+            *lock(&self.last) = Some(planned.clone());
+        }
         Ok(Ready { task, work, planned, inputs, started, _slot: slot })
     }
 }
 
-/// The device of a worker.
-pub struct Driver<'s> {
-    options: &'s GpuOptions,
-    engine: &'s mut Option<Engine>,
-    sequence: &'s mut Sequence,
-    until: &'s mut Instant,
-    busy: &'s mut Duration,
-    reopened: &'s mut u32,
-    is_gone: &'s AtomicBool,
+/// The device of a worker and its contents.
+pub struct Driver {
+    options: GpuOptions,
+    /// Its adapter.
+    name: String,
+    /// `None` on a machine without adapters.
+    engine: Option<Engine>,
+    sequence: Sequence,
+    /// End of the last busy time, and total busy time.
+    until: Instant,
+    busy: Duration,
+    reopened: u32,
     /// An error interrupted an update: the device may hold data of two frames.
     is_uncertain: bool,
 }
 
-impl Driver<'_> {
+impl Driver {
     /// Renders frames until the channel closes.
-    pub fn run<'a>(&mut self, run: &Run<'a>, ready: &Receiver<Ready<'a>>, taken: &SyncSender<Taken<'a>>) {
+    pub fn run<'a>(
+        &mut self,
+        run: &Run<'a>,
+        reader: &Reader,
+        ready: &Receiver<Ready<'a>>,
+        taken: &SyncSender<Taken<'a>>,
+    ) {
+        self.until = Instant::now();
         let mut in_flight: Option<(Ready<'a>, InFlight)> = None;
         let mut again: VecDeque<Ready<'a>> = VecDeque::new();
         loop {
             // a frame that lost the device is rendered alone
             let next = match again.pop_front() {
-                Some(next) => Ok(next),
-                None if in_flight.is_some() => ready.try_recv(),
-                None => ready.recv().map_err(|_| TryRecvError::Disconnected),
-            };
-            let next = match next {
-                Ok(next) => Some(next),
-                Err(TryRecvError::Disconnected) if in_flight.is_none() => return,
-                Err(_) => None,
+                Some(next) => Some(next),
+                None if in_flight.is_some() => ready.try_recv().ok(),
+                None => match ready.recv() {
+                    Ok(next) => Some(next),
+                    Err(_) => return,
+                },
             };
             let is_alone = next.as_ref().is_none_or(|next| next.planned.is_none() || next.task.losses > 0);
             let mut lost = Vec::new();
             let mut launched = None;
-            if let Some(next) = next.filter(|_| !run.queue().is_stopped()) {
+            if let Some(next) = next.filter(|_| !run.queue.is_stopped()) {
                 if is_alone {
                     self.finish(run, in_flight.take(), taken, &mut lost);
                 }
@@ -254,9 +240,9 @@ impl Driver<'_> {
                 lost.extend(in_flight.take().map(|(ready, _)| ready));
                 again.extend(lost);
                 if let Err(e) = guarded(|| self.reopen(run)) {
-                    self.is_gone.store(true, Ordering::SeqCst);
+                    reader.is_gone.store(true, Ordering::SeqCst);
                     run.lose_device(e);
-                    again.into_iter().chain(ready).for_each(|ready| run.queue().give_back(ready.task));
+                    again.into_iter().chain(ready).for_each(|ready| run.queue.give_back(ready.task));
                     return;
                 }
             }
@@ -343,21 +329,21 @@ impl Driver<'_> {
         let planner = self.engine.as_ref().map(Engine::planner);
         let why = self.engine.as_ref().and_then(|engine| engine.gpu.failure().err());
         self.sequence.clear();
-        (*self.engine, self.is_uncertain) = (None, false);
-        *self.reopened += 1;
+        (self.engine, self.is_uncertain) = (None, false);
+        self.reopened += 1;
         run.note(&format!("reopening the lost device: {}", why.map(|e| e.to_string()).unwrap_or_default()));
-        let mut opened = Engine::open(self.options);
+        let mut opened = Engine::open(&self.options);
         for _ in 1..REOPEN {
             if matches!(&opened, Ok(Some(_))) {
                 break;
             }
             std::thread::sleep(REOPEN_PAUSE);
-            opened = Engine::open(self.options);
+            opened = Engine::open(&self.options);
         }
         let failed = |why: &str| Err(Error::work(format!("the device was lost, and {why}")));
         match opened {
             Ok(Some(engine)) if Some(engine.planner()) == planner => {
-                *self.engine = Some(engine);
+                self.engine = Some(engine);
                 Ok(())
             }
             Ok(Some(_)) => failed("a different device is present now"),
@@ -369,9 +355,9 @@ impl Driver<'_> {
     /// Adds the time from a start, or from the end of the last busy time, until now; returns it, ms.
     fn was_busy(&mut self, started: Instant) -> f64 {
         let now = Instant::now();
-        let own = now.duration_since(started.max(*self.until));
-        *self.busy += own;
-        *self.until = now;
+        let own = now.duration_since(started.max(self.until));
+        self.busy += own;
+        self.until = now;
         own.as_secs_f64() * 1e3
     }
 }

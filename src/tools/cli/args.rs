@@ -279,13 +279,6 @@ pub enum ProgressName {
     None,
 }
 
-impl ProgressName {
-    /// All of stdout is JSON.
-    pub fn is_for_programs(self) -> bool {
-        self == ProgressName::Json
-    }
-}
-
 #[derive(Debug, Args)]
 pub struct CompareArgs {
     /// The image to judge

@@ -11,7 +11,6 @@ use crate::input::{Error, Result};
 use crate::jobs::batch::{Batch, BatchOptions, Counts, Outcome, RAY_DRIVER};
 use crate::jobs::outputs::{self, LOG, REPORT, TABLE};
 use progress::BatchProgress;
-use results::Summary;
 use std::path::Path;
 
 /// Most failed frames named in the last line.
@@ -36,30 +35,29 @@ pub fn run(args: &BatchArgs) -> Result<()> {
         adapters: args.adapters.clone(),
         fail_fast: args.fail_fast,
     })?;
-    let progress = BatchProgress::new(args.progress, args.log.as_deref(), list, started.frames())?;
+    let progress = BatchProgress::new(args.progress, args.log.as_deref(), list, started.frames.count())?;
     let outcome = started.run(&|event, counts| progress.report(event, counts))?;
     progress.end(&outcome.counts);
     if let Some(path) = &args.csv {
-        results::write_csv(path, || started.each())?;
+        results::write_csv(path, || started.frames.each())?;
     }
     if let Some(path) = &args.report {
-        let Outcome { counts, wall_s, ref devices, ref failures, .. } = outcome;
-        let summary = Summary::new(counts, wall_s, devices.clone(), failures.clone());
-        results::write_report(path, &summary, started.each())?;
+        results::write_report(path, &outcome, started.frames.each())?;
     }
     end(list, args.progress, &outcome)
 }
 
 /// Merges the manifests of all shards, and lists the frames that are not done.
 fn gather(args: &BatchArgs, list: &Path, batch: &Batch) -> Result<()> {
-    let gathered = batch.gather()?;
-    let (all, missing) = (gathered.frames, &gathered.missing);
+    let (gathered, missing) = batch.gather()?;
+    let all = gathered.count();
     if let Some(path) = &args.csv {
-        results::write_csv(path, || gathered.each(batch))?;
+        results::write_csv(path, || gathered.each())?;
     }
     if let Some(path) = &args.report {
         let counts = Counts { all, done: all - missing.len(), ..Counts::default() };
-        results::write_report(path, &Summary::new(counts, 0.0, Vec::new(), Vec::new()), gathered.each(batch))?;
+        let outcome = Outcome { counts, wall_s: 0.0, devices: Vec::new(), failures: Vec::new(), stopped_by: None };
+        results::write_report(path, &outcome, gathered.each())?;
     }
     if missing.is_empty() {
         return print(&format!("{}: {}\n", list.display(), frames(all)));
@@ -86,7 +84,7 @@ fn end(list: &Path, progress: ProgressName, outcome: &Outcome) -> Result<()> {
     let before = if *skipped > 0 { format!(", {skipped} before") } else { String::new() };
     if *failed == 0 && stopped_by.is_none() {
         let line = format!("{}: {}{before}\n", list.display(), frames(*done));
-        return if progress.is_for_programs() { Ok(()) } else { print(&line) };
+        return if progress == ProgressName::Json { Ok(()) } else { print(&line) };
     }
     let left = all - done - skipped - failed;
     let mut text = format!("{}: {done} of {all} frames done{before}", list.display());

@@ -18,13 +18,32 @@ const LINES: Duration = Duration::from_secs(5);
 /// Every progress line starts with this.
 const START: &str = "progress: ";
 
-/// Shows the current step until it is dropped.
-pub struct Progress {
-    shown: Option<(Sender<Step>, JoinHandle<()>)>,
+/// A thread that shows progress until this is dropped, and what tells it of more.
+pub struct Shown<T>(Option<(Sender<T>, JoinHandle<()>)>);
+
+impl<T: Send + 'static> Shown<T> {
+    fn start(show: impl FnOnce(&Receiver<T>) + Send + 'static) -> Shown<T> {
+        let (sender, receiver) = channel();
+        Shown(Some((sender, std::thread::spawn(move || show(&receiver)))))
+    }
 }
 
+impl<T> Drop for Shown<T> {
+    fn drop(&mut self) {
+        if let Some((sender, thread)) = self.0.take() {
+            // the thread ends with the sender
+            drop(sender);
+            // the panic hook has reported a panic there
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Shows the current step until it is dropped.
+pub struct Progress(Shown<Step>);
+
 /// A step, and how much of it is done where that is known.
-struct Step {
+pub struct Step {
     doing: String,
     share: Option<Share>,
 }
@@ -54,11 +73,9 @@ impl Step {
 
 impl Progress {
     pub fn start(doing: &str) -> Progress {
-        let (sender, receiver) = channel();
         let step = Step::of(doing);
         let show = if std::io::stderr().is_terminal() { show_spinner } else { print_lines };
-        let thread = std::thread::spawn(move || show(step, &receiver));
-        Progress { shown: Some((sender, thread)) }
+        Progress(Shown::start(move |messages| show(step, messages)))
     }
 
     /// Sets the current step.
@@ -72,16 +89,10 @@ impl Progress {
     }
 
     fn send(&self, step: Step) {
-        if let Some((sender, _)) = &self.shown {
+        if let Some((sender, _)) = &self.0.0 {
             // the thread only ends after this sender
             let _ = sender.send(step);
         }
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        end(self.shown.take());
     }
 }
 
@@ -139,35 +150,7 @@ fn print_line(line: impl std::fmt::Display) {
     note(format_args!("{START}{line}"));
 }
 
-/// Prints progress lines to stderr until it is dropped.
-pub struct ProgressLines {
-    shown: Option<(Sender<()>, JoinHandle<()>)>,
-}
-
-impl ProgressLines {
-    /// Calls `line` for the text of each line; `None` prints nothing.
-    pub fn start(line: impl Fn() -> Option<String> + Send + 'static) -> ProgressLines {
-        let (sender, receiver) = channel();
-        let thread = std::thread::spawn(move || {
-            receive_and_tick(&receiver, |_| {
-                line().into_iter().for_each(print_line);
-            });
-        });
-        ProgressLines { shown: Some((sender, thread)) }
-    }
-}
-
-impl Drop for ProgressLines {
-    fn drop(&mut self) {
-        end(self.shown.take());
-    }
-}
-
-/// Drops the sender, which ends the thread, and waits for it.
-fn end<T>(shown: Option<(Sender<T>, JoinHandle<()>)>) {
-    if let Some((sender, thread)) = shown {
-        drop(sender);
-        // the panic hook has reported a panic there
-        let _ = thread.join();
-    }
+/// Prints progress lines to stderr until the result is dropped. `line` gives the text of each; `None` prints nothing.
+pub fn progress_lines(line: impl Fn() -> Option<String> + Send + 'static) -> Shown<()> {
+    Shown::start(move |messages| receive_and_tick(messages, |_| line().into_iter().for_each(print_line)))
 }

@@ -5,7 +5,7 @@ use crate::image::open_to_append;
 use crate::input::{Error, Result};
 use crate::jobs::batch::{Counts, Event, Task, lock};
 use crate::tools::cli::args::ProgressName;
-use crate::tools::cli::progress::ProgressLines;
+use crate::tools::cli::progress::{Shown, progress_lines};
 use crate::tools::cli::say::{complain, line_of, note, print};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
@@ -26,7 +26,7 @@ pub struct BatchProgress {
     so_far: Arc<Mutex<SoFar>>,
     /// Number of frames rendered again by reason, for the first [`REASONS`] reasons.
     reasons: Mutex<BTreeMap<String, usize>>,
-    _lines: Option<ProgressLines>,
+    _lines: Option<Shown<()>>,
 }
 
 /// The counts, and when the first frame was done.
@@ -88,7 +88,7 @@ impl BatchProgress {
             started,
             so_far,
             reasons: Mutex::default(),
-            _lines: (is_auto && !has_bar).then(|| ProgressLines::start(line)),
+            _lines: (is_auto && !has_bar).then(|| progress_lines(line)),
         };
         shown.write(json!({ "event": "start", "frames": all }), &format!("start: {all} frames"));
         Ok(shown)
@@ -115,9 +115,26 @@ impl BatchProgress {
             Event::Skipped(task) => {
                 self.write(json!({ "event": "skipped", "frame": task.name }), &format!("skipped: {}", task.name));
             }
-            Event::Again(task, why) => self.again(task, why),
-            Event::Failed(task, why) => self.failed(task, why),
-            Event::Note(line) => self.note(line),
+            Event::Again(task, why) => {
+                let mut reasons = lock(&self.reasons);
+                if reasons.len() < REASONS || reasons.contains_key(why) {
+                    *reasons.entry(why.to_owned()).or_default() += 1;
+                }
+                drop(reasons);
+                let value = json!({ "event": "again", "frame": task.name, "why": why });
+                self.write(value, &format!("again: {}: {why}", task.name));
+            }
+            Event::Failed(task, error) => {
+                let said = error.clone().at(format_args!("{}: {}", self.list.display(), task.name));
+                self.beside_bar(|| complain(&said));
+                let why = line_of(error);
+                let value = json!({ "event": "failed", "frame": task.name, "why": why });
+                self.write(value, &format!("failed: {}: {why}", task.name));
+            }
+            Event::Note(line) => {
+                self.say(line);
+                self.write(json!({ "event": "note", "text": line }), line);
+            }
         }
     }
 
@@ -131,32 +148,6 @@ impl BatchProgress {
             "skipped": counts.skipped, "failed": counts.failed, "frames": counts.all, "per_s": per_s, "left_s": left_s,
         });
         self.write(value, &format!("done: {}: {ms:.1} ms: {}", task.name, outputs(task).join(", ")));
-    }
-
-    fn again(&self, task: &Task, why: &str) {
-        let line = format!("again: {}: {why}", task.name);
-        let mut reasons = lock(&self.reasons);
-        if reasons.len() < REASONS || reasons.contains_key(why) {
-            *reasons.entry(why.to_owned()).or_default() += 1;
-        }
-        drop(reasons);
-        self.write(json!({ "event": "again", "frame": task.name, "why": why }), &line);
-    }
-
-    fn failed(&self, task: &Task, error: &Error) {
-        let said = error.clone().at(format_args!("{}: {}", self.list.display(), task.name));
-        match &self.bar {
-            Some(bar) => bar.suspend(|| complain(&said)),
-            None => complain(&said),
-        }
-        let why = line_of(error);
-        let value = json!({ "event": "failed", "frame": task.name, "why": why });
-        self.write(value, &format!("failed: {}: {why}", task.name));
-    }
-
-    fn note(&self, line: &str) {
-        self.say(line);
-        self.write(json!({ "event": "note", "text": line }), line);
     }
 
     /// Ends the display: no frame is left.
@@ -178,11 +169,16 @@ impl BatchProgress {
 
     /// Prints a line on stderr unless JSON is written.
     fn say(&self, line: &str) {
-        let write = || note(line);
+        if !self.is_json {
+            self.beside_bar(|| note(line));
+        }
+    }
+
+    /// Runs a closure that writes to the terminal, with the bar hidden meanwhile.
+    fn beside_bar(&self, write: impl FnOnce()) {
         match &self.bar {
             Some(bar) => bar.suspend(write),
-            None if !self.is_json => write(),
-            None => {}
+            None => write(),
         }
     }
 

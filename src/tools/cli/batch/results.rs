@@ -3,7 +3,8 @@
 
 use crate::image::write_lines;
 use crate::input::{Error, Result};
-use crate::jobs::batch::{Counts, Done, Task, Worked};
+use crate::jobs::batch::{Counts, Done, Outcome, Task, Worked};
+use indexmap::IndexSet;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -11,24 +12,17 @@ use std::io;
 use std::path::Path;
 
 /// The report without the frames.
-#[derive(Debug, Clone, Serialize)]
-pub struct Summary {
-    pub version: &'static str,
-    pub frames: usize,
-    pub done: usize,
-    pub skipped: usize,
-    pub failed: usize,
-    pub wall_s: f64,
-    pub devices: Vec<Worked>,
+#[derive(Serialize)]
+struct Summary<'a> {
+    version: &'static str,
+    frames: usize,
+    done: usize,
+    skipped: usize,
+    failed: usize,
+    wall_s: f64,
+    devices: &'a [Worked],
     /// Names and errors of the first failed frames.
-    pub failures: Vec<(String, String)>,
-}
-
-impl Summary {
-    pub fn new(counts: Counts, wall_s: f64, devices: Vec<Worked>, failures: Vec<(String, String)>) -> Summary {
-        let Counts { all, done, skipped, failed, .. } = counts;
-        Summary { version: env!("CARGO_PKG_VERSION"), frames: all, done, skipped, failed, wall_s, devices, failures }
-    }
+    failures: &'a [(String, String)],
 }
 
 /// Writes the report: the summary, and `each`, a line per frame.
@@ -37,10 +31,13 @@ impl Summary {
 /// [`Error::Write`] if it cannot be written.
 pub fn write_report<'a>(
     path: &Path,
-    summary: &Summary,
+    outcome: &Outcome,
     frames: impl Iterator<Item = Result<(Task<'a>, Option<Done>)>>,
 ) -> Result<()> {
-    let head = serde_json::to_string_pretty(summary).map_err(|e| Error::work(format!("report as JSON: {e}")))?;
+    let Outcome { counts: Counts { all, done, skipped, failed, .. }, wall_s, ref devices, ref failures, .. } = *outcome;
+    let summary =
+        Summary { version: env!("CARGO_PKG_VERSION"), frames: all, done, skipped, failed, wall_s, devices, failures };
+    let head = serde_json::to_string_pretty(&summary).map_err(|e| Error::work(format!("report as JSON: {e}")))?;
     let head = head.trim_end_matches("\n}").to_owned();
     write_lines(path, |out| {
         write!(out, "{head},\n  \"each\": [")?;
@@ -63,14 +60,10 @@ pub fn write_csv<'a, T>(path: &Path, frames: impl Fn() -> T) -> Result<()>
 where
     T: Iterator<Item = Result<(Task<'a>, Option<Done>)>>,
 {
-    let mut columns: Vec<String> = Vec::new();
+    let mut columns = IndexSet::new();
     for frame in frames() {
         let (task, done) = frame.map_err(|e| e.at(path.display()))?;
-        for (name, _) in row(&task, done.as_ref()) {
-            if !columns.contains(&name) {
-                columns.push(name);
-            }
-        }
+        columns.extend(row(&task, done.as_ref()).into_iter().map(|(name, _)| name));
     }
     write_lines(path, |out| {
         let mut table = csv::Writer::from_writer(out);
