@@ -132,8 +132,8 @@ impl Job {
         let work = Work::read(self.job.clone(), &Library::for_once())?;
         work.check_memory()?;
         renderer.recover()?;
-        let seen = work.render(&mut renderer.backend(work.job())?)?;
-        let device = Backend::device_of(renderer.engine.as_ref(), work.job());
+        let seen = work.render(&mut renderer.backend(&work.job)?)?;
+        let device = Backend::device_of(renderer.engine.as_ref(), &work.job);
         let written = work.write(seen, &device, started, |_| ())?;
         Ok(work.summary(&written))
     }

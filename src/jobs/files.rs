@@ -19,54 +19,34 @@ use crate::scene::matrices::{world_to_camera, world_to_ndc};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// The path of each output.
-#[derive(Debug)]
-pub struct Files {
-    pub color: Option<PathBuf>,
-    pub exr: Option<PathBuf>,
-    pub points: Option<PathBuf>,
-    /// Those of gradients: the arrays, then what is in them.
-    pub gradients: Vec<(PathBuf, Kind)>,
-    pub report: Option<PathBuf>,
-}
-
-impl Files {
-    /// The files named on the command line, or else in the scene, after all checks. `inputs` are the files that the scene was read from.
+impl RenderJob {
+    /// Completes the outputs by those that the scene names, after all checks. `inputs` are the files that the scene was read from.
     ///
     /// # Errors
     /// [`Error::Input`] if the render has no output, or a file must not be replaced; [`Error::Write`] if a file cannot be written.
-    pub fn new(job: &RenderJob, scene: &Scene, inputs: &Inputs) -> Result<Files> {
+    pub fn take_outputs(&mut self, scene: &Scene, inputs: &Inputs) -> Result<()> {
         let own = |asked: &Option<PathBuf>, own: &Option<PathBuf>| match (asked, own) {
-            (None, Some(own)) if !job.outputs_anywhere => {
-                outputs::check_inside(&job.scene, own).map(|()| Some(own.clone()))
+            (None, Some(own)) if !self.outputs_anywhere => {
+                outputs::check_inside(&self.scene, own).map(|()| Some(own.clone()))
             }
             _ => Ok(asked.clone().or_else(|| own.clone())),
         };
-        let files = Files {
-            color: own(&job.color, &scene.output.color)?,
-            exr: own(&job.exr, &scene.output.exr)?,
-            points: job.points.clone(),
-            gradients: job.gradients.as_ref().map_or(Vec::new(), |own| {
-                let arrays = own.files().into_iter().map(|path| (path, outputs::RAYS));
-                arrays.chain([(own.list(), outputs::GRADIENTS)]).collect()
-            }),
-            report: job.report.clone(),
-        };
-        if files.all().count() == 0 && !job.check {
+        (self.color, self.exr) = (own(&self.color, &scene.output.color)?, own(&self.exr, &scene.output.exr)?);
+        let files = self.files();
+        if files.is_empty() && !self.check {
             return Err(Error::input(
                 "nothing to write; add -o OUT.png, --exr OUT.exr, --points OUT.ply or an [output] table to the scene",
             ));
         }
         // of a file that is there, such as an input, graver things are said below
-        if ![&files.color, &files.exr].into_iter().flatten().any(|path| path.is_file()) {
-            files.check_names()?;
+        if ![&self.color, &self.exr].into_iter().flatten().any(|path| path.is_file()) {
+            self.check_names()?;
         }
-        if let Some(gradients) = &job.gradients {
+        if let Some(gradients) = self.gradients() {
             gradients.make_folder()?;
         }
-        outputs::check(inputs, files.all())?;
-        files.check_names()?;
-        Ok(files)
+        outputs::check(inputs, files.iter().map(|(path, kind)| (path.as_path(), *kind)))?;
+        self.check_names()
     }
 
     /// Pictures are called what they are.
@@ -75,20 +55,25 @@ impl Files {
         named_as(self.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")
     }
 
-    fn all(&self) -> impl Iterator<Item = (&Path, Kind)> + Clone {
+    /// All files that are written.
+    fn files(&self) -> Vec<(PathBuf, Kind)> {
         let all = [
             (&self.color, outputs::PICTURE),
             (&self.exr, outputs::EXR),
             (&self.points, outputs::POINTS),
             (&self.report, outputs::REPORT),
         ];
-        let gradients = self.gradients.iter().map(|(path, kind)| (path.as_path(), *kind));
-        all.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind))).chain(gradients)
+        let mut files: Vec<_> = all.into_iter().filter_map(|(path, kind)| Some((path.clone()?, kind))).collect();
+        if let Some(gradients) = self.gradients() {
+            files.extend(gradients.files().into_iter().map(|path| (path, outputs::RAYS)));
+            files.push((gradients.list(), outputs::GRADIENTS));
+        }
+        files
     }
 
     /// The images' and points' names and a space, for the summary.
-    pub fn names(&self) -> String {
-        let list = self.gradients.last().map(|(path, _)| path.clone());
+    pub fn output_names(&self) -> String {
+        let list = self.gradients().map(|own| own.list());
         let named = [&self.color, &self.exr, &self.points, &list];
         let names: Vec<_> = named.into_iter().flatten().map(|p| p.display().to_string()).collect();
         if names.is_empty() { String::new() } else { format!("{} ", names.join(", ")) }
@@ -168,21 +153,17 @@ fn described_camera(path: &Path, scene: &Scene, camera: &Camera) -> Result<Strin
 
 /// Attributes with the names of objects and materials, as JSON lists: number k in `object.id` or `material.id` is name k, from 0.
 fn names(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Result<Vec<(String, String)>> {
-    let objects = || scene.objects.iter().map(|o| o.name.as_str()).collect::<Vec<_>>();
-    let materials = || scene.mesh.base().materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>();
+    let objects = scene.objects.iter().map(|o| o.name.as_str()).collect();
+    let materials = scene.mesh.base().materials.iter().map(|m| m.name.as_str()).collect();
     let optics = camera.optics.as_ref().map(|_| OPTICS);
     let list = |mut names: Vec<&str>| {
         names.extend(optics);
         serde_json::to_string(&names).map_err(|e| Error::work(format!("names as JSON: {e}")))
     };
-    let mut all = Vec::new();
-    if channels.contains(&Channel::ObjectId) {
-        all.push(("anamorph.objects".into(), list(objects())?));
-    }
-    if channels.contains(&Channel::MaterialId) {
-        all.push(("anamorph.materials".into(), list(materials())?));
-    }
-    Ok(all)
+    let named =
+        [(Channel::ObjectId, "anamorph.objects", objects), (Channel::MaterialId, "anamorph.materials", materials)];
+    let asked = named.into_iter().filter(|(channel, ..)| channels.contains(channel));
+    asked.map(|(_, name, names)| Ok((name.into(), list(names)?))).collect()
 }
 
 pub fn write_report(path: &Path, report: &Report) -> Result<()> {

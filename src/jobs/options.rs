@@ -36,6 +36,13 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
     Ok((width as u32, height as u32))
 }
 
+/// A frame of keyframed values.
+#[cfg(feature = "cli")]
+pub fn frame(text: &str) -> Result<f64, String> {
+    let frame = text.parse().ok().filter(|f: &f64| f.is_finite());
+    frame.ok_or_else(|| "write a finite number, for example 12 or 12.5".into())
+}
+
 /// `1/4`: the first of four parts.
 pub fn shard(text: &str) -> Result<Shard, String> {
     let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse::<u32>().ok()?, n.parse::<u32>().ok()?)));
@@ -113,6 +120,8 @@ mod tests {
         for wrong in ["800", "x", "0x5", "5x0", "-1x5", "70000x1", "65536x65536", "99999999999999999999x1"] {
             assert!(size(wrong).is_err(), "{wrong}");
         }
+        assert_eq!((frame("-3"), frame("0.5")), (Ok(-3.0), Ok(0.5)));
+        assert!(["inf", "nan", "one", ""].iter().all(|wrong| frame(wrong).is_err()));
         assert_eq!((samples("64"), repeat("1")), (Ok(64), Ok(1)));
         assert!(["0", "65", "-1", "1.5", ""].iter().all(|wrong| samples(wrong).is_err()));
         assert!(["0/4", "5/4", "1", "a/b"].iter().all(|wrong| shard(wrong).is_err()));

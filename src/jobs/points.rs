@@ -1,6 +1,5 @@
 //! `--points`: the point in f64 at which each pixel's ray hits the triangle that the frame shows.
 
-use super::files::Files;
 use crate::camera::Camera;
 use crate::geometry::spheres::nearest_meetings;
 use crate::image::frame::{Channel, Frame, NO_ID};
@@ -15,8 +14,8 @@ use std::path::Path;
 ///
 /// # Errors
 /// [`Error::Input`] for a file of another kind, or a camera whose rays are curved, or have several segments, as behind a mirror.
-pub fn check(files: &Files, camera: &Camera) -> Result<()> {
-    let Some(path) = &files.points else { return Ok(()) };
+pub fn check(points: Option<&Path>, camera: &Camera) -> Result<()> {
+    let Some(path) = points else { return Ok(()) };
     if !has_extension(path, "ply") && !has_extension(path, "npy") {
         return Err(Error::input(format!("{}: points are written as .ply or .npy; name the file so", path.display())));
     }

@@ -2,19 +2,19 @@
 //! before that is written.
 
 use super::files::attributes;
-use super::memory;
+use super::job::RenderJob;
+use super::render_each;
 use crate::camera::Camera;
 use crate::engine::call_ms::ms_since;
 use crate::engine::plan::{Rows, Wanted};
 use crate::engine::planned::{Planned, Planner};
-use crate::engine::readback::{InFlight, Readback};
+use crate::engine::readback::Readback;
 use crate::engine::sequence::Sequence;
-use crate::engine::{Engine, Rendered, RunOptions, add_stages};
+use crate::engine::{Engine, Rendered, RunOptions};
 use crate::image::frame::{Channel, Frame};
 use crate::image::{EXR_TILE, rgb8, write_exr_tiled, write_png_strips};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Instant;
@@ -32,16 +32,10 @@ pub struct Strips<'a> {
     /// The channels of the EXR, and no more.
     pub wanted: &'a Wanted,
     pub run: RunOptions,
-    /// Memory of a row of the image.
+    /// Memory of a row of the image, bytes.
     pub row_bytes: u64,
-    /// The files of colour and of the channels.
-    pub color: Option<&'a Path>,
-    pub exr: Option<&'a Path>,
-}
-
-/// Memory of a row, as [`memory::need`] says.
-pub fn row_bytes(camera: &Camera, channels: usize, more: u64) -> u64 {
-    memory::need((camera.width, 1), channels, more)
+    /// Names the files of colour and of the channels.
+    pub job: &'a RenderJob,
 }
 
 impl Strips<'_> {
@@ -97,32 +91,19 @@ impl Strips<'_> {
         planned: &Receiver<Result<Planned>>,
         to_write: &SyncSender<Readback>,
     ) -> Result<Option<Rendered>> {
-        let mut sequence = Sequence::default();
         let strip = self.run.share.part_of(self.rows().count());
-        let mut in_flight: Option<InFlight> = None;
-        let mut took: Option<Rendered> = None;
-        let mut read_back = |sequence: &mut Sequence, engine: &mut Engine, in_flight| -> Result<bool> {
-            let Some(in_flight): Option<InFlight> = in_flight else { return Ok(true) };
-            let readback = sequence.wait_for(engine, in_flight)?;
+        let (mut took, mut is_written): (Option<Rendered>, bool) = (None, true);
+        let frames = planned.iter().map(|planned| Ok(((), planned?)));
+        render_each((engine, &mut Sequence::default()), &self.run, frames, |(), readback| {
             strip.add();
-            add(&mut took, readback.statistics());
-            Ok(to_write.send(readback).is_ok())
-        };
-        for planned in planned {
-            let planned = planned?;
-            if !sequence.show(&planned)? {
-                if !read_back(&mut sequence, engine, in_flight.take())? {
-                    return Ok(None);
-                }
-                sequence.upload(engine, &planned, &self.run)?;
+            match &mut took {
+                Some(took) => took.add_costs(readback.statistics()),
+                None => took = Some(readback.statistics().clone()),
             }
-            let before = in_flight.replace(sequence.start(engine, planned)?);
-            if !read_back(&mut sequence, engine, before)? {
-                return Ok(None);
-            }
-        }
-        read_back(&mut sequence, engine, in_flight)?;
-        Ok(took)
+            is_written = to_write.send(readback).is_ok();
+            Ok(is_written)
+        })?;
+        Ok(took.filter(|_| is_written))
     }
 
     fn write(&self, readback: &Receiver<Readback>) -> Result<()> {
@@ -130,9 +111,8 @@ impl Strips<'_> {
         let missing = || Error::work("a strip of the image is missing");
         std::thread::scope(|scope| {
             let (to_color, rows) = sync_channel(1);
-            let color = self
-                .color
-                .map(|path| scope.spawn(move || write_png_strips(path, size, || rows.recv().map_err(|_| missing()))));
+            let write = |path| scope.spawn(move || write_png_strips(path, size, || rows.recv().map_err(|_| missing())));
+            let color = self.job.color.as_deref().map(write);
             let mut is_refused = false;
             let mut next = || {
                 let Rendered { frame, srgb8, .. } = readback.recv().map_err(|_| missing())?.rendered();
@@ -145,7 +125,7 @@ impl Strips<'_> {
                 Ok(frame)
             };
             let channels: &[Channel] = &self.wanted.channels;
-            let written = match self.exr {
+            let written = match &self.job.exr {
                 Some(path) => attributes(path, self.scene, self.camera, channels)
                     .and_then(|attributes| write_exr_tiled(path, size, channels, &attributes, &mut next)),
                 None => self.rows().map(|_| next()).try_for_each(|frame| frame.map(drop)),
@@ -159,18 +139,4 @@ impl Strips<'_> {
             if is_refused || written.is_ok() { colored.and(written) } else { written }
         })
     }
-}
-
-/// Adds the times and counts of a strip to those of earlier ones.
-fn add(all: &mut Option<Rendered>, own: &Rendered) {
-    let Some(all) = all else {
-        *all = Some(own.clone());
-        return;
-    };
-    all.call += own.call;
-    add_stages(&mut all.stages, &own.stages);
-    all.counts += own.counts;
-    all.bytes = all.bytes.max(own.bytes);
-    all.grown += own.grown;
-    all.passes.add(&own.passes);
 }

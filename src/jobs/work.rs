@@ -1,13 +1,13 @@
 //! A render in three steps: read and check, render on a device, write. Only the second step needs the device.
 
 use super::backend::{Backend, NO_AREAS};
-use super::files::{self, Files};
+use super::files;
 use super::gradients::gradients_of;
 use super::job::{Change, RenderJob, load_from};
 #[cfg(feature = "cli")]
 use super::notes;
 use super::options::{Gradients, Named};
-use super::strips::{self, Strips};
+use super::strips::{Strips, WHOLE_MAX};
 use super::{judged, memory, points};
 use crate::arrays::MapEach;
 use crate::camera::{Camera, Rays};
@@ -38,10 +38,9 @@ use std::time::Instant;
 
 /// A render, read and checked.
 pub struct Work {
-    job: RenderJob,
+    pub job: RenderJob,
     scene: Scene,
     pub camera: Arc<Camera>,
-    files: Files,
     /// The channels to write.
     asked: Vec<Channel>,
     /// The render options for them.
@@ -49,13 +48,14 @@ pub struct Work {
     matte_kinds: Vec<MatteKind>,
     /// Scene and camera of the frame that motion points to.
     next: Option<(Scene, Arc<Camera>)>,
-    bytes: u64,
+    /// Approximate memory until it is written.
+    pub bytes: u64,
     /// Set if the image is rendered in strips because it does not fit the memory: bytes per row.
     strips: Option<u64>,
     /// The result of [`sample_bytes`].
     sample_bytes: u64,
-    /// How much of the rendering is done.
-    share: Share,
+    /// How much of [`Work::render`] is done.
+    pub share: Share,
     /// Time that reading and checking took, ms.
     read_ms: f64,
 }
@@ -71,6 +71,12 @@ pub struct Seen {
     gradients: Option<gradients::Gradients>,
     /// The image file is already written.
     is_written: bool,
+}
+
+impl Seen {
+    fn of(rendered: Rendered, mattes: Vec<Matte>) -> Seen {
+        Seen { rendered, extra: None, excluded_ms: 0.0, mattes, gradients: None, is_written: false }
+    }
 }
 
 /// The result once all files are written.
@@ -99,22 +105,22 @@ impl Work {
     /// # Errors
     /// [`Error::Input`] if the scene or the flags are wrong; [`Error::Write`] if a file cannot be written.
     pub fn read(job: RenderJob, library: &Library) -> Result<Work> {
-        let started = Instant::now();
-        job.check_options()?;
-        let loading = Loading::new(job.limits);
-        let images = |own: &OutputSpec| images_read(&job, own);
-        let (scene, camera) = load_from(library, &job.scene, &job.change, images, &loading)?;
-        Work::of(started, job, (scene, camera), library, &loading)
+        Ok(Work::read_with(job, library, true)?.0)
     }
 
     /// The same, ignoring the output files that the scene names. Also returns the files that it was read from.
     pub fn read_of_many(job: RenderJob, library: &Library) -> Result<(Work, Inputs)> {
+        Work::read_with(job, library, false)
+    }
+
+    fn read_with(job: RenderJob, library: &Library, has_scene_outputs: bool) -> Result<(Work, Inputs)> {
         let started = Instant::now();
         job.check_options()?;
         let loading = Loading::new(job.limits);
-        let images = |_: &OutputSpec| images_read(&job, &OutputSpec::default());
+        let outputs = |own: &OutputSpec| if has_scene_outputs { own.clone() } else { OutputSpec::default() };
+        let images = |own: &OutputSpec| images_read(&job, &outputs(own));
         let (scene, camera) = load_from(library, &job.scene, &job.change, images, &loading)?;
-        let scene = Scene { output: Default::default(), ..scene };
+        let scene = Scene { output: outputs(&scene.output), ..scene };
         let work = Work::of(started, job, (scene, camera), library, &loading)?;
         Ok((work, loading.into_inputs()))
     }
@@ -122,7 +128,7 @@ impl Work {
     /// The work for a scene that `loading` has read, since `started`.
     fn of(
         started: Instant,
-        job: RenderJob,
+        mut job: RenderJob,
         (scene, camera): (Scene, Arc<Camera>),
         library: &Library,
         loading: &Loading,
@@ -130,16 +136,16 @@ impl Work {
         if job.strict {
             refuse_missing(&scene)?;
         }
-        if let Some(Gradients { asked, .. }) = &job.gradients {
-            check_gradients(&job, asked, (&scene, &camera), loading)?;
+        if let Some(Gradients { asked, .. }) = job.gradients() {
+            check_gradients(&job, &asked, (&scene, &camera), loading)?;
         }
         if let Some(composition) = &camera.composition {
             composition.check(&scene.objects)?;
         }
-        let files = Files::new(&job, &scene, &loading.inputs())?;
-        let asked = asked(&job, &files, &scene, &camera);
+        job.take_outputs(&scene, &loading.inputs())?;
+        let asked = asked(&job, &scene, &camera);
         let matte_kinds: Vec<MatteKind> = matte_kinds(&job).collect();
-        if !matte_kinds.is_empty() && files.exr.is_none() {
+        if !matte_kinds.is_empty() && job.exr.is_none() {
             return Err(Error::input("--channels: cryptomattes are layers of an EXR; add --exr OUT.exr"));
         }
         if job.moving && asks_for_motion(&job) {
@@ -147,16 +153,15 @@ impl Work {
                 "--moving: the channel motion compares frames of the scene file; leave out --moving or motion",
             ));
         }
-        let read = images_read(&job, &scene.output);
         let next = match asks_for_motion(&job) {
-            true => Some(next_frame(&job, &files, library, read, loading)?),
+            true => Some(next_frame(&job, library, loading)?),
             false => None,
         };
-        let mut wanted = wanted(&asked, &files, matte_kinds.is_empty() && next.is_none());
+        let mut wanted = wanted(&asked, &job, matte_kinds.is_empty() && next.is_none());
         if next.is_some() {
             wanted.channels = Channel::in_order(wanted.channels.into_iter().chain(motion::NEEDED));
         }
-        points::check(&files, &camera)?;
+        points::check(job.points.as_deref(), &camera)?;
         let is_compute = matches!(job.engine, None | Some(EngineName::Compute));
         let is_reference = matches!(job.engine, Some(EngineName::Reference));
         let mut wanted =
@@ -176,24 +181,21 @@ impl Work {
         let more = sample_bytes(&camera, samples, !matte_kinds.is_empty());
         let mesh = scene.mesh.base();
         let mut bytes = memory::need(size, channels, more);
-        let is_plain = (files.exr.is_some() || files.color.is_some()) && files.points.is_none();
+        let is_plain = (job.exr.is_some() || job.color.is_some()) && job.points.is_none();
         let is_alone =
             matte_kinds.is_empty() && next.is_none() && job.gradients.is_none() && !job.check && job.repeat.is_none();
         let of_rows = Wanted { rows: Some(Rows { first: 0, count: camera.height }), ..wanted.clone() };
-        let is_in_strips = bytes > strips::WHOLE_MAX
-            && (is_compute && is_plain && is_alone)
-            && Sequence::takes(&scene, &camera, &of_rows);
+        let is_in_strips =
+            bytes > WHOLE_MAX && (is_compute && is_plain && is_alone) && Sequence::takes(&scene, &camera, &of_rows);
         if is_in_strips {
-            bytes = strips::WHOLE_MAX;
+            bytes = WHOLE_MAX;
         }
         bytes += mesh_bytes(mesh);
-        let row_bytes = strips::row_bytes(&camera, channels, more);
-        let strips = is_in_strips.then_some(row_bytes);
+        let strips = is_in_strips.then(|| memory::need((camera.width, 1), channels, more));
         Ok(Work {
             job,
             scene,
             camera,
-            files,
             asked,
             wanted,
             matte_kinds,
@@ -206,26 +208,17 @@ impl Work {
         })
     }
 
-    /// How much of [`Work::render`] is done.
-    pub fn share(&self) -> Share {
-        self.share.clone()
-    }
-
-    pub fn job(&self) -> &RenderJob {
-        &self.job
-    }
-
     /// Whether channels are asked for that nothing is written with.
     #[cfg(feature = "cli")]
     pub fn loses_channels(&self) -> bool {
-        self.job.channels.is_some() && self.files.exr.is_none()
+        self.job.channels.is_some() && self.job.exr.is_none()
     }
 
     /// Notes for the user about a frame, a line each: nothing is hit, positions are coarse, or blending lacks samples.
     #[cfg(feature = "cli")]
     pub fn notes(&self, seen: &Seen) -> Vec<String> {
         let Rendered { frame, srgb8, .. } = &seen.rendered;
-        let has_positions = self.files.exr.is_some() && self.asked.iter().any(|c| Channel::named("P").contains(c));
+        let has_positions = self.job.exr.is_some() && self.asked.iter().any(|c| Channel::named("P").contains(c));
         let coarse = has_positions.then(|| notes::coarse_positions(&self.scene)).flatten();
         let is_colored = srgb8.is_some() || self.asked.iter().any(|c| [Channel::R, Channel::G, Channel::B].contains(c));
         let unblended = is_colored.then(|| notes::unblended(&self.scene, self.job.samples)).flatten();
@@ -258,34 +251,21 @@ impl Work {
         memory::check((width, height), self.wanted.channels.len() + 3, self.sample_bytes, self.job.limits)
     }
 
-    /// Approximate memory until it is written, bytes.
-    pub fn bytes(&self) -> u64 {
-        self.bytes
-    }
-
     /// Renders it, and the extra frame that a report or a check needs.
     pub fn render(&self, backend: &mut Backend) -> Result<Seen> {
         let Work { job, scene, camera, wanted, .. } = self;
         let samples = samples_at_once(job, scene, camera, wanted);
         backend.check_size(camera, &Wanted { samples, ..wanted.clone() })?;
         if let (Some(row_bytes), Backend::Compute(engine, None)) = (self.strips, &mut *backend) {
-            let run = RunOptions { share: self.share(), ..job.run_options() };
-            let (color, exr) = (self.files.color.as_deref(), self.files.exr.as_deref());
-            let rendered = Strips { scene, camera, wanted, run, row_bytes, color, exr }.render(engine)?;
-            return Ok(Seen {
-                rendered,
-                extra: None,
-                excluded_ms: 0.0,
-                mattes: Vec::new(),
-                gradients: None,
-                is_written: true,
-            });
+            let run = RunOptions { share: self.share.clone(), ..job.run_options() };
+            let rendered = Strips { scene, camera, wanted, run, row_bytes, job }.render(engine)?;
+            return Ok(Seen { is_written: true, ..Seen::of(rendered, Vec::new()) });
         }
         if self.strips.is_some() {
             self.check_whole()?;
         }
         let mut mattes = self.mattes();
-        let (repeat, share) = (job.repeat.unwrap_or(0), self.share());
+        let (repeat, share) = (job.repeat.unwrap_or(0), self.share.clone());
         let run = RunOptions { repeat, moving: job.moving, share, ..job.run_options() };
         let mut count = |ids: Vec<u32>| mattes.iter_mut().for_each(|matte| matte.add(&ids));
         let rendered = backend.render(scene, camera, wanted, &run, &mut count)?;
@@ -294,12 +274,12 @@ impl Work {
         let repeated_ms = if repeat > 0 { rendered.frame_ms.iter().sum() } else { 0.0 };
         let excluded_ms = ms_since(started) + repeated_ms;
         let gradients = self.gradients(backend, &rendered)?;
-        Ok(Seen { rendered, extra, excluded_ms, mattes, gradients, is_written: false })
+        Ok(Seen { extra, excluded_ms, gradients, ..Seen::of(rendered, mattes) })
     }
 
     /// The gradients of a frame, if they are asked for.
     fn gradients(&self, backend: &Backend, rendered: &Rendered) -> Result<Option<gradients::Gradients>> {
-        let Some(own) = &self.job.gradients else { return Ok(None) };
+        let Some(own) = self.job.gradients() else { return Ok(None) };
         let ids =
             rendered.frame.u32(Channel::TriangleId).ok_or_else(|| Error::work("gradients: the frame has no ids"))?;
         let of = (&self.scene, &*self.camera, &*self.scene.camera_keys);
@@ -327,12 +307,12 @@ impl Work {
         let mut mattes = self.mattes();
         let count = |ids: Vec<u32>| mattes.iter_mut().for_each(|matte| matte.add(&ids));
         rendered.sample_ids.drain(..).for_each(count);
-        Seen { rendered, extra: None, excluded_ms: 0.0, mattes, gradients: None, is_written: false }
+        Seen::of(rendered, mattes)
     }
 
     /// Writes all files; `say` receives progress messages.
     pub fn write(&self, seen: Seen, device: &Device, started: Instant, say: impl Fn(&str)) -> Result<Written> {
-        let Work { job, scene, camera, files, .. } = self;
+        let Work { job, scene, camera, .. } = self;
         let Seen { mut rendered, extra, mut excluded_ms, mattes, gradients, is_written } = seen;
         let checking = Instant::now();
         let error = match &extra {
@@ -352,16 +332,16 @@ impl Work {
         say("writing");
         let writing = Instant::now();
         if !is_written {
-            files.write(scene, camera, &rendered, &self.asked, (mattes, more))?;
+            job.write(scene, camera, &rendered, &self.asked, (mattes, more))?;
         }
-        if let (Some(named), Some(gradients)) = (&job.gradients, &gradients) {
+        if let (Some(named), Some(gradients)) = (job.gradients(), &gradients) {
             named.write(gradients)?;
         }
         let CallMs { encode, .. } = rendered.call;
         let encode = encode + ms_since(writing);
         let total = ms_since(started) - excluded_ms;
         rendered.call = CallMs { read: self.read_ms, encode, total, ..rendered.call };
-        if let Some(path) = &files.report {
+        if let Some(path) = &job.report {
             if extra.is_some() {
                 rendered.left_out.retain(|left| *left != LeftOut::FragmentCounters);
             }
@@ -388,7 +368,7 @@ impl Work {
         let Written { call_ms, frame_ms, error, adapter, .. } = written;
         let of_error = |e: &Judged| format!(" | check: {}, {} not near", e.comparison, e.not_near);
         let check = error.as_ref().map(of_error).unwrap_or_default();
-        let (names, counted) = (self.files.names(), counted(&self.scene, &self.camera));
+        let (names, counted) = (self.job.output_names(), counted(&self.scene, &self.camera));
         let (width, height) = (self.camera.width, self.camera.height);
         let (call, frame) = (milliseconds(*call_ms), milliseconds(frame_ms.median));
         let unfulfilled: String = self.camera.unfulfilled.iter().map(|what| format!(" | {what}")).collect();
@@ -419,7 +399,7 @@ fn sample_bytes(camera: &Camera, samples: u32, has_mattes: bool) -> u64 {
 }
 
 /// The channels to write.
-fn asked(job: &RenderJob, files: &Files, scene: &Scene, camera: &Camera) -> Vec<Channel> {
+fn asked(job: &RenderJob, scene: &Scene, camera: &Camera) -> Vec<Channel> {
     let of = |named: &Named| match named {
         Named::Channels(list) => list.clone(),
         Named::All => scene.channels(camera),
@@ -427,7 +407,7 @@ fn asked(job: &RenderJob, files: &Files, scene: &Scene, camera: &Camera) -> Vec<
     };
     match &job.channels {
         Some(list) => list.iter().flat_map(of).collect(),
-        None if files.exr.is_some() => camera.channels(),
+        None if job.exr.is_some() => camera.channels(),
         None => Vec::new(),
     }
 }
@@ -437,18 +417,13 @@ fn asks_for_motion(job: &RenderJob) -> bool {
 }
 
 /// The scene and its camera one frame later.
-fn next_frame(
-    job: &RenderJob,
-    files: &Files,
-    library: &Library,
-    read: ImagesRead,
-    loading: &Loading,
-) -> Result<(Scene, Arc<Camera>)> {
-    if files.exr.is_none() {
+fn next_frame(job: &RenderJob, library: &Library, loading: &Loading) -> Result<(Scene, Arc<Camera>)> {
+    if job.exr.is_none() {
         return Err(Error::input("--channels: motion is two channels of an EXR; add --exr OUT.exr"));
     }
     let change = Change { frame: job.change.frame + 1.0, ..job.change.clone() };
-    load_from(library, &job.scene, &change, |_| read, loading)
+    let images = |_: &OutputSpec| images_read(job, &OutputSpec::default());
+    load_from(library, &job.scene, &change, images, loading)
 }
 
 /// The images that the requested outputs need: all for colour, otherwise alpha masks only. `own` are the scene's outputs.
@@ -504,11 +479,11 @@ fn check_gradients(
 }
 
 /// What the outputs need: the picture unless only channels or mattes are asked for; points come from triangles.
-fn wanted(asked: &[Channel], files: &Files, has_no_matte: bool) -> Wanted {
-    let has_ids = files.points.is_some() || !files.gradients.is_empty();
+fn wanted(asked: &[Channel], job: &RenderJob, has_no_matte: bool) -> Wanted {
+    let has_ids = job.points.is_some() || job.gradients.is_some();
     let ids = has_ids.then_some(Channel::TriangleId);
     let channels = Channel::in_order(asked.iter().copied().chain(ids));
-    let srgb8 = files.color.is_some() || (channels.is_empty() && has_no_matte);
+    let srgb8 = job.color.is_some() || (channels.is_empty() && has_no_matte);
     Wanted { srgb8, ..Wanted::of(channels) }
 }
 

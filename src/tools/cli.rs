@@ -12,7 +12,6 @@ mod example;
 mod export;
 mod info;
 mod keep;
-mod kinds;
 mod lab;
 mod manual;
 mod new;

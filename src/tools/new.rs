@@ -44,9 +44,8 @@ pub const TASKS: [Task; 15] = [
 ];
 
 /// Which of the model's axes points up.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
 pub enum Up {
-    #[default]
     Y,
     Z,
 }

@@ -157,7 +157,7 @@ impl Reader {
         let job = task.job()?;
         let (work, inputs) = Work::read_of_many(job, &run.frames.batch.library)?;
         run.tell_missing(work.missing());
-        let slot = run.slots.reserve(work.bytes());
+        let slot = run.slots.reserve(work.bytes);
         work.check_memory()?;
         let last = lock(&self.last).clone();
         let planned = match &self.planner {
@@ -260,7 +260,7 @@ impl Driver {
     ) -> Result<Launched> {
         let (Some(planned), Some(_)) = (&next.planned, self.engine.as_ref()) else {
             let started = Instant::now();
-            let mut backend = Backend::of(self.engine.as_mut(), next.work.job())?;
+            let mut backend = Backend::of(self.engine.as_mut(), &next.work.job)?;
             let seen = next.work.render(&mut backend)?;
             let ms = self.was_busy(started);
             return Ok(Launched::Seen(Box::new(seen), ms));
@@ -272,7 +272,7 @@ impl Driver {
                 return Ok(Launched::Not);
             }
             let Some(engine) = self.engine.as_mut() else { return Err(Error::work(NO_ADAPTER)) };
-            self.sequence.upload(engine, planned, &next.work.job().run_options())?;
+            self.sequence.upload(engine, planned, &next.work.job.run_options())?;
         }
         let Some(engine) = self.engine.as_mut() else { return Err(Error::work(NO_ADAPTER)) };
         Ok(Launched::InFlight(Box::new(self.sequence.start(engine, planned.clone())?)))
@@ -302,7 +302,7 @@ impl Driver {
     }
 
     fn hand_on<'a>(&self, mut ready: Ready<'a>, picture: Picture, ms: f64, taken: &SyncSender<Taken<'a>>) {
-        let device = Backend::device_of(self.engine.as_ref(), ready.work.job());
+        let device = Backend::device_of(self.engine.as_ref(), &ready.work.job);
         // the uploaded data is not needed any more
         ready.planned = None;
         // who writes is there as long as this is

@@ -1,11 +1,10 @@
 //! Commands and flags, each value checked as far as it can be without the scene.
 
-use crate::engine::Method;
 use crate::input::{Limits, limits};
 use crate::jobs::batch::Shard;
-use crate::jobs::options::{self, Named, REPEAT_MAX, SAMPLES_MAX};
-use crate::jobs::{self, EngineName, RenderJob};
-use crate::scene::gradients::{Asked, Of, Quantity};
+use crate::jobs::options;
+use crate::jobs::{Change, EngineName, RenderJob};
+use crate::tools::new::Up;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -88,85 +87,10 @@ impl Caps {
     }
 }
 
-/// What a command may ask of a scene beyond its file.
-#[derive(Debug, Clone, Default, Args)]
-pub struct Change {
-    /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = options::size)]
-    pub size: Option<(u32, u32)>,
-    /// Change a value of the scene, as in camera.vfov=40; may be given more than once
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// Frame at which keyframed values are evaluated
-    #[arg(long, value_name = "F", allow_hyphen_values = true, default_value_t = 0.0, value_parser = frame)]
-    pub frame: f64,
-}
-
 #[derive(Debug, Clone, Args)]
 pub struct RenderArgs {
-    /// Scene file, .toml or .json
-    pub scene: PathBuf,
-    /// Colour, 8-bit sRGB
-    #[arg(short, long, value_name = "OUT.png")]
-    pub output: Option<PathBuf>,
-    /// The channels of --channels, 32-bit
-    #[arg(long, value_name = "OUT.exr")]
-    pub exr: Option<PathBuf>,
-    /// Hit points in f64: a PLY with the hits and their triangles, or an N x 3 .npy, a row per pixel, NaN where nothing is hit
-    #[arg(long, value_name = "OUT.ply|OUT.npy")]
-    pub points: Option<PathBuf>,
-    /// Gradients to compute and write, of the triangle and the ray of each pixel: depth, t, position, barycentrics, coverage
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = Quantity::named, requires = "gradients_to")]
-    pub gradients: Option<Vec<Quantity>>,
-    /// What the gradients are by: vertices (of the triangle), or numbers of the camera, as in vertices,camera.vfov,camera.eye.0
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = Of::named, requires = "gradients", default_value = "vertices")]
-    pub gradients_of: Vec<Of>,
-    /// Write the gradients to this folder: gradient.NAME.npy, and gradient.json, which lists them
-    #[arg(long, value_name = "FOLDER", requires = "gradients")]
-    pub gradients_to: Option<PathBuf>,
     #[command(flatten)]
-    pub change: Change,
-    /// What renders: compute (GPU), reference (CPU, f64), or a rival to measure against, as in raytrace (GPU)
-    #[arg(long, value_name = "NAME", value_parser = options::engine)]
-    pub engine: Option<EngineName>,
-    /// Rays per pixel, averaged in colour and coverage; other channels stay those of the pixel's centre
-    #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(SAMPLES_MAX)))]
-    pub samples: u32,
-    /// With --samples N: weight each triangle by its visible area in the pixel, not by the number of samples that see it
-    #[arg(long)]
-    pub analytic: bool,
-    /// Channels to compute and write, as in R,G,B,Z; all: every channel of the scene and its camera except certified, mattes and
-    /// motion, which can be added, as in all,motion [default with --exr: colour, alpha, depths, ids and
-    /// barycentrics]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = options::channels)]
-    pub channels: Option<Vec<Named>>,
-    /// Refuse a scene whose mesh files refer to images, normals or texture coordinates that do not exist
-    #[arg(long)]
-    pub strict: bool,
-    /// Allow the scene's own [output] to name files outside of its folder
-    #[arg(long)]
-    pub outputs_anywhere: bool,
-    /// Times and counts as JSON
-    #[arg(long, value_name = "R.json")]
-    pub report: Option<PathBuf>,
-    /// Measure the error against the f64 reference
-    #[arg(long)]
-    pub check: bool,
-    /// Time N frames after a warm-up frame
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(REPEAT_MAX)))]
-    pub repeat: Option<u32>,
-    /// Move every vertex before each timed frame
-    #[arg(long, requires = "repeat")]
-    pub moving: bool,
-    /// Disable culling: test every triangle in every part of the image
-    #[arg(long)]
-    pub no_cull: bool,
-    /// How the triangle of each pixel is found: by raster, by trace (rays through a hierarchy of boxes), or auto, by what costs less; the
-    /// picture is the same
-    #[arg(long, value_name = "NAME", default_value = "auto", value_parser = options::method)]
-    pub method: Method,
+    job: RenderJob,
     /// Adapter to use: a part of its name
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -189,43 +113,10 @@ pub struct RenderArgs {
     pub caps: Caps,
 }
 
-impl From<&Change> for jobs::Change {
-    fn from(Change { size, set, frame }: &Change) -> jobs::Change {
-        jobs::Change { size: *size, set: set.clone(), frame: *frame }
-    }
-}
-
 impl RenderArgs {
-    fn gradients_job(&self) -> Option<options::Gradients> {
-        let (quantities, folder) = self.gradients.clone().zip(self.gradients_to.clone())?;
-        // the parser lets no empty list pass
-        let asked = Asked::new(quantities, self.gradients_of.clone()).ok()?;
-        Some(options::Gradients { asked, folder })
-    }
-
     /// The render job of these flags.
     pub fn job(&self) -> RenderJob {
-        RenderJob {
-            change: (&self.change).into(),
-            color: self.output.clone(),
-            exr: self.exr.clone(),
-            points: self.points.clone(),
-            gradients: self.gradients_job(),
-            report: self.report.clone(),
-            engine: self.engine,
-            samples: self.samples,
-            analytic: self.analytic,
-            channels: self.channels.clone(),
-            strict: self.strict,
-            outputs_anywhere: self.outputs_anywhere,
-            check: self.check,
-            repeat: self.repeat,
-            moving: self.moving,
-            no_cull: self.no_cull,
-            method: self.method,
-            limits: self.caps.limits(),
-            ..RenderJob::of(&self.scene)
-        }
+        RenderJob { limits: self.caps.limits(), ..self.job.clone() }
     }
 }
 
@@ -292,7 +183,7 @@ pub struct CompareArgs {
     #[arg(long, value_name = "KEY=VALUE", requires = "scene")]
     pub set: Vec<String>,
     /// Frame of the scene that the images show
-    #[arg(long, value_name = "F", allow_hyphen_values = true, default_value_t = 0.0, value_parser = frame, requires = "scene")]
+    #[arg(long, value_name = "F", allow_hyphen_values = true, default_value_t = 0.0, value_parser = options::frame, requires = "scene")]
     pub frame: f64,
     /// Print JSON
     #[arg(long)]
@@ -462,19 +353,13 @@ pub struct NewArgs {
     pub mesh: Option<PathBuf>,
     /// The model's axis that points up
     #[arg(long, value_name = "AXIS", default_value = "y", requires = "mesh")]
-    pub up: UpAxis,
+    pub up: Up,
     /// Scene file to write [default: TASK.toml]
     #[arg(short, long, value_name = "SCENE.toml")]
     pub output: Option<PathBuf>,
     /// Print all tasks
     #[arg(long, conflicts_with_all = ["task", "mesh", "output"])]
     pub list: bool,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum UpAxis {
-    Y,
-    Z,
 }
 
 /// Arguments that are handed on to the laboratory's program.
@@ -503,11 +388,6 @@ fn bytes(text: &str) -> Result<u64, String> {
     }
 }
 
-fn frame(text: &str) -> Result<f64, String> {
-    let frame = text.parse().ok().filter(|f: &f64| f.is_finite());
-    frame.ok_or_else(|| "write a finite number, for example 12 or 12.5".into())
-}
-
 fn pixel(text: &str) -> Result<(u32, u32), String> {
     let place = text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
     place.ok_or_else(|| "write it as COLUMN,ROW, for example 400,300; row 0 is on top".into())
@@ -532,10 +412,8 @@ mod tests {
 
     #[test]
     fn values_are_read_or_refused() {
-        assert_eq!((frame("-3"), frame("0.5")), (Ok(-3.0), Ok(0.5)));
         assert_eq!([bytes("4096"), bytes("8G"), bytes("1.5MiB")], [Ok(4096), Ok(8 << 30), Ok(3 << 19)]);
         assert!(["", "G", "-1G", "8X", "0", "nan", "1e30", "8é"].iter().all(|wrong| bytes(wrong).is_err()));
-        assert!(["inf", "nan", "one", ""].iter().all(|wrong| frame(wrong).is_err()));
         assert_eq!(pixel("3, 4"), Ok((3, 4)));
         assert!(pixel("3").is_err() && pixel("-1,2").is_err());
     }

@@ -3,11 +3,14 @@
 use super::args::{CameraArgs, Cli};
 use super::progress::Progress;
 use super::say::print;
-use super::{diagram, export, kinds, povray};
+use super::{diagram, export, povray};
 use crate::camera::Camera;
 use crate::camera::describe::Description;
+use crate::camera::kinds::KINDS;
+use crate::camera::recipe::Kind;
 use crate::geometry::texture::ImagesRead;
 use crate::image::read_exr_texts;
+use crate::input::tree::did_you_mean;
 use crate::input::{Error, Loading, Result};
 use crate::jobs::outputs;
 use crate::jobs::{CAMERA, check_memory, load_shape};
@@ -31,7 +34,7 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     let loading = Loading::new(limits);
     let (scene, camera) = match is_picture {
         true => load_picture(path, args, &loading)?,
-        false => load_shape(path, &(&args.change).into(), &loading)?,
+        false => load_shape(path, &args.change, &loading)?,
     };
     progress.now("writing");
     let files = [
@@ -99,11 +102,48 @@ fn load_picture(path: &Path, args: &CameraArgs, loading: &Loading) -> Result<(Sc
 /// The keys of one kind, or the command's own help.
 fn help(kind: Option<&str>) -> Result<()> {
     if let Some(kind) = kind {
-        return print(&kinds::keys(kind)?);
+        return print(&keys(kind)?);
     }
     let mut command = Cli::command();
     command.build();
     let Some(command) = command.find_subcommand_mut("camera") else { return Err(Error::work("no such command")) };
     let text = command.render_help();
-    print(&format!("{text}\nKinds of camera: {}\n", kinds::names().join(", ")))
+    print(&format!("{text}\nKinds of camera: {}\n", names().join(", ")))
+}
+
+fn names() -> Vec<&'static str> {
+    KINDS.iter().map(|k| k.name).collect()
+}
+
+/// # Errors
+/// [`Error::Input`] that lists the known kinds.
+fn keys(kind: &str) -> Result<String> {
+    KINDS.iter().find(|k| k.name == kind).map(Kind::whole_help).ok_or_else(|| {
+        let (known, hint) = (names().join(", "), did_you_mean(kind, &names()));
+        Error::input(format!("--help {kind}: no such kind of camera in this version{hint}; known: {known}"))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::recipe::POSE;
+
+    #[test]
+    fn poses_are_in_the_help_of_the_kinds_that_read_them() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("scene.toml");
+        // these have an eye and a target in tables of their own
+        let nested = ["bottom_up", "graph_camera", "mcop"];
+        for kind in names() {
+            // the error for an unknown key lists the known ones
+            std::fs::write(&path, format!("[camera]\nkind = {kind:?}\nunknown = 1\n")).unwrap();
+            let refusal = file::load(&path, &[], 0.0, &Loading::default()).unwrap_err().to_string();
+            assert!(refusal.contains("unknown key \"unknown\""), "{refusal}");
+            let reads = refusal.contains("quaternion") || nested.contains(&kind);
+            let help = keys(kind).unwrap();
+            assert_eq!(help.matches(POSE.trim_end()).count(), usize::from(reads), "{help}");
+            assert!(help.ends_with('\n'));
+        }
+    }
 }

@@ -1,12 +1,12 @@
 //! `anamorph new`: a commented scene for the user's own model.
 
-use super::args::{NewArgs, UpAxis};
+use super::args::NewArgs;
 use super::keep::may_write;
 use super::say::print;
 use crate::image::write_text;
 use crate::input::tree::did_you_mean;
 use crate::input::{Error, Result};
-use crate::tools::new::{Model, TASKS, Up, list};
+use crate::tools::new::{Model, TASKS, list};
 use std::path::{Path, PathBuf};
 
 pub fn run(args: &NewArgs) -> Result<()> {
@@ -20,19 +20,12 @@ pub fn run(args: &NewArgs) -> Result<()> {
     let scene = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
     let model = match &args.mesh {
         None => Model::teapot()?,
-        Some(path) => Model::read(path, &seen_from(&scene, path), up(args.up))?,
+        Some(path) => Model::read(path, &seen_from(&scene, path), args.up)?,
     };
     let text = model.scene(task, &scene.file_name().unwrap_or_default().to_string_lossy())?;
     may_write(&scene, text.as_bytes(), "--output")?;
     write_text(&scene, &text)?;
     print(&format!("{}\n", scene.display()))
-}
-
-fn up(axis: UpAxis) -> Up {
-    match axis {
-        UpAxis::Y => Up::Y,
-        UpAxis::Z => Up::Z,
-    }
 }
 
 /// The model's path as the scene names it: from the scene's folder, or absolute where that is another one.

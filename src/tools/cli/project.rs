@@ -39,7 +39,7 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
     let progress = Progress::start("building the camera");
     let loading = Loading::new(args.caps.limits());
     let points = read_points(&args.points, &loading)?;
-    let (_, camera) = load_shape(&args.scene, &(&args.change).into(), &loading)?;
+    let (_, camera) = load_shape(&args.scene, &args.change, &loading)?;
     drop(progress);
     refuse_optics(&camera)?;
     outputs::check(&loading.into_inputs(), args.output.iter().map(|path| (path.as_path(), outputs::IMAGES)))?;
@@ -105,12 +105,10 @@ impl DeviceArgs {
 
 /// A line for each point, by its number in the chunk.
 fn lines(chunk: &[DVec3], images: impl Fn(usize, DVec3) -> Images + Sync) -> Result<String> {
-    let line = |(k, point): (usize, &DVec3)| line(*point, images(k, *point));
-    Ok(parallel::try_map(0..chunk.len(), |k| line((k, &chunk[k])))?.concat())
-}
-
-fn line(point: DVec3, images: Images) -> Result<String> {
-    let line = Line { point: point.to_array(), images };
-    let text = serde_json::to_string(&line).map_err(|e| Error::work(format!("images as JSON: {e}")))?;
-    Ok(text + "\n")
+    let line = |k: usize| {
+        let line = Line { point: chunk[k].to_array(), images: images(k, chunk[k]) };
+        let text = serde_json::to_string(&line).map_err(|e| Error::work(format!("images as JSON: {e}")))?;
+        Ok(text + "\n")
+    };
+    Ok(parallel::try_map(0..chunk.len(), line)?.concat())
 }

@@ -10,7 +10,7 @@ use crate::geometry::mesh::Missing;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER};
 use crate::input::{Error, Loading, Result};
 use crate::jobs::job::of_compute_only;
-use crate::jobs::{Backend, EngineName, Work, load_shape, refuse_missing};
+use crate::jobs::{Backend, EngineName, RenderJob, Work, load_shape, refuse_missing};
 use crate::reference;
 use crate::scene::Scene;
 use crate::scene::library::Library;
@@ -18,8 +18,8 @@ use std::time::Instant;
 
 pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     let progress = Progress::start("reading the scene");
-    check_combination(args)?;
     let job = args.job();
+    check_combination(args, &job)?;
     if let Some((x, y)) = args.pixel {
         job.check_options()?;
         let (scene, camera) = load_shape(&job.scene, &job.change, &Loading::new(job.limits))?;
@@ -28,10 +28,10 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
         }
         return explain_pixel(&scene, &camera, x, y);
     }
+    let is_reference = matches!(job.engine, Some(EngineName::Reference));
     let work = Work::read(job, &Library::for_once())?;
     work.check_memory()?;
     progress.now("opening the adapter");
-    let is_reference = matches!(args.engine, Some(EngineName::Reference));
     let options = GpuOptions {
         adapter: args.adapter.clone(),
         no_int64: args.no_int64,
@@ -40,13 +40,13 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
         ..Default::default()
     };
     let mut engine = if is_reference { None } else { Engine::open(&options)? };
-    let mut backend = Backend::of(engine.as_mut(), work.job())?;
+    let mut backend = Backend::of(engine.as_mut(), &work.job)?;
     let has_no_adapter = matches!(backend, Backend::Reference) && !is_reference;
     let doing = if has_no_adapter { "rendering on the CPU, as there is no adapter" } else { "rendering" };
-    progress.of(doing, work.share());
+    progress.of(doing, work.share.clone());
     let seen = work.render(&mut backend)?;
     let notes = work.notes(&seen);
-    let device = Backend::device_of(engine.as_ref(), work.job());
+    let device = Backend::device_of(engine.as_ref(), &work.job);
     let written = work.write(seen, &device, started, |doing| progress.now(doing))?;
     drop(progress);
     // after all that may fail, since an error stands alone
@@ -65,8 +65,8 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
 }
 
 /// Refuses contradicting flags that the parser accepts.
-fn check_combination(args: &RenderArgs) -> Result<()> {
-    if !matches!(args.engine, Some(EngineName::Reference)) {
+fn check_combination(args: &RenderArgs, job: &RenderJob) -> Result<()> {
+    if !matches!(job.engine, Some(EngineName::Reference)) {
         return Ok(());
     }
     let flags = [

@@ -30,7 +30,7 @@ pub fn run(args: &SplatArgs) -> Result<()> {
     let progress = Progress::start("building the camera");
     let loading = Loading::new(args.caps.limits());
     let (points, colors) = read(&args.points, &loading)?;
-    let (_, camera) = load_shape(&args.scene, &(&args.change).into(), &loading)?;
+    let (_, camera) = load_shape(&args.scene, &args.change, &loading)?;
     drop(progress);
     refuse_optics(&camera)?;
     outputs::check(&loading.into_inputs(), files.iter().filter_map(|(path, kind)| Some((path.as_deref()?, *kind))))?;
@@ -57,10 +57,9 @@ pub fn run(args: &SplatArgs) -> Result<()> {
 type Cloud = (Vec<DVec3>, Option<Vec<[f32; 3]>>);
 
 fn read(path: &Path, loading: &Loading) -> Result<Cloud> {
-    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply")) {
-        let is_text = ["npy", "csv", "txt", "xyz"]
-            .iter()
-            .any(|own| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(own)));
+    let is = |ending: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
+    if !is("ply") {
+        let is_text = ["npy", "csv", "txt", "xyz"].into_iter().any(is);
         if !is_text {
             let name = path.display();
             return Err(Error::input(format!(
