@@ -15,18 +15,18 @@ pub use crate::scene::gradients::{Array as GradientArray, Gradients, Numbers, Pa
 impl Gradients {
     /// The array of this name, such as `depth.vertices`: its shape, and its numbers in C order.
     pub fn f32(&self, name: &str) -> Option<(&[usize], &[f32])> {
-        self.arrays.iter().find(|array| array.name == name).and_then(|array| match &array.numbers {
-            Numbers::F32(numbers) => Some((array.shape.as_slice(), numbers.as_slice())),
-            Numbers::U32(_) => None,
-        })
+        match self.arrays.iter().find(|array| array.name == name)? {
+            GradientArray { shape, numbers: Numbers::F32(numbers), .. } => Some((shape, numbers)),
+            _ => None,
+        }
     }
 
     /// The same of an array of ids or pixels, such as `coverage.triangle`.
     pub fn u32(&self, name: &str) -> Option<(&[usize], &[u32])> {
-        self.arrays.iter().find(|array| array.name == name).and_then(|array| match &array.numbers {
-            Numbers::U32(numbers) => Some((array.shape.as_slice(), numbers.as_slice())),
-            Numbers::F32(_) => None,
-        })
+        match self.arrays.iter().find(|array| array.name == name)? {
+            GradientArray { shape, numbers: Numbers::U32(numbers), .. } => Some((shape, numbers)),
+            _ => None,
+        }
     }
 
     /// The names and shapes of all arrays, and the numbers of the camera, as JSON: `docs/guide/gradients.md`.

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Copy)]
 pub struct Kind {
     /// With an article, for messages.
-    name: &'static str,
+    pub name: &'static str,
     /// Extensions of this kind. A file with one of them may be replaced.
     endings: &'static [&'static str],
     /// Whether a file that begins with these bytes is one that this program wrote. It may be replaced, whatever its name.
@@ -181,13 +181,6 @@ pub fn check_inside(scene: &Path, output: &Path) -> Result<()> {
     let (scene, output) = (scene.display(), output.display());
     let advice = "name the output on the command line, or use --outputs-anywhere";
     Err(Error::input(format!("{scene}: [output] names a file outside of the scene's folder: {output}; {advice}")))
-}
-
-impl PartialEq for Kind {
-    /// Kinds are distinguished by their names.
-    fn eq(&self, other: &Kind) -> bool {
-        self.name == other.name
-    }
 }
 
 impl Kind {

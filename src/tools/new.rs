@@ -5,7 +5,6 @@ use crate::geometry::mesh::joined;
 use crate::input::{Error, Loading, Result};
 use crate::scene::{Scene, file};
 use glam::{DMat3, DVec3};
-use std::fmt::Write;
 use std::path::Path;
 
 /// What somebody may want of a model.
@@ -174,11 +173,7 @@ impl Model {
 
 /// All tasks, a line each.
 pub fn list() -> String {
-    // writing to a string does not fail
-    TASKS.iter().fold(String::new(), |mut text, task| {
-        let _ = writeln!(text, "{:<18}{}", task.name, task.shows);
-        text
-    })
+    TASKS.iter().map(|task| format!("{:<18}{}\n", task.name, task.shows)).collect()
 }
 
 /// The scene of one table.

@@ -90,7 +90,7 @@ impl Checks<'_> {
             }
         }
         // a log is appended to, so it need not be replaced
-        let whole = self.batch.beside.iter().filter(|(_, kind)| *kind != LOG);
+        let whole = self.batch.beside.iter().filter(|(_, kind)| kind.name != LOG.name);
         whole.map(|(path, _)| path).try_for_each(|path| check_writable(path))?;
         Ok(are_known)
     }

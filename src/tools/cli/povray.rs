@@ -23,7 +23,6 @@ use crate::input::{Error, Result};
 use crate::scene::Scene;
 use faces::Face;
 use glam::DVec3;
-use std::fmt::{self, Display, Formatter};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -101,16 +100,16 @@ fn write_camera(out: &mut dyn Write, rays: &rays::Rays) -> io::Result<()> {
     writeln!(out)?;
     for Ray { origin, direction } in &rays.each {
         let (x, y) = direction.any_orthonormal_pair();
-        let [x, y, z, p] = [x, y, *direction, rays.scale * origin].map_each(Numbers);
+        let [x, y, z, p] = [x, y, *direction, rays.scale * origin].map_each(numbers);
         writeln!(out, "mesh {{ F matrix <{x},{y},{z},{p}> }}")?;
     }
     writeln!(out, "}} }}")
 }
 
 fn write_face(out: &mut dyn Write, face: &Face, scale: f64) -> io::Result<()> {
-    let [a, b, c] = face.corners.map_each(|corner| Numbers(scale * corner));
+    let [a, b, c] = face.corners.map_each(|corner| numbers(scale * corner));
     // POV-Ray's outside is our back
-    let (outside, inside) = (Colour(face.back), Colour(face.front));
+    let (outside, inside) = (colour(face.back), colour(face.front));
     write!(out, "triangle {{ <{a}>, <{b}>, <{c}> texture {{ pigment {{ {outside} }} }}")?;
     if face.is_one_sided() || face.front != face.back {
         write!(out, " interior_texture {{ pigment {{ {inside} }} }}")?;
@@ -119,23 +118,14 @@ fn write_face(out: &mut dyn Write, face: &Face, scale: f64) -> io::Result<()> {
 }
 
 /// Three numbers, as many digits as bring back their bits.
-struct Numbers(DVec3);
-
-impl Display for Numbers {
-    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
-        let DVec3 { x, y, z } = self.0;
-        write!(f, "{x:e},{y:e},{z:e}")
-    }
+fn numbers(DVec3 { x, y, z }: DVec3) -> String {
+    format!("{x:e},{y:e},{z:e}")
 }
 
-/// What shows an id; clear as glass without one.
-struct Colour(Option<u32>);
-
-impl Display for Colour {
-    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
-        match self.0.map(u32::to_le_bytes) {
-            Some([r, g, b, _]) => write!(f, "rgb <{r},{g},{b}>/255"),
-            None => write!(f, "rgbt 1"),
-        }
+/// A colour that shows an id; clear as glass without one.
+fn colour(id: Option<u32>) -> String {
+    match id.map(u32::to_le_bytes) {
+        Some([r, g, b, _]) => format!("rgb <{r},{g},{b}>/255"),
+        None => "rgbt 1".into(),
     }
 }

@@ -16,10 +16,8 @@ const LINE_END: usize = 400;
 /// Prints an error to stderr, on one line, with the page that explains it.
 pub fn complain(error: &Error) {
     let text = error.to_string();
-    match page_of(&text) {
-        Some(page) => note(format_args!("error: {text} (see {page})")),
-        None => note(format_args!("error: {text}")),
-    }
+    let page = page_of(&text).map_or(String::new(), |page| format!(" (see {page})"));
+    note(format_args!("error: {text}{page}"));
 }
 
 /// Prints a line to stderr.

@@ -4,14 +4,13 @@ use crate::image::remove_unfinished;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
-use std::ffi::c_int;
 
 /// From now on, SIGHUP, SIGINT and SIGTERM remove temporary files before they end the program. A signal that was ignored when the program
 /// started, as SIGHUP under `nohup`, stays ignored. SIGXFSZ, which says that a file reached the size of `ulimit -f`, no longer ends the program:
 /// the write returns an error, as on a full disk.
 pub fn handle() {
     let ignored = ignored();
-    let caught = [SIGHUP, SIGINT, SIGTERM, SIGXFSZ].into_iter().filter(|signal| ignored & bit(*signal) == 0);
+    let caught = [SIGHUP, SIGINT, SIGTERM, SIGXFSZ].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
     // if the system refuses, signals end the program as usual
     let Ok(mut signals) = Signals::new(caught) else { return };
     let wait = move || {
@@ -29,8 +28,4 @@ fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
-}
-
-fn bit(signal: c_int) -> u64 {
-    1 << (signal - 1)
 }

@@ -91,13 +91,11 @@ impl Svg {
     }
 
     pub fn polygon(&mut self, class: &str, corners: &[DVec2]) {
-        let corners = places(corners);
-        self.text += &format!("<polygon class=\"{class}\" points=\"{corners}\"/>\n");
+        self.text += &format!("<polygon class=\"{class}\" points=\"{}\"/>\n", places(corners));
     }
 
     pub fn polyline(&mut self, class: &str, points: &[DVec2]) {
-        let points = places(points);
-        self.text += &format!("<polyline class=\"{class}\" points=\"{points}\"/>\n");
+        self.text += &format!("<polyline class=\"{class}\" points=\"{}\"/>\n", places(points));
     }
 
     /// A Bezier curve of degree 1, 2 or 3.
