@@ -21,6 +21,7 @@ pub mod pattern;
 pub mod place;
 pub mod places;
 pub mod ply;
+pub mod primitive;
 pub mod scene_mesh;
 mod smooth;
 pub mod spec;

@@ -156,7 +156,7 @@ pub mod geometry {
         pub use crate::geometry::scene_mesh::SceneMesh;
     }
     pub mod spheres {
-        pub use crate::geometry::spheres::spheres_of;
+        pub use crate::geometry::spheres::{Join, round_of, spheres_of};
     }
     pub mod texture {
         pub use crate::geometry::texture::{Images, Texels, Texture, Wrap};
@@ -182,8 +182,9 @@ pub mod gpu {
     pub mod kernels {
         pub use crate::gpu::kernels::{
             Access, AdapterPath, Appearance, Binding, EdgeSamples, Extras, File, Files, Kernel, LightsKind,
-            MaterialsKind, Method, OpticsKind, OpticsModel, RasterPath, RayModel, RaysKind, SampleMeasure, SurfaceKind,
-            Textures, TileDepths, TilePath, Variant, VerticesKind, Visibility, VolumeKind, reached, storage_buffers,
+            MaterialsKind, Method, OpticsKind, OpticsModel, PrimitivesKind, RayModel, RaysKind, SampleMeasure,
+            SurfaceKind, Textures, TileDepths, TilePath, Variant, VerticesKind, Visibility, VolumeKind, reached,
+            storage_buffers,
         };
     }
     pub mod needs {

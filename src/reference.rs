@@ -37,7 +37,7 @@ mod light;
 mod margin;
 mod path;
 mod pictures;
-mod sphere;
+mod round;
 mod tree;
 mod verdict;
 pub mod volume;
@@ -63,6 +63,7 @@ use crate::camera::perturb::{END_REACH, scene_size};
 use crate::geometry::instances::Instances;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::opacity::Threshold;
+use crate::geometry::primitive::Primitive;
 use crate::geometry::time_steps::{Moment, MovingMesh, TimeSteps};
 use crate::parallel;
 use crate::scene::Scene;
@@ -71,7 +72,7 @@ use bvh::{Bvh, Item};
 use glam::DVec3;
 use intersect::{Aim, Corners, T_ROUNDING};
 use pictures::Pictures;
-use sphere::Sphere;
+use round::Round;
 use std::sync::Arc;
 use tree::{PlacedMeshes, Tree};
 
@@ -175,7 +176,7 @@ impl<'a> Reference<'a> {
         let mut nearest = far;
         let mut is_met = false;
         self.tree.walk(self.instances, &beam, [0.0, far], |id| {
-            let met: Vec<f64> = match self.sphere(id) {
+            let met: Vec<f64> = match self.round(id) {
                 _ if id >= count => Vec::new(),
                 Some(sphere) => sphere.meetings(&bundle).into_iter().flatten().collect(),
                 None => {
@@ -223,8 +224,8 @@ impl<'a> Reference<'a> {
     /// The first visible hit of the central ray on one triangle or sphere, in range. A sphere is entered from outside and left from inside,
     /// where its back is seen.
     fn hit_of(&self, aim: &Aim, id: u32, t_range: [f64; 2]) -> Option<Hit> {
-        if let Some(sphere) = self.sphere(id) {
-            let [entered, left] = sphere.meetings(&aim.centre)?;
+        if let Some(round) = self.round(id) {
+            let [entered, left] = round.meetings(&aim.centre)?;
             let seen = [Some(entered), Some(left).filter(|_| self.two_sided(id))];
             let t = seen.into_iter().flatten().find(|t| t_range[0] <= *t && *t <= t_range[1])?;
             return Some(Hit { t, triangle: id, bary: [0.0; 2] });
@@ -243,20 +244,24 @@ impl<'a> Reference<'a> {
         Corners::new(self.positions(id))
     }
 
-    /// As it is at the moment; `None` of a triangle.
-    fn sphere(&self, id: u32) -> Option<Sphere> {
-        let radius = self.mesh.radius(self.own(id))?;
-        Some(Sphere { centre: self.positions(id)[0], radius })
+    /// The primitive as it is at the moment.
+    fn primitive(&self, id: u32) -> Primitive {
+        Primitive::new(self.positions(id), self.mesh.radius(self.own(id)))
     }
 
-    /// `None` of a sphere, and while two of them are in one place.
+    /// `None` of a triangle.
+    fn round(&self, id: u32) -> Option<Round> {
+        self.primitive(id).capsule().map(Round)
+    }
+
+    /// `None` of a sphere or capsule, and while two of them are in one place.
     fn solid_corners(&self, id: u32) -> Option<Corners> {
         Some(self.corners(id)).filter(|corners| !corners.is_degenerate())
     }
 
-    /// The corners of a triangle about a hit at `p`, as the surface there; of a sphere that place.
+    /// The corners of a triangle about a hit at `p`, as the surface there; of a sphere or capsule that place.
     fn surface(&self, id: u32, p: DVec3) -> [DVec3; 3] {
-        if self.mesh.radius(self.own(id)).is_some() { [p; 3] } else { self.positions(id) }
+        if let Primitive::Triangle(corners) = self.primitive(id) { corners } else { [p; 3] }
     }
 
     /// The corners of a triangle, in the order of its file.
@@ -306,9 +311,9 @@ impl<'a> Reference<'a> {
 
 /// The box of a triangle or sphere at all moments; `None` if it is never hit.
 fn item(all: MovingMesh, id: u32) -> Option<Item> {
-    if let Some(radius) = all.mesh.radius(id) {
-        let at = |step| Sphere { centre: all.corners(id, step)[0], radius }.bounds();
-        let (lo, hi) = bvh::bounds((0..all.count()).map(at));
+    if all.mesh.is_round(id) {
+        let at = |step| Some(Round(all.primitive(id, step).capsule()?).bounds());
+        let (lo, hi) = bvh::bounds((0..all.count()).filter_map(at));
         return Some(Item { lo, hi, id });
     }
     let corners = (0..all.count()).map(|step| Corners::new(all.corners(id, step)));

@@ -31,6 +31,7 @@ use crate::camera::spec::{CameraKind, CameraSpec};
 use crate::geometry::load::Object;
 use crate::geometry::mesh::joined;
 use crate::geometry::place;
+use crate::geometry::primitive::Primitive;
 use crate::geometry::scene_mesh::SceneMesh;
 use crate::geometry::texture::ImagesRead;
 use crate::geometry::time_steps::{Moment, MovingMesh, TimeSteps};
@@ -264,6 +265,11 @@ impl Scene {
             Some(steps) => self.mesh.triangles[id as usize].map_each(|v| steps.position_at(&self.mesh, v, moment)),
             None => self.mesh.corners(id),
         }
+    }
+
+    /// A triangle, sphere or capsule as it is at a moment.
+    pub fn primitive_at(&self, id: u32, moment: Moment) -> Primitive {
+        Primitive::new(self.corners_at(id, moment), self.mesh.base().radius(self.mesh.base_id(id)))
     }
 }
 

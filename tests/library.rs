@@ -441,9 +441,59 @@ fn spheres_are_added_and_moved() {
     refused(scene.add_spheres(&centers, &[0.5, 0.0], None), "sphere 1 has the radius 0");
     refused(
         Mesh::spheres(&centers, &[1.0; 2]).unwrap().with_uvs(vec![[0.0; 2]; 2]).map(|_| ()),
-        "spheres have no texture",
+        "spheres and capsules have no texture",
     );
     assert!(Placed::of_mesh(Mesh::spheres(&centers, &[1.0; 2]).unwrap(), "scale = [1, 2, 1]", ".").is_err());
+}
+
+#[test]
+fn capsules_are_added_and_moved() {
+    let mut scene = Scene::parse(CAMERA, ".").unwrap();
+    let ends = [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [[0.0, 0.5, 0.0], [0.0, 0.5, 0.0]]];
+    scene.add_capsules(&ends, &[0.25, 0.125], Some(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])).unwrap();
+    assert_eq!(scene.objects().collect::<Vec<_>>(), [("capsules", 2)]);
+    assert_eq!(scene.bounds(), Some([[-0.25; 3], [1.25, 0.625, 0.25]]));
+    let mut renderer = Renderer::new().unwrap();
+    let mut shown = |scene: &Scene| words(&renderer.render(scene, &scene.camera().unwrap(), &options()).unwrap());
+    let at_rest = shown(&scene);
+    assert!([0, 1, NO_ID].iter().all(|id| at_rest[..48 * 36].contains(id)));
+    // a capsule whose ends are one point is a sphere
+    let mut other = Scene::parse(CAMERA, ".").unwrap();
+    other.add_capsules(&ends[..1], &[0.25], Some(&[[1.0, 0.0, 0.0]])).unwrap();
+    other.add_spheres(&[ends[1][0]], &[0.125], Some(&[[0.0, 1.0, 0.0]])).unwrap();
+    assert!(shown(&other)[..48 * 36] == at_rest[..48 * 36]);
+
+    // a half turn about z, by the matrix and by other ends
+    scene.move_object("capsules", [[-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap();
+    let mut turned = Scene::parse(CAMERA, ".").unwrap();
+    let ends = ends.map(|pair| pair.map(|[x, y, z]: [f64; 3]| [-x, -y, z]));
+    turned.add_capsules(&ends, &[0.25, 0.125], Some(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])).unwrap();
+    assert!(shown(&scene) == shown(&turned) && shown(&scene) != at_rest);
+
+    let refused = |result: Result<()>, says: &str| {
+        let text = result.unwrap_err().to_string();
+        assert!(text.contains(says) && !text.contains('\n'), "{text}");
+    };
+    refused(scene.add_capsules(&ends, &[0.5], None), "1 radii for 2 capsules");
+    refused(scene.add_capsules(&[[[0.0; 3], [f64::NAN; 3]]], &[0.5], None), "finite");
+    refused(scene.add_capsules(&ends, &[0.5, 0.0], None), "has the radius 0");
+}
+
+/// The caster meets a capsule at its ends, beside its segment and along it.
+#[test]
+fn rays_are_cast_at_capsules() {
+    let mut scene = Scene::new();
+    scene.add_capsules(&[[[-2.0, 0.0, 0.0], [2.0, 0.0, 0.0]]], &[1.0], None).unwrap();
+    let caster = Caster::new(&scene);
+    let cast = |origin: [f64; 3], direction: [f64; 3]| {
+        let hit = caster.first(&[[origin, direction]], [0.0, f64::INFINITY]).unwrap().remove(0);
+        hit.map(|hit| (hit.t, hit.point, hit.normal))
+    };
+    assert_eq!(cast([1.0, 0.0, -5.0], [0.0, 0.0, 1.0]), Some((4.0, [1.0, 0.0, -1.0], [0.0, 0.0, -1.0])));
+    assert_eq!(cast([-9.0, 0.0, 0.0], [2.0, 0.0, 0.0]), Some((3.0, [-3.0, 0.0, 0.0], [-1.0, 0.0, 0.0])));
+    assert_eq!(cast([2.5, 0.0, -5.0], [0.0, 0.0, -1.0]), None);
+    let (t, ..) = cast([2.6, 0.0, -5.0], [0.0, 0.0, 1.0]).unwrap();
+    assert!((t - 4.2).abs() < 1e-12, "{t}");
 }
 
 /// A ball and a box, and a camera that is not used.

@@ -347,7 +347,7 @@ fn host() -> Layouts {
             pad0,
         }),
         layout!(BvhNode { lo, first, hi, count }),
-        layout!(LeafTriangle { v0, id, v1, one_sided, v2, is_sphere }),
+        layout!(LeafTriangle { v0, id, v1, one_sided, v2, is_round }),
     ])
 }
 
@@ -432,7 +432,8 @@ fn host_constants() -> Constants {
 }
 
 /// Constants of `layout` that the kernels declare in another file than `params.wgsl`, or in another form.
-const DECLARED_ELSEWHERE: [&str; 6] = ["CULL_QUEUES", "ID_BITS_MAX", "ID_MASK", "ORDER_SHIFT", "ONE_SIDED", "SPHERE"];
+const DECLARED_ELSEWHERE: [&str; 8] =
+    ["CULL_QUEUES", "ID_BITS_MAX", "ID_MASK", "ORDER_SHIFT", "ONE_SIDED", "SPHERE", "CAPSULE", "ROUND"];
 
 /// What two maps do not agree on, one line each, missing keys on either side included.
 fn differences<V: PartialEq + std::fmt::Debug>(a: &BTreeMap<String, V>, b: &BTreeMap<String, V>) -> Vec<String> {

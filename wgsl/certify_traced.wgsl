@@ -1,7 +1,7 @@
 // certify_traced: one thread per pixel, one workgroup per tile, twice, after all was traced and rechecked; then one per pixel of the band.
-// Takes the place of certify where there are spheres.
+// Takes the place of certify where there are spheres or capsules.
 // Reads what trace reads, and the visibility buffer. Follows each pixel's ray through the hierarchy, and proves in recheck arithmetic what can
-// be of each triangle and sphere that it may meet; what f32 leaves out by its boxes is proven to be missed. Writes bounds and flags, and from
+// be of each primitive that it may meet; what f32 leaves out by its boxes is proven to be missed. Writes bounds and flags, and from
 // them the plane.
 
 #choose primitives certify_traced.wgsl
@@ -12,15 +12,14 @@
 #import nodes/slabs.wgsl
 #import nodes/tables.wgsl
 #import pixels/tiles
-#import primitives/spheres/chord.wgsl
-#import primitives/spheres/sphere.wgsl
+#import primitives/round/capsule.wgsl
 #import rays/affine_bundle.wgsl
 #import rays/bundle
 #import rays/certainty.wgsl
 #import rays/path
 #import rays/pixel
 #import rays/proof.wgsl
-#import rays/straight/sphere_proof.wgsl
+#import rays/straight/round_proof.wgsl
 #import rays/stretch
 #import rays/triangle_proof
 #import shared/bits.wgsl
@@ -112,8 +111,8 @@ fn with_primitive(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) 
 
 fn primitive_proof(cell: Cell, whole: Bundle, x: u32, y: u32, slot: u32, triangle: vec4<u32>) -> Proof {
     let is_one_sided = (triangle.w & ONE_SIDED) != 0u;
-    if is_sphere(triangle) {
-        return sphere_proof(cell, whole, x, y, sphere_of(triangle), !is_one_sided);
+    if is_round(triangle) {
+        return round_proof(cell, whole, x, y, capsule_of(triangle), !is_one_sided);
     }
     let back_sign = select(0, select(1, -1, triangle_reversed(triangle)), is_one_sided);
     let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));

@@ -84,6 +84,10 @@ class Scene:
         """
         Throws the picture of a `[[projector_light]]` table onto surfaces.
         """
+    def add_capsules(self, /, ends: Incomplete, radii: SupportsGetItem[int, SupportsFloat | SupportsIndex], colors: Incomplete | None, name: str, table: str, folder: str | PathLike[str]) -> None:
+        """
+        Adds capsules of arrays, the two ends of each one after the other, with the keys of a `[[mesh]]` table that they may have.
+        """
     def add_spheres(self, /, centers: Incomplete, radii: SupportsGetItem[int, SupportsFloat | SupportsIndex], colors: Incomplete | None, name: str, table: str, folder: str | PathLike[str]) -> None:
         """
         Adds spheres of arrays with the keys of a `[[mesh]]` table that they may have.

@@ -179,13 +179,32 @@ class Scene:
             ValueError: a key or a value is wrong; a shape is, a center is not finite, a radius not above 0, a color not in [0, 1].
         """
         places = array(centers, np.float64, 3, "centers")
-        sizes = as_numbers(radii, np.float64)
-        if sizes.shape not in ((), (len(places),)):
-            raise ValueError(f"radii: one number, or {len(places)} of shape ({len(places)},), are needed, not {sizes.shape}")
+        sizes = _radii(radii, len(places))
         own = None if colors is None else array(colors, np.float32, 3, "colors")
-        self._do(
-            "add_spheres", places, np.broadcast_to(sizes, (len(places),)).tolist(), own, name, table(keys), os.getcwd()
-        )
+        self._do("add_spheres", places, sizes, own, name, table(keys), os.getcwd())
+
+    def add_capsules(
+        self, ends: Numbers, radii: Numbers | float, colors: Numbers | None = None, name: str = "capsules", **keys: Value
+    ) -> None:
+        """Adds exact capsules after the existing meshes, such as hair, pipes or bonds: all points within a radius of a segment.
+
+        Args:
+            ends: (N, 2, 3), the two ends of each segment, world units.
+            radii: (N,), above 0; or one number for all.
+            colors: (N, 3), linear RGB from 0 to 1; without them all are light grey, or have the key ``color``.
+            name: the object's name.
+            keys: as of :meth:`add_spheres`.
+
+        Raises:
+            ValueError: a key or a value is wrong; a shape is, an end is not finite, a radius not above 0, a color not in [0, 1].
+        """
+        places = as_numbers(ends, np.float64)
+        if places.ndim != 3 or places.shape[1:] != (2, 3):
+            raise ValueError(f"ends: an array of shape (N, 2, 3) is needed, not {places.shape}")
+        sizes = _radii(radii, len(places))
+        own = None if colors is None else array(colors, np.float32, 3, "colors")
+        points = np.ascontiguousarray(places.reshape(-1, 3))
+        self._do("add_capsules", points, sizes, own, name, table(keys), os.getcwd())
 
     def move(self, mesh: str, matrix: Numbers) -> None:
         """Places an object: each of its vertices p, as last added or updated, comes to lie at M p; the identity takes the object back.
@@ -312,3 +331,12 @@ def _image(texture: Numbers, key: str = "texture") -> npt.NDArray[np.uint8]:
     if image.ndim != 3 or image.shape[2] not in (3, 4) or image.dtype != np.uint8:
         raise ValueError(f"{key}: an array of shape (H, W, 3) or (H, W, 4) and type uint8, not {image.shape}, {image.dtype}")
     return image
+
+
+def _radii(radii: Numbers | float, count: int) -> list[float]:
+    """A radius for each of so many spheres or capsules."""
+    sizes = as_numbers(radii, np.float64)
+    if sizes.shape not in ((), (count,)):
+        raise ValueError(f"radii: one number, or {count} of shape ({count},), are needed, not {sizes.shape}")
+    each: list[float] = np.broadcast_to(sizes, (count,)).tolist()
+    return each

@@ -164,6 +164,30 @@ impl Scene {
         })
     }
 
+    /// Adds capsules of arrays, the two ends of each one after the other, with the keys of a `[[mesh]]` table that they may have.
+    #[pyo3(signature = (ends, radii, colors, name, table, folder))]
+    #[allow(clippy::too_many_arguments)]
+    fn add_capsules(
+        &self,
+        py: Python<'_>,
+        ends: PyReadonlyArray2<'_, f64>,
+        radii: Vec<f64>,
+        colors: Option<PyReadonlyArray2<'_, f32>>,
+        name: String,
+        table: String,
+        folder: PathBuf,
+    ) -> PyResult<()> {
+        let (ends, colors) = (rows(&ends), colors.as_ref().map(rows));
+        self.add(py, move || {
+            let ends: Vec<[[f64; 3]; 2]> = ends.chunks_exact(2).map(|ends| [ends[0], ends[1]]).collect();
+            let mut capsules = Mesh::capsules(&ends, &radii)?.named(name);
+            if let Some(colors) = colors {
+                capsules = capsules.with_colors(colors.into_iter().flat_map(|color: [f32; 3]| [color; 2]).collect())?;
+            }
+            anamorph::Placed::of_mesh(capsules, &table, folder)
+        })
+    }
+
     /// Places an object by the rows of an affine matrix.
     fn move_object(&self, py: Python<'_>, name: String, matrix: [[f64; 4]; 3]) -> PyResult<()> {
         self.change(py, move |scene| scene.move_object(&name, matrix))

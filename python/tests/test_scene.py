@@ -321,6 +321,36 @@ def test_spheres_of_arrays(pinhole) -> None:
             scene.add_spheres(**wrong)
 
 
+def test_capsules_of_arrays(pinhole) -> None:
+    scene = am.Scene()
+    ends = np.array([[[-0.8, 0.0, 0.0], [0.6, 0.4, 0.3]], [[1.0, -0.5, 0.0], [1.0, -0.5, 0.0]]])
+    scene.add_capsules(ends, radii=[0.3, 0.25], colors=[[1, 0, 0], [0, 0.5, 1]], name="bonds")
+    assert scene.objects == [("bonds", 2)]
+    frame = am.render(scene, pinhole, size=SIZE, channels=["triangle.id", "albedo", "N", "P"])
+    for k, (radius, color) in enumerate(zip([0.3, 0.25], [[1, 0, 0], [0, 0.5, 1]])):
+        own = frame["triangle.id"] == k
+        assert own.any()
+        places = np.stack([frame[f"P.{axis}"][own] for axis in "XYZ"], axis=-1)
+        normals = np.stack([frame[f"N.{axis}"][own] for axis in "XYZ"], axis=-1)
+        a, b = ends[k]
+        share = np.clip((places - a) @ (b - a) / max((b - a) @ (b - a), 1e-300), 0, 1)
+        offsets = places - (a + share[:, None] * (b - a))
+        assert np.allclose(np.linalg.norm(offsets, axis=-1), radius, atol=1e-5)
+        assert np.allclose(normals, offsets / radius, atol=1e-4)
+        assert np.allclose(np.stack([frame[f"albedo.{c}"][own] for c in "RGB"], axis=-1), color)
+    scene.add_capsules(ends, radii=0.1, scale=2, translate=[0, 0, -3])
+    assert scene.objects[-1] == ("capsules", 2)
+    for wrong in [
+        {"ends": [[0, 0, 0]], "radii": 1},
+        {"ends": ends, "radii": [1, 2, 3]},
+        {"ends": ends, "radii": 0},
+        {"ends": np.full((1, 2, 3), np.inf), "radii": 1},
+        {"ends": ends, "radii": 1, "colors": [[0, 0, 1]]},
+    ]:
+        with pytest.raises(ValueError):
+            scene.add_capsules(**wrong)
+
+
 def test_a_volume_of_an_array() -> None:
     scene = am.Scene()
     look = {"min": [-1, -1, -1], "max": [1, 1, 1], "transfer": [[0, 1, 1, 1, 0], [1, 1, 0.5, 0, 0.7]]}

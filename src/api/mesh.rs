@@ -3,7 +3,7 @@
 use crate::geometry::load::load_mesh;
 use crate::geometry::mesh::Material;
 use crate::geometry::spec::{MeshSource, MeshSpec};
-use crate::geometry::spheres::spheres_of;
+use crate::geometry::spheres::{Join, round_of};
 use crate::geometry::texture::{Images, ImagesRead, Texels, Texture};
 use crate::input::{Error, Limits, Loading, Result};
 use glam::{DVec3, Vec2, Vec3};
@@ -163,13 +163,37 @@ impl Mesh {
     /// As [`Mesh::spheres`].
     pub fn spheres_within(centers: &[[f64; 3]], radii: &[f64], limits: Limits) -> Result<Mesh> {
         let centres = centers.iter().map(|c| DVec3::from_array(*c)).collect();
-        let mesh = spheres_of(centres, radii.to_vec(), None, limits).map_err(Error::input)?;
+        let mesh = round_of(centres, radii.to_vec(), None, None, limits).map_err(Error::input)?;
         Ok(Mesh { mesh, name: "spheres".into() })
+    }
+
+    /// Capsules: the ends of their segments and their radii, world units. A capsule is all points within its radius of its segment. An id stands for
+    /// a capsule as it does for a triangle. They take colours, one for each end of each, of which the first shows, and materials, but no
+    /// normals, texture coordinates or images.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for an end that is not finite, a radius that is not above 0, or another number of radii.
+    pub fn capsules(ends: &[[[f64; 3]; 2]], radii: &[f64]) -> Result<Mesh> {
+        Mesh::capsules_within(ends, radii, Limits::default())
+    }
+
+    /// [`Mesh::capsules`] within other limits.
+    ///
+    /// # Errors
+    /// As [`Mesh::capsules`].
+    pub fn capsules_within(ends: &[[[f64; 3]; 2]], radii: &[f64], limits: Limits) -> Result<Mesh> {
+        if radii.len() != ends.len() {
+            return Err(Error::input(format!("{} radii for {} capsules; give one for each", radii.len(), ends.len())));
+        }
+        let points = ends.as_flattened().iter().map(|p| DVec3::from_array(*p)).collect();
+        let radii = radii.iter().flat_map(|radius| [*radius; 2]).collect();
+        let mesh = round_of(points, radii, None, Some(Join::Pairs), limits).map_err(Error::input)?;
+        Ok(Mesh { mesh, name: "capsules".into() })
     }
 
     fn check_has_corners(&self, what: &str) -> Result<()> {
         match self.mesh.has_spheres() {
-            true => Err(Error::input(format!("spheres have no {what}; leave them out"))),
+            true => Err(Error::input(format!("spheres and capsules have no {what}; leave them out"))),
             false => Ok(()),
         }
     }

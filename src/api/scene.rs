@@ -164,7 +164,20 @@ impl Scene {
         })
     }
 
-    /// Adds triangles or spheres that have been placed.
+    /// Adds capsules after the existing meshes: the ends of their segments and their radii, world units, and a colour for each capsule, linear RGB
+    /// in [0, 1], if some are given.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::capsules`], [`Mesh::with_colors`] and [`Scene::add`].
+    pub fn add_capsules(&mut self, ends: &[[[f64; 3]; 2]], radii: &[f64], colors: Option<&[[f32; 3]]>) -> Result<()> {
+        let capsules = Mesh::capsules_within(ends, radii, self.scene.limits)?;
+        self.add(match colors {
+            Some(colors) => capsules.with_colors(colors.iter().flat_map(|color| [*color; 2]).collect())?,
+            None => capsules,
+        })
+    }
+
+    /// Adds triangles, spheres or capsules that have been placed.
     ///
     /// # Errors
     /// As [`Scene::add`].

@@ -104,7 +104,7 @@ impl PlannedBy<'_> {
 
 /// The clusters of `last` hold the triangles of this scene for this plan, relative to this anchor or another one.
 pub(super) fn same_places(last: &Planned, scene: &Scene, plan: &Plan) -> bool {
-    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.extras.spheres, plan.variant.is_instanced());
+    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.has_round(), plan.variant.is_instanced());
     same_mesh(&last.scene, scene) && by(&last.plan) == by(plan)
 }
 

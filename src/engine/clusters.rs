@@ -9,11 +9,12 @@ pub mod surfaces;
 
 use crate::arrays::MapEach;
 use crate::geometry::instances::Instances;
-use crate::geometry::mesh::{self, Mesh};
+use crate::geometry::mesh::Mesh;
+use crate::geometry::primitive::{Capsule, Primitive};
 use crate::geometry::time_steps::MovingMesh;
 use crate::gpu::kernels::{SurfaceKind, Variant};
 use crate::gpu::layout::{
-    CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, SPHERE, TRIANGLE_GROUP, Vertex, split2,
+    CAPSULE, CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, SPHERE, TRIANGLE_GROUP, Vertex, split2,
 };
 use crate::parallel;
 use crate::scene::Scene;
@@ -98,7 +99,7 @@ pub fn cluster_shown<'a>(
     variant: Variant,
     table_limit: u64,
 ) -> Clustered {
-    clustered(all.into(), anchor, (variant.surfaces(), variant.extras.spheres), table_limit)
+    clustered(all.into(), anchor, (variant.surfaces(), variant.has_round()), table_limit)
 }
 
 fn clustered(
@@ -130,7 +131,7 @@ fn clustered(
         chunks.push(Chunk::default());
     }
     let slots: usize = chunks.iter().map(|c| c.triangles.len()).sum();
-    let hidden = if has_spheres { 0 } else { mesh.sphere_count() };
+    let hidden = if has_spheres { 0 } else { mesh.round_counts().iter().sum() };
     let without_area = mesh.triangles.len() - hidden - slots;
     let [places, slots] = Default::default();
     Clustered { chunks, anchor, places, slots, moved: None, surfaces, without_area, placed: None }
@@ -145,7 +146,7 @@ fn chunk(all: MovingMesh, ids: std::ops::Range<u32>, (whole, has_spheres): (bool
     let mesh = all.mesh;
     let mut order = morton_order(all, ids.clone());
     if !has_spheres {
-        order.retain(|id| mesh.radius(*id).is_none());
+        order.retain(|id| !mesh.is_round(*id));
     }
     let mut chunk = Chunk { id_first: ids.start, id_count: ids.len() as u32, steps: all.count(), ..Default::default() };
     if !whole {
@@ -292,20 +293,20 @@ fn place_cluster(
         *group = Bounds::NONE;
         for triangle in triangles {
             let id = triangle[3] & ID_MASK;
-            let first = all.corners(id, 0);
-            *triangle = match all.mesh.radius(id) {
-                Some(radius) => {
-                    *group = group.with(&mesh::extremes(first, Some(radius)));
-                    packed_sphere(all.mesh, triangle[3], radius, index_of)
+            let primitive = all.primitive(id, 0);
+            *triangle = match primitive {
+                Primitive::Round(Capsule { radius, .. }) => {
+                    *group = group.with(&primitive.extremes());
+                    packed_round(all.mesh, triangle[3], radius, index_of)
                 }
-                None => {
+                Primitive::Triangle(first) => {
                     let order = order_by_position(all, id, first);
                     have_area &= spans_area(all, first, order);
                     *group = group.with(&first);
                     packed_triangle(all.mesh, triangle[3], order, index_of)
                 }
             };
-            *group = (1..all.count()).fold(*group, |group, step| group.with(&extremes(all, id, step)));
+            *group = (1..all.count()).fold(*group, |group, step| group.with(&all.primitive(id, step).extremes()));
         }
     }
     have_area
@@ -371,14 +372,9 @@ fn interleave(place: f64) -> u64 {
     (x | x << 2) & 0x1249249249249249
 }
 
-/// The corners of a triangle, or of a sphere's box.
-fn extremes(all: MovingMesh, id: u32, step: u32) -> [DVec3; 3] {
-    mesh::extremes(all.corners(id, step), all.mesh.radius(id))
-}
-
-/// A sphere, or three different positions that are not on a line, as f64 sees it. What moves may have an area at other times than its steps.
+/// A sphere or capsule, or three different positions that are not on a line, as f64 sees it. What moves may have an area at other times than its steps.
 fn has_area(all: MovingMesh, id: u32) -> bool {
-    if all.mesh.radius(id).is_some() {
+    if all.mesh.is_round(id) {
         return true;
     }
     let first = all.corners(id, 0);
@@ -430,11 +426,12 @@ fn packed_triangle(mesh: &Mesh, last: u32, sorted: [usize; 3], index_of: impl Fn
     [a, b, c, last & (ID_MASK | ONE_SIDED) | order << ORDER_SHIFT]
 }
 
-/// Of the sphere with the id and the sidedness in `last`.
-fn packed_sphere(mesh: &Mesh, last: u32, radius: f64, index_of: impl Fn(u32) -> u32) -> [u32; 4] {
-    let [centre, ..] = mesh.triangles[(last & ID_MASK) as usize];
+/// The sphere or capsule with the id and the sidedness in `last`. The vertex of a capsule's other end is the next one.
+fn packed_round(mesh: &Mesh, last: u32, radius: f64, index_of: impl Fn(u32) -> u32) -> [u32; 4] {
+    let [first, other, _] = mesh.triangles[(last & ID_MASK) as usize];
     let [hi, lo] = split2(radius).map_each(f32::to_bits);
-    [index_of(centre), hi, lo, last & (ID_MASK | ONE_SIDED) | SPHERE]
+    let kind = if first == other { SPHERE } else { CAPSULE };
+    [index_of(first), hi, lo, last & (ID_MASK | ONE_SIDED) | kind]
 }
 
 /// [`ONE_SIDED`], or 0.

@@ -8,6 +8,7 @@ use super::plan::{Rows, Wanted};
 use super::{Engine, Rendered, RunOptions};
 use crate::camera::composition::{Composition, Held};
 use crate::camera::{Camera, Rays};
+use crate::geometry::primitive::Primitive;
 use crate::image::frame::{Channel, Frame, NO_ID, Plane};
 use crate::image::opaque8;
 use crate::input::{Error, Result};
@@ -130,12 +131,14 @@ impl Composing<'_> {
 
     /// Where a pixel's ray or curve hits a triangle or sphere, in f64, from a rounded t.
     fn point(&self, camera: &Camera, (i, j): (u32, u32), id: u32, t: f32) -> Option<DVec3> {
-        let [v0, v1, v2] = self.scene.corners_at(id, self.scene.moment(camera, (i, j)));
-        let normal = (v1 - v0).cross(v2 - v0);
+        let primitive = self.scene.primitive_at(id, self.scene.moment(camera, (i, j)));
         // 0 on the surface, and its gradient there
-        let height = |x: DVec3| match self.scene.mesh.base().radius(self.scene.mesh.base_id(id)) {
-            Some(radius) => ((x - v0).length_squared() - radius * radius, 2.0 * (x - v0)),
-            None => ((x - v0).dot(normal), normal),
+        let height = |x: DVec3| {
+            let normal = primitive.normal_at(x);
+            match primitive {
+                Primitive::Triangle([v0, ..]) => ((x - v0).dot(normal), normal),
+                Primitive::Round(capsule) => (normal.length_squared() - capsule.radius * capsule.radius, 2.0 * normal),
+            }
         };
         let along: Box<dyn Fn(f64) -> (DVec3, DVec3)> = match camera.layers.first()? {
             Rays::Curves(_) => {

@@ -180,6 +180,7 @@ impl InView {
     pub fn contents(&self, shown: &Scene, whole: SceneContents) -> SceneContents {
         SceneContents {
             has_spheres: whole.has_spheres && self.kinds.spheres,
+            has_capsules: whole.has_capsules && self.kinds.spheres,
             has_images: whole.has_images && self.kinds.images,
             has_alpha_masks: whole.has_alpha_masks && self.kinds.alpha_masks,
             has_normals: whole.has_normals && self.kinds.smooth_normals,

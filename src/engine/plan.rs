@@ -51,6 +51,7 @@ pub struct SceneContents {
     /// Triangles and spheres.
     pub triangles: usize,
     pub has_spheres: bool,
+    pub has_capsules: bool,
     pub has_normals: bool,
     pub has_uvs: bool,
     /// Vertices have colours.
@@ -105,6 +106,7 @@ impl SceneContents {
             }),
             triangles: scene.mesh.triangle_count(),
             has_spheres: mesh.has_spheres(),
+            has_capsules: mesh.has_capsules,
             has_normals: !mesh.normals.is_empty(),
             has_uvs: !mesh.corner_uvs.is_empty(),
             has_colors: !mesh.corner_colors.is_empty(),

@@ -404,7 +404,7 @@ pub(super) fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
 
 /// The triangles of `last` for this plan, where only some of their vertices have moved.
 fn moved(last: &Planned, scene: &Scene, plan: &Plan) -> Option<Clustered> {
-    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.extras.spheres, plan.variant.is_instanced());
+    let by = |plan: &Plan| (plan.variant.surfaces(), plan.variant.has_round(), plan.variant.is_instanced());
     if scene.steps.is_some() || last.scene.steps.is_some() || by(&last.plan) != by(plan) {
         return None;
     }

@@ -358,7 +358,7 @@ impl StepList<'_> {
         self.clear("proofs", at, 0, None);
         for step in 0..CERTIFY_STEPS {
             for job in self.jobs(at) {
-                if inputs.variant(at.bounce).extras.spheres {
+                if inputs.variant(at.bounce).has_round() {
                     self.pass("certify", job, [certify_traced(inputs.traced(job), step)]);
                     continue;
                 }

@@ -2,12 +2,12 @@
 //!
 //! Coverage is tested in exact arithmetic: a ray through the edge of two triangles hits exactly one. An exact 0 counts as positive
 //! for the edge from its smaller to its larger vertex. For a ray that may hit a vertex, coverage is tested with a ray beside it
-//! ([`Aim`]). The relative error of depths is at most 1e-9. Whether a ray meets a sphere is decided exactly, by the ray itself.
+//! ([`Aim`]). The relative error of depths is at most 1e-9. Whether a ray meets a sphere or capsule is decided exactly, by the ray itself.
 
-mod ball;
 mod corners;
 mod depth;
 mod exactly;
+mod round;
 
 use crate::arrays::MapEach;
 pub use exactly::ExactCaster;
@@ -15,10 +15,11 @@ pub use exactly::ExactCaster;
 use super::bvh::{Aabb, Bvh, NONE};
 use super::mesh::Mesh;
 use super::opacity::Threshold;
+use super::primitive::Primitive;
 use crate::parallel;
-pub use ball::Ball;
 use corners::Corners;
 use glam::DVec3;
+pub use round::{OnRound, Round};
 
 /// A ray `X(t) = origin + t * direction`, world units; the direction need not be unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,14 +37,14 @@ pub struct Aim {
     pub perturbed: Ray,
 }
 
-/// The hit of a ray on a triangle or sphere.
+/// The hit of a ray on a primitive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// The ray parameter, or a distance for distance queries.
     pub t: f64,
     /// Its index in the mesh.
     pub triangle: u32,
-    /// Weights of the triangle's second and third vertex; 0 of a sphere.
+    /// Weights of the triangle's second and third vertex; 0 of a sphere or capsule.
     pub bary: [f64; 2],
 }
 
@@ -113,7 +114,7 @@ impl<'a> Caster<'a> {
         best
     }
 
-    /// Of all triangles and spheres the places `of` the mesh that are nearest to `place`, by ascending id: several where it is nearest to an
+    /// Of all primitives the places `of` the mesh that are nearest to `place`, by ascending id: several where it is nearest to an
     /// edge or a corner. `t` is the distance.
     pub fn nearest(&self, place: DVec3, of: impl Fn(&Hit) -> bool) -> Vec<Hit> {
         let mut hits = Vec::new();
@@ -137,19 +138,20 @@ impl<'a> Caster<'a> {
         let corners = self.mesh.triangles[id as usize].map_each(|k| self.mesh.positions[k as usize]);
         let bary = nearest_weights(place, corners);
         let [a, b, c] = corners;
-        if let Some(radius) = self.mesh.radius(id) {
-            return Hit { t: ((a - place).length() - radius).abs(), triangle: id, bary: [0.0; 2] };
+        if let Primitive::Round(capsule) = self.mesh.primitive(id) {
+            let t = ((capsule.nearest(place) - place).length() - capsule.radius).abs();
+            return Hit { t, triangle: id, bary: [0.0; 2] };
         }
         let t = ((1.0 - bary[0] - bary[1]) * a + bary[0] * b + bary[1] * c - place).length();
         Hit { t, triangle: id, bary }
     }
 }
 
-/// Over the triangles without two corners in one place, and the spheres.
+/// Over the triangles without two corners in one place, and the spheres and capsules.
 fn hierarchy(mesh: &Mesh) -> Bvh {
     let boxed = |(id, t): (usize, &[u32; 3])| {
-        if let Some(ball) = Ball::of(mesh, id as u32) {
-            return Some((id as u32, ball.bounds()));
+        if let Some(round) = Round::of(mesh, id as u32) {
+            return Some((id as u32, round.bounds()));
         }
         let [a, b, c] = t.map_each(|k| mesh.positions[k as usize]);
         (a != b && b != c && c != a).then(|| (id as u32, Aabb::around(&[a, b, c])))
@@ -166,11 +168,10 @@ struct Met {
 
 enum Surface {
     Triangle(Corners),
-    /// With -1 where the ray enters, with 1 where it leaves.
-    Ball(Ball, i8),
+    Round(Round, OnRound),
 }
 
-/// Calls `found` with each meeting of a ray and a triangle or sphere, at any t, where it shows that face and has no hole. `rounding` is the
+/// Calls `found` with each meeting of a ray and a primitive, at any t, where it shows that face and has no hole. `rounding` is the
 /// relative error of t, and `of_zero` as in [`Corners::sign`].
 fn meet(
     mesh: &Mesh,
@@ -184,9 +185,9 @@ fn meet(
             found(Met { hit, surface });
         }
     };
-    if let Some(ball) = Ball::of(mesh, id) {
-        for (t, side) in ball.meetings(&aim.ray, rounding).into_iter().flatten().zip([-1, 1]) {
-            check(Hit { t, triangle: id, bary: [0.0; 2] }, side.into(), Surface::Ball(ball, side));
+    if let Some(round) = Round::of(mesh, id) {
+        for on in round.meetings(&aim.ray, rounding).into_iter().flatten() {
+            check(Hit { t: on.t, triangle: id, bary: [0.0; 2] }, on.facing(), Surface::Round(round, on));
         }
         return;
     }
@@ -197,7 +198,7 @@ fn meet(
     check(hit, sign * corners.parity, Surface::Triangle(corners));
 }
 
-/// Whether the triangle or sphere of a hit shows that face, and has no hole there; `facing` is below 0 at its front.
+/// Whether the primitive of a hit shows that face, and has no hole there; `facing` is below 0 at its front.
 fn shows(mesh: &Mesh, hit: &Hit, facing: f64) -> bool {
     let shows = facing < 0.0 || mesh.material(hit.triangle).is_none_or(|m| m.two_sided);
     shows && mesh.is_there(hit.triangle, hit.bary, Threshold::HALF)

@@ -280,6 +280,7 @@ impl Instances {
             colors: base.colors.clone(),
             materials: base.materials.clone(),
             missing: base.missing.clone(),
+            has_capsules: base.has_capsules,
             ..Mesh::default()
         };
         for instance in list {

@@ -3,6 +3,7 @@
 use super::instances::Run;
 use super::opacity::Threshold;
 use super::pattern::Pattern;
+use super::primitive::Primitive;
 use super::texture::Texture;
 use crate::arrays::MapEach;
 use crate::input::{Limits, Result};
@@ -36,6 +37,8 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// The radius of each sphere, 0 of each triangle; empty when there is no sphere.
     pub radii: Vec<f64>,
+    /// Whether some rows with a radius are capsules.
+    pub has_capsules: bool,
     /// Unit normals; empty when the source has none.
     pub normals: Vec<Vec3>,
     /// Three indices into `normals` per triangle ([`NO_NORMAL`]: none); empty when `normals` is.
@@ -111,21 +114,17 @@ impl Mesh {
     /// The corners of the box around all vertices and spheres; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let of_vertices = parallel::reduce(&self.positions, |p| Some((*p, *p)), joined);
-        let of_sphere = |id: u32| {
-            let centre = self.positions[self.triangles[id as usize][0] as usize];
-            Some(sphere_box(centre, self.radius(id)?))
-        };
-        let of_spheres = parallel::reduce(0..self.radii.len() as u32, of_sphere, joined);
-        of_vertices.into_iter().chain(of_spheres).reduce(joined)
+        let of_round = |id: u32| Some(self.primitive(id).capsule()?.bounds());
+        let of_round = parallel::reduce(0..self.radii.len() as u32, of_round, joined);
+        of_vertices.into_iter().chain(of_round).reduce(joined)
     }
 
     /// The corners of the box around all triangles and spheres: [`Mesh::bounds`] without vertices that no triangle has.
     pub fn drawn_bounds(&self) -> Option<(DVec3, DVec3)> {
         let of = |(k, t): (usize, &[u32; 3])| {
-            let [a, b, c] = extremes(t.map_each(|i| self.positions[i as usize]), self.radius(k as u32));
             // triangles that a file's opacity leaves out have one corner
-            let is_seen = t[0] != t[1] || t[1] != t[2] || self.radius(k as u32).is_some();
-            is_seen.then_some((a.min(b).min(c), a.max(b).max(c)))
+            let is_seen = t[0] != t[1] || t[1] != t[2] || self.is_round(k as u32);
+            is_seen.then(|| self.primitive(k as u32).bounds())
         };
         self.triangles.iter().enumerate().filter_map(of).reduce(joined).or_else(|| self.bounds())
     }
@@ -167,13 +166,28 @@ impl Mesh {
         }
     }
 
-    /// The radius of a sphere; `None` of a triangle.
+    /// A triangle, sphere or capsule, where the mesh is.
+    pub fn primitive(&self, id: u32) -> Primitive {
+        let corners = self.triangles[id as usize].map_each(|v| self.positions[v as usize]);
+        Primitive::new(corners, self.radius(id))
+    }
+
+    /// Whether the primitive is a sphere or capsule.
+    pub fn is_round(&self, id: u32) -> bool {
+        self.radius(id).is_some()
+    }
+
+    /// The radius of a sphere or capsule; `None` of a triangle.
     pub fn radius(&self, id: u32) -> Option<f64> {
         self.radii.get(id as usize).copied().filter(|radius| *radius > 0.0)
     }
 
-    pub fn sphere_count(&self) -> usize {
-        parallel::reduce(&self.radii, |radius| (*radius > 0.0).then_some(1), |a, b| a + b).unwrap_or(0)
+    /// The numbers of spheres and of capsules.
+    pub fn round_counts(&self) -> [usize; 2] {
+        let one =
+            |id: u32| self.primitive(id).capsule().map(|capsule| if capsule.is_sphere() { [1, 0] } else { [0, 1] });
+        let counts = parallel::reduce(0..self.radii.len() as u32, one, |a, b| [a[0] + b[0], a[1] + b[1]]);
+        counts.unwrap_or_default()
     }
 
     pub fn has_spheres(&self) -> bool {
@@ -256,19 +270,6 @@ impl Mesh {
     pub fn material(&self, triangle: u32) -> Option<&Material> {
         self.material_of.get(triangle as usize).and_then(|m| self.materials.get(*m as usize))
     }
-}
-
-/// The corners of the box around a sphere.
-pub fn sphere_box(centre: DVec3, radius: f64) -> (DVec3, DVec3) {
-    (centre - radius, centre + radius)
-}
-
-/// The corners of a triangle, or a sphere's centre and those of the box around it.
-pub fn extremes(corners: [DVec3; 3], radius: Option<f64>) -> [DVec3; 3] {
-    radius.map_or(corners, |radius| {
-        let (lo, hi) = sphere_box(corners[0], radius);
-        [corners[0], lo, hi]
-    })
 }
 
 /// The box around two.

@@ -181,6 +181,7 @@ pub fn append_with_all(all: &mut Mesh, mut mesh: Mesh) {
         all.radii.resize(before, 0.0);
         all.radii.extend_from_slice(&mesh.radii);
         all.radii.resize(count, 0.0);
+        all.has_capsules |= mesh.has_capsules;
     }
     for ((own, more), first) in corner_lists(all).into_iter().zip(corner_lists(&mut mesh)).zip(firsts) {
         if !own.is_empty() || !more.is_empty() {
@@ -204,6 +205,7 @@ mod tests {
             positions,
             triangles: vec![[0, 1, 2]],
             radii: Vec::new(),
+            has_capsules: false,
             normals: vec![Vec3::Z; normal],
             corner_normals: vec![[0, 0, NO_NORMAL]; normal],
             uvs: vec![glam::Vec2::Y; normal],

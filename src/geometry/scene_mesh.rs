@@ -4,6 +4,7 @@ use crate::arrays::MapEach;
 use crate::geometry::instances::{Instances, Part};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::place;
+use crate::geometry::primitive::Primitive;
 use crate::geometry::time_steps::MovingMesh;
 use crate::input::{Limits, Result};
 use glam::{DAffine3, DVec3};
@@ -161,6 +162,11 @@ impl SceneMesh {
             Some(instances) => instances.corners(id),
             None => self.triangles[id as usize].map_each(|vertex| self.positions[vertex as usize]),
         }
+    }
+
+    /// A triangle, sphere or capsule in the world.
+    pub fn primitive(&self, id: u32) -> Primitive {
+        Primitive::new(self.corners(id), self.base().radius(self.base_id(id)))
     }
 
     /// The triangle in [`SceneMesh::base`] that has the surface of this one.

@@ -1,4 +1,4 @@
-//! Spheres of a scene file: where they are, how large, and in which colour; from lists, .npy arrays, point files and PLY files.
+//! Spheres and capsules of a scene file: their places, sizes and colours; from lists, .npy arrays, point files and PLY files.
 
 use super::mesh::{MAX_TRIANGLES, Material, Mesh, Missing, check_memory};
 use super::ply;
@@ -11,13 +11,25 @@ use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Where spheres come from.
+/// The source of spheres, or of the points that capsules join.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpheresSpec {
     pub source: SpheresSource,
     /// Of spheres whose source says none, before they are placed.
     pub radius: Option<f64>,
     pub colors: Option<ColorsSpec>,
+    pub join: Option<Join>,
+}
+
+/// The points that capsules join. A capsule has the radius and the colour of the first point of the two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Join {
+    /// Each with the next one.
+    Line,
+    /// The first with the second, the third with the fourth, and so on.
+    Pairs,
+    /// As a line, in strands of so many points.
+    Strands(u32),
 }
 
 /// A centre, and a radius if one is given.
@@ -50,7 +62,7 @@ pub struct Points {
 }
 
 /// The keys of spheres that those of meshes do not have.
-pub(super) const KEYS: [&str; 4] = ["file", "centers", "radius", "colors"];
+pub(super) const KEYS: [&str; 5] = ["file", "centers", "radius", "colors", "join"];
 
 /// The keys of a table that say which spheres there are.
 pub(super) fn read(table: &Table) -> Result<SpheresSpec> {
@@ -72,7 +84,39 @@ pub(super) fn read(table: &Table) -> Result<SpheresSpec> {
         false => Ok(ColorsSpec::File(field.path()?)),
     };
     let radius = table.optional("radius", Field::above_zero)?;
-    Ok(SpheresSpec { source, radius, colors: table.optional("colors", colors)? })
+    let join = table.optional("join", read_join)?;
+    Ok(SpheresSpec { source, radius, colors: table.optional("colors", colors)?, join })
+}
+
+fn read_join(field: &Field) -> Result<Join> {
+    if let Ok(text) = field.text() {
+        return match text {
+            "line" => Ok(Join::Line),
+            "pairs" => Ok(Join::Pairs),
+            _ => {
+                Err(field
+                    .error(format_args!("unknown join {text:?}; use \"line\", \"pairs\" or the points of a strand")))
+            }
+        };
+    }
+    Ok(Join::Strands(field.integer(2, MAX_TRIANGLES as u64)? as u32))
+}
+
+impl Join {
+    /// The points of each capsule: its two ends, the second one twice.
+    fn capsules(self, points: usize) -> std::result::Result<Vec<[u32; 3]>, String> {
+        let (each, step) = match self {
+            Join::Line => (points, 1),
+            Join::Pairs => (2, 2),
+            Join::Strands(count) => (count as usize, 1),
+        };
+        if !points.is_multiple_of(each) {
+            return Err(format!("{points} points cannot be joined {each} by {each}"));
+        }
+        let ends = |strand: usize| (strand..strand + each.saturating_sub(1)).step_by(step);
+        let strands = (0..points).step_by(each.max(1));
+        Ok(strands.flat_map(ends).map(|k| [k as u32, k as u32 + 1, k as u32 + 1]).collect())
+    }
 }
 
 fn read_centers(field: &Field) -> Result<Arc<[Given]>> {
@@ -112,7 +156,7 @@ impl SpheresSpec {
                 Some(read_npy_rows::<3>(path, loading)?.into_iter().map(|c| c.map_each(|x| x as f32)).collect())
             }
         };
-        let mesh = spheres_of(points.centres, radii, colors, loading.limits())
+        let mesh = round_of(points.centres, radii, colors, self.join, loading.limits())
             .map_err(|why| Error::input(format!("spheres {called}: {why}")))?;
         Ok(Mesh { missing: points.missing, ..mesh })
     }
@@ -188,15 +232,30 @@ fn check_count(count: u64, limits: Limits) -> std::result::Result<(), String> {
     check_memory(limits, (count, count), format_args!("{count} spheres"), "use fewer").map_err(|e| e.to_string())
 }
 
-/// A mesh of spheres of one two-sided matte material: light grey, or white where there are colours.
+/// [`round_of`] without capsules.
 ///
 /// # Errors
-/// What is wrong: counts that differ, more than 2^28 spheres, a centre that is not finite, a radius that is not above 0, a colour outside
-/// [0, 1]; or too little memory.
+/// As those of [`round_of`].
+#[cfg(any(test, feature = "internals"))]
 pub fn spheres_of(
     centres: Vec<DVec3>,
     radii: Vec<f64>,
     colors: Option<Vec<[f32; 3]>>,
+    limits: Limits,
+) -> std::result::Result<Mesh, String> {
+    round_of(centres, radii, colors, None, limits)
+}
+
+/// A mesh of spheres, or of the capsules that join their centres, of one two-sided matte material: light grey, or white where there are colours.
+///
+/// # Errors
+/// What is wrong: counts that differ, more than 2^28 spheres, a centre that is not finite, a radius that is not above 0, a colour outside
+/// [0, 1], points that are no whole pairs or strands; or too little memory.
+pub fn round_of(
+    centres: Vec<DVec3>,
+    radii: Vec<f64>,
+    colors: Option<Vec<[f32; 3]>>,
+    join: Option<Join>,
     limits: Limits,
 ) -> std::result::Result<Mesh, String> {
     let count = centres.len();
@@ -214,33 +273,26 @@ pub fn spheres_of(
     {
         return Err(format!("colour {k} is {c:?}; use linear RGB from 0 to 1"));
     }
-    let triangles: Vec<[u32; 3]> = (0..count as u32).map(|k| [k; 3]).collect();
+    let triangles = match join {
+        None => (0..count as u32).map(|k| [k; 3]).collect(),
+        Some(join) => join.capsules(count)?,
+    };
+    let of_first = |ends: &[u32; 3]| radii[ends[0] as usize];
     let diffuse = if colors.is_some() { [1.0; 3] } else { Material::default().diffuse };
     Ok(Mesh {
         positions: centres,
-        corner_colors: if colors.is_some() { triangles.clone() } else { Vec::new() },
+        corner_colors: match &colors {
+            Some(_) => triangles.iter().map(|ends| [ends[0]; 3]).collect(),
+            None => Vec::new(),
+        },
         colors: colors.unwrap_or_default(),
+        radii: triangles.iter().map(of_first).collect(),
+        has_capsules: join.is_some(),
+        material_of: vec![0; triangles.len()],
         triangles,
-        radii,
         materials: vec![Material { diffuse, ..Material::default() }],
-        material_of: vec![0; count],
         ..Mesh::default()
     })
-}
-
-/// Where a ray is nearest to the sphere's surface before and behind its middle: where it enters and leaves it, or twice where it is nearest to
-/// its centre.
-pub fn nearest_meetings(centre: DVec3, radius: f64, (origin, direction): (DVec3, DVec3)) -> [f64; 2] {
-    let m = centre - origin;
-    let a = direction.length_squared();
-    let along = direction.dot(m);
-    let below = a * radius * radius - direction.cross(m).length_squared();
-    if below <= 0.0 {
-        return [along / a; 2];
-    }
-    let far = along + below.sqrt().copysign(along);
-    let (one, other) = (far / a, (m.length_squared() - radius * radius) / far);
-    [one.min(other), one.max(other)]
 }
 
 /// # Errors
@@ -274,7 +326,7 @@ mod tests {
             let dir = tempfile::tempdir().unwrap();
             let file = dir.path().join("p.xyz");
             std::fs::write(&file, text).unwrap();
-            let spec = SpheresSpec { source: SpheresSource::File(file), radius: Some(1.0), colors: None };
+            let spec = SpheresSpec { source: SpheresSource::File(file), radius: Some(1.0), colors: None, join: None };
             spec.load("p", &Loading::default()).unwrap()
         };
         let bytes = of("1 2 3 255 0 0\n1 2 4 0 255 0\n");
@@ -283,13 +335,6 @@ mod tests {
         let normals = of("1 2 3 0 0 -1\n");
         assert_eq!((normals.colors.len(), normals.missing.len()), (0, 1));
         assert!(normals.missing[0].why.contains("no colours"));
-    }
-
-    #[test]
-    fn rays_enter_and_leave() {
-        let ray = |x: f64| (DVec3::new(x, 0.0, -13.0), 2.0 * DVec3::Z);
-        assert_eq!(nearest_meetings(DVec3::new(0.0, 0.0, 3.0), 5.0, ray(3.0)), [6.0, 10.0]);
-        assert_eq!(nearest_meetings(DVec3::new(0.0, 0.0, 3.0), 5.0, ray(6.0)), [8.0; 2]);
     }
 
     #[test]

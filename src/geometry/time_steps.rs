@@ -1,6 +1,7 @@
 //! Vertices that move while an image is taken: their positions and normals at several times, and linear between two of them.
 
-use super::mesh::{Mesh, joined, sphere_box};
+use super::mesh::{Mesh, joined};
+use super::primitive::Primitive;
 use crate::arrays::MapEach;
 use crate::parallel;
 use glam::{DVec3, Vec3};
@@ -229,13 +230,12 @@ impl TimeSteps {
         let of_step = |s: &TimeStep| parallel::reduce(&s.positions, one, joined);
         let still = self.steps[0].positions.len().min(mesh.positions.len());
         let others = parallel::reduce(&mesh.positions[still..], one, joined);
-        let of_sphere = |id: u32| {
-            let radius = mesh.radius(id)?;
-            let centre = mesh.triangles[id as usize][0];
-            let boxes = (0..self.count()).map(|step| sphere_box(self.position(mesh, centre, step), radius));
-            boxes.reduce(joined)
+        let moving = MovingMesh { mesh, steps: Some(self) };
+        let of_round = |id: u32| {
+            let boxes = (0..self.count()).map(|step| Some(moving.primitive(id, step).capsule()?.bounds()));
+            boxes.flatten().reduce(joined)
         };
-        let spheres = parallel::reduce(0..mesh.radii.len() as u32, of_sphere, joined);
+        let spheres = parallel::reduce(0..mesh.radii.len() as u32, of_round, joined);
         self.steps.iter().filter_map(of_step).chain(others).chain(spheres).reduce(joined)
     }
 }
@@ -273,6 +273,11 @@ impl<'a> MovingMesh<'a> {
     /// The corners of a triangle at a time step, in the order of its file.
     pub fn corners(self, id: u32, step: u32) -> [DVec3; 3] {
         self.mesh.triangles[id as usize].map_each(|v| self.position(v, step))
+    }
+
+    /// A triangle, sphere or capsule at a time step.
+    pub fn primitive(self, id: u32, step: u32) -> Primitive {
+        Primitive::new(self.corners(id, step), self.mesh.radius(id))
     }
 
     /// The corners of the box around all vertices at all times; `None` without any.

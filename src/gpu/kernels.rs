@@ -17,6 +17,6 @@ pub use optics::OpticsKind;
 pub use reflect::reached;
 pub use variant::{
     AdapterPath, Appearance, Arithmetic, EdgeSamples, Extras, LightsKind, MaterialsKind, Method, OpticsModel,
-    RasterPath, RayModel, RaysKind, SampleMeasure, SurfaceKind, Textures, TileDepths, TilePath, Variant, VerticesKind,
-    Visibility, VolumeKind,
+    PrimitivesKind, RayModel, RaysKind, SampleMeasure, SurfaceKind, Textures, TileDepths, TilePath, Variant,
+    VerticesKind, Visibility, VolumeKind,
 };

@@ -119,8 +119,11 @@ pub const ID_BITS_MAX: u32 = 28;
 pub const ID_MASK: u32 = (1 << ID_BITS_MAX) - 1;
 pub const ORDER_SHIFT: u32 = 28;
 pub const ONE_SIDED: u32 = 1 << 31;
-/// Stands for the order of a triangle's corners in the last word of a sphere.
+/// Stand for the order of a triangle's corners in the last word of a sphere or capsule.
 pub const SPHERE: u32 = 7 << ORDER_SHIFT;
+pub const CAPSULE: u32 = 6 << ORDER_SHIFT;
+/// The bits of that.
+pub const ROUND: u32 = 7 << ORDER_SHIFT;
 
 /// Texels of a row of the textures that hold tables.
 pub const TEXELS_A_ROW: u32 = 4096;
@@ -399,7 +402,7 @@ pub struct BvhNode {
     pub count: u32,
 }
 
-/// A triangle of a leaf: corners relative to the anchor.
+/// A triangle of a leaf: corners relative to the anchor; or a sphere or capsule: its ends in `v0` and `v2`, its radius in the x of `v1`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct LeafTriangle {
@@ -408,7 +411,7 @@ pub struct LeafTriangle {
     pub v1: [f32; 3],
     pub one_sided: u32,
     pub v2: [f32; 3],
-    pub is_sphere: u32,
+    pub is_round: u32,
 }
 
 /// How facets reflect or refract rays.

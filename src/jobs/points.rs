@@ -1,7 +1,7 @@
 //! `--points`: the point in f64 at which each pixel's ray hits the triangle that the frame shows.
 
 use crate::camera::Camera;
-use crate::geometry::spheres::nearest_meetings;
+use crate::geometry::primitive::Primitive;
 use crate::image::frame::{Channel, Frame, NO_ID};
 use crate::image::{write_npy, write_ply};
 use crate::input::{Error, Result};
@@ -51,19 +51,21 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, frame: &Frame) -> Resu
     write_npy(path, &[ids.len() as u64, 3], &numbers)
 }
 
-/// The intersection of the ray of pixel (i, j) with the triangle's plane, or the first one in range with the sphere.
+/// The intersection of the ray of pixel (i, j) with the triangle's plane, or the first one in range with the sphere or capsule.
 fn point(scene: &Scene, camera: &Camera, i: u32, j: u32, id: u32) -> Option<DVec3> {
     if id == NO_ID {
         return None;
     }
     let ray = camera.ray(i, j)?;
-    let [a, b, c] = scene.corners_at(id, scene.moment(camera, (i, j)));
-    if let Some(radius) = scene.mesh.base().radius(scene.mesh.base_id(id)) {
-        let [enters, leaves] = nearest_meetings(a, radius, (ray.origin, ray.direction));
-        let t = if enters < camera.t_range[0] { leaves } else { enters };
-        return Some(ray.origin + t * ray.direction);
-    }
-    let normal = (b - a).cross(c - a);
-    let t = normal.dot(a - ray.origin) / normal.dot(ray.direction);
+    let t = match scene.primitive_at(id, scene.moment(camera, (i, j))) {
+        Primitive::Triangle([a, b, c]) => {
+            let normal = (b - a).cross(c - a);
+            normal.dot(a - ray.origin) / normal.dot(ray.direction)
+        }
+        Primitive::Round(capsule) => {
+            let [enters, leaves] = capsule.nearest_meetings(ray.origin, ray.direction);
+            if enters < camera.t_range[0] { leaves } else { enters }
+        }
+    };
     t.is_finite().then(|| ray.origin + t * ray.direction)
 }

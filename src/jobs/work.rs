@@ -487,15 +487,14 @@ fn wanted(asked: &[Channel], job: &RenderJob, has_no_matte: bool) -> Wanted {
     Wanted { srgb8, ..Wanted::of(channels) }
 }
 
-/// Triangles, spheres and pieces, in words.
+/// Triangles, spheres, capsules and pieces, in words.
 pub fn counted(scene: &Scene, camera: &Camera) -> String {
     let of = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
-    let spheres = scene.mesh.base().sphere_count();
-    let triangles = match (scene.mesh.triangle_count() - spheres, of(spheres, "sphere")) {
-        (n, _) if spheres == 0 => of(n, "triangle"),
-        (0, spheres) => spheres,
-        (n, spheres) => format!("{}, {spheres}", of(n, "triangle")),
-    };
+    let [spheres, capsules] = scene.mesh.base().round_counts();
+    let triangles = scene.mesh.triangle_count() - spheres - capsules;
+    let counts = [(triangles, "triangle"), (spheres, "sphere"), (capsules, "capsule")];
+    let shown = counts.into_iter().filter(|(n, what)| *n > 0 || *what == "triangle" && spheres + capsules == 0);
+    let triangles = shown.map(|(n, what)| of(n, what)).collect::<Vec<_>>().join(", ");
     match camera.piece_count() {
         0 if camera.is_curved() => format!("{triangles}, a curve a pixel"),
         0 => format!("{triangles}, a ray a pixel"),

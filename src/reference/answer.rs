@@ -86,7 +86,7 @@ impl Reference<'_> {
         self.each_hit_of_curves(&curves, &ranges, |k, hit| curved[k].take(hit));
     }
 
-    /// Both triangles have the same three corners, or both spheres are the same: wherever one is hit, so is the other.
+    /// Both triangles have the same three corners, or both spheres or capsules are the same: wherever one is hit, so is the other.
     fn hides_twin(&self, seen: u32, other: u32) -> bool {
         let same_size = self.mesh.radius(self.own(seen)) == self.mesh.radius(self.own(other));
         !self.mesh.has_alpha(self.own(seen)) && same_size && self.corners(seen).v == self.corners(other).v
@@ -96,8 +96,8 @@ impl Reference<'_> {
     pub(super) fn touches(&self, segment: &Segment, hit: &Hit) -> bool {
         match segment {
             Segment::Straight(_) => false,
-            Segment::Curved(c) => match self.sphere(hit.triangle) {
-                Some(sphere) => sphere.is_flat(c, hit.t),
+            Segment::Curved(c) => match self.round(hit.triangle) {
+                Some(round) => round.is_flat(c, hit.t),
                 None => is_flat(c, &self.corners(hit.triangle), hit.t),
             },
         }
@@ -117,9 +117,9 @@ impl Reference<'_> {
         let mut limits: Vec<f64> = ranges.iter().map(|r| r[1]).collect();
         let last = |limits: &[f64]| limits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         self.tree.walk(self.instances, &sweep, [start, last(&limits)], |id| {
-            let sphere = self.sphere(id);
+            let round = self.round(id);
             let corners = self.solid_corners(id);
-            let Some((lo, hi)) = sphere.map(|s| s.bounds()).or(corners.map(|c| c.bounds())) else {
+            let Some((lo, hi)) = round.map(|r| r.bounds()).or(corners.map(|c| c.bounds())) else {
                 return last(&limits);
             };
             if sweep.span(lo, hi, [start, last(&limits)]).is_none() {
@@ -127,8 +127,8 @@ impl Reference<'_> {
             }
             for (k, (curve, range)) in curves.iter().zip(ranges).enumerate() {
                 let of_triangle = corners.iter().flat_map(|c| meetings(curve, c)).map(|m| (m.t, m.sign, m.bary));
-                let of_sphere = sphere.iter().flat_map(|s| s.roots(curve)).map(|r| (r.t, r.sign, [0.0; 2]));
-                for (t, sign, bary) in of_triangle.chain(of_sphere) {
+                let of_round = round.iter().flat_map(|s| s.roots(curve)).map(|r| (r.t, r.sign, [0.0; 2]));
+                for (t, sign, bary) in of_triangle.chain(of_round) {
                     let m = Meeting { t, sign, bary };
                     let seen = m.sign < 0 || self.two_sided(id);
                     let hit = Hit { t: m.t, triangle: id, bary: m.bary };

@@ -39,12 +39,12 @@ pub fn photons(scene: &Scene, caustics: &Caustics) -> Vec<Photon> {
     let (columns, rows) = (light.width, light.height);
     let photon = |k: u32| {
         let shown = reference.shown(light, Path::of_pixel(light, k % columns, k / columns));
-        photon(caustics, first_id, |id| joined.mesh.radius(id).is_some(), &shown)
+        photon(caustics, first_id, |id| joined.mesh.is_round(id), &shown)
     };
     parallel::map(0..columns * rows, photon)
 }
 
-fn photon(caustics: &Caustics, first_id: u32, is_sphere: impl Fn(u32) -> bool, shown: &Outcome) -> Photon {
+fn photon(caustics: &Caustics, first_id: u32, is_round: impl Fn(u32) -> bool, shown: &Outcome) -> Photon {
     if shown.first.is_none() {
         return Photon { fate: Fate::Direct, left: [1.0; 3] };
     }
@@ -52,7 +52,7 @@ fn photon(caustics: &Caustics, first_id: u32, is_sphere: impl Fn(u32) -> bool, s
     let fate = match shown.seen {
         None => Fate::Missed,
         Some(seen) if seen.hit.triangle >= first_id => Fate::Absorbed,
-        Some(seen) if is_sphere(seen.hit.triangle) => Fate::Missed,
+        Some(seen) if is_round(seen.hit.triangle) => Fate::Missed,
         Some(seen) => {
             let p = match shown.path.of(&seen) {
                 Segment::Straight(b) => Some(b.ray(0.0, 0.0)).map(|r| r.origin + seen.hit.t * r.direction),
@@ -86,7 +86,7 @@ pub fn shown_by(scene: &Scene, camera: &Camera, shown: &Outcome, caustics: &Caus
     let Some(Hit { triangle, bary, .. }) = shown.seen.map(|s| s.hit).filter(|hit| hit.triangle < first) else {
         return [0.0; 3];
     };
-    if scene.mesh.radius(triangle).is_some() {
+    if scene.mesh.is_round(triangle) {
         return [0.0; 3];
     }
     let corners = scene.mesh.triangles[triangle as usize].map_each(|k| scene.mesh.positions[k as usize]);

@@ -98,9 +98,14 @@ fn write_finding(
         None => writeln!(text, "hit: none")?,
         Some(seen) => {
             let (h, [u, v]) = (seen.hit, seen.hit.bary);
-            match mesh.radius(h.triangle).is_some() {
-                true => writeln!(text, "hit: sphere {}, t {}", h.triangle, seen.t())?,
-                false => writeln!(text, "hit: triangle {}, t {}, bary {u} {v}", h.triangle, seen.t())?,
+            // copies of meshes have no spheres
+            let round = mesh.is_round(h.triangle).then(|| mesh.primitive(h.triangle).capsule()).flatten();
+            match round {
+                Some(round) => {
+                    let what = if round.is_sphere() { "sphere" } else { "capsule" };
+                    writeln!(text, "hit: {what} {}, t {}", h.triangle, seen.t())?;
+                }
+                None => writeln!(text, "hit: triangle {}, t {}, bary {u} {v}", h.triangle, seen.t())?,
             }
             if path.segments.len() > 1 || camera.is_curved() {
                 writeln!(text, "at: layer {}, piece {}, Z {}", seen.layer, seen.piece, path.depth(seen))?;

@@ -16,14 +16,7 @@ const AMBIENT: f64 = crate::scene::light::AMBIENT as f64;
 
 /// The unit normal of the surface itself at a hit at `p`, on the side opposite the unit vector `view`.
 fn flat_normal(reference: &Reference, hit: &Hit, (p, view): (DVec3, DVec3)) -> DVec3 {
-    let across = match reference.sphere(hit.triangle) {
-        Some(sphere) => p - sphere.centre,
-        None => {
-            let v = reference.positions(hit.triangle);
-            (v[1] - v[0]).cross(v[2] - v[0])
-        }
-    };
-    let flat = across.normalize_or_zero();
+    let flat = reference.primitive(hit.triangle).normal_at(p).normalize_or_zero();
     if flat.dot(view) > 0.0 { -flat } else { flat }
 }
 

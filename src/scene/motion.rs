@@ -2,6 +2,7 @@
 
 use crate::camera::project::Projector;
 use crate::camera::{Camera, Rays};
+use crate::geometry::primitive::Primitive;
 use crate::image::frame::{Channel, Frame, NO_ID};
 use crate::input::{Error, Result};
 use crate::parallel;
@@ -47,22 +48,24 @@ pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) ->
             return DVec2::ZERO;
         }
         let (i, j) = ((k % width) as u32, (k / width) as u32);
-        let corners = |scene: &Scene, camera: &Camera| scene.corners_at(ids[k], scene.moment(camera, (i, j)));
+        let primitive = |scene: &Scene, camera: &Camera| scene.primitive_at(ids[k], scene.moment(camera, (i, j)));
         let own = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
         let step_to = |place: DVec3| {
             let places = projector.project(place).images;
             let steps = places.iter().map(|image| DVec2::new(image.x, image.y) - own);
             steps.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(DVec2::NAN)
         };
-        if scene.mesh.radius(ids[k]).is_some() {
-            // spheres move, and are not seen to turn
-            let [now, then] = [corners(scene, camera)[0], corners(next_scene, next_camera)[0]];
-            return point(camera, (i, j), t[k]).map_or(DVec2::NAN, |p| step_to(p + then - now));
+        match (primitive(scene, camera), primitive(next_scene, next_camera)) {
+            (Primitive::Triangle(corners), Primitive::Triangle([a, b, c])) => {
+                let found = weights(camera, (i, j), layer_of(t[k]), corners);
+                let [u, v] = found.unwrap_or([u[k].into(), v[k].into()]);
+                step_to(a + u * (b - a) + v * (c - a))
+            }
+            (Primitive::Round(now), Primitive::Round(then)) => {
+                point(camera, (i, j), t[k]).map_or(DVec2::NAN, |p| step_to(now.moved_to(&then, p)))
+            }
+            _ => DVec2::NAN,
         }
-        let found = weights(camera, (i, j), layer_of(t[k]), corners(scene, camera));
-        let [u, v] = found.unwrap_or([u[k].into(), v[k].into()]);
-        let [a, b, c] = corners(next_scene, next_camera);
-        step_to(a + u * (b - a) + v * (c - a))
     };
     let steps: Vec<DVec2> = parallel::map(0..ids.len(), moved);
     Ok([steps.iter().map(|s| s.x as f32).collect(), steps.iter().map(|s| s.y as f32).collect()])

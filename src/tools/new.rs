@@ -100,7 +100,7 @@ impl Model {
                 // the radius is not known yet: around their centres
                 let centres = scene.mesh.positions.iter().map(|p| (*p, *p));
                 let (centre, radius) = ball(centres.reduce(joined)).ok_or_else(|| nothing(path))?;
-                let points = scene.mesh.sphere_count().max(1) as f64;
+                let points = scene.mesh.round_counts()[0].max(1) as f64;
                 // neighbours on a surface of the ball's size are about this far apart
                 let apart = 2.0 * radius / points.sqrt();
                 let apart = rounded(apart, apart);

@@ -14,7 +14,7 @@ use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::geometry::instances::{Instances, at_places};
 use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::geometry::place;
-use anamorph::internals::geometry::spheres::spheres_of;
+use anamorph::internals::geometry::spheres::{Join, round_of};
 use anamorph::internals::geometry::time_steps::{TimeStep, TimeSteps};
 use anamorph::internals::input::Limits;
 use anamorph::internals::scene::Scene;
@@ -169,7 +169,7 @@ fn any_place(rng: &mut Rng, scene: &Scene) -> DAffine3 {
     DAffine3 { matrix3: matrix, translation: centre + by - matrix * centre }
 }
 
-/// Such a scene with spheres between its triangles.
+/// Such a scene with spheres or capsules between its triangles.
 #[allow(dead_code)] // not of all programs that have this module
 pub fn any_with_spheres(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
     let (mut scene, camera) = any(rng, size);
@@ -177,7 +177,8 @@ pub fn any_with_spheres(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
     (scene, camera)
 }
 
-/// Adds spheres to a random scene: in it and around it, tiny and huge, two in one place, and with a common centre.
+/// Adds spheres to a random scene, or capsules that join their centres: in it and around it, tiny and huge, two in one place, and with a
+/// common centre.
 #[allow(dead_code)] // not of all programs that have this module
 pub fn with_spheres(rng: &mut Rng, scene: &mut Scene) {
     let (lo, hi) = scene.bounds().unwrap_or((-DVec3::ONE, DVec3::ONE));
@@ -196,8 +197,12 @@ pub fn with_spheres(rng: &mut Rng, scene: &mut Scene) {
         };
         list.push((centre, radius));
     }
+    let join = [None, None, Some(Join::Line), Some(Join::Pairs)][rng.below(4)];
+    if list.len() % 2 == 1 && join == Some(Join::Pairs) {
+        list.push(list[0]);
+    }
     let (centres, radii) = list.into_iter().unzip();
-    let mut own = spheres_of(centres, radii, None, Limits::default()).unwrap();
+    let mut own = round_of(centres, radii, None, join, Limits::default()).unwrap();
     own.materials[0].two_sided = rng.below(3) > 0;
     let mut all = vec![(**scene.mesh).clone(), own];
     if rng.below(2) == 0 {

@@ -8,7 +8,7 @@ use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::geometry::place::merge;
-use anamorph::internals::geometry::spheres::spheres_of;
+use anamorph::internals::geometry::spheres::{Join, round_of, spheres_of};
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
@@ -31,7 +31,7 @@ fn balls(list: &[(DVec3, f64)]) -> Mesh {
     spheres_of(centres, radii, None, Limits::default()).unwrap()
 }
 
-/// Spheres of many sizes, some inside of others, and triangles that cut them.
+/// Spheres of many sizes, some inside of others, and triangles and capsules that cut them.
 fn mixed(seed: u64) -> Scene {
     let mut rng = Rng(seed);
     let mut list: Vec<(DVec3, f64)> = Vec::new();
@@ -41,7 +41,10 @@ fn mixed(seed: u64) -> Scene {
     }
     let mut spheres = balls(&list);
     spheres.materials[0].two_sided = seed.is_multiple_of(2);
-    scene(merge(vec![soup(&mut rng, 60, 0.5), spheres]).unwrap())
+    let points: Vec<DVec3> = (0..40).map(|_| rng.vector()).collect();
+    let radii = (0..40).map(|_| 10f64.powf(-1.0 - 1.5 * rng.unit())).collect();
+    let capsules = round_of(points, radii, None, Some(Join::Pairs), Limits::default()).unwrap();
+    scene(merge(vec![soup(&mut rng, 60, 0.5), spheres, capsules]).unwrap())
 }
 
 fn certified(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Frame {

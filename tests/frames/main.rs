@@ -10,6 +10,7 @@ mod stages;
 mod adapters;
 mod aim;
 mod baselines_agree;
+mod capsules;
 mod certified;
 mod certified_spheres;
 mod combinations;

@@ -404,10 +404,10 @@ fn nothing_of_it_is_in_a_frame_without_spheres() {
     use anamorph::internals::engine::stage::all_kernels;
     let has_spheres = |variant: Variant| {
         let all = all_kernels(variant, &[Channel::T]);
-        all.iter().any(|kernel| kernel.files.iter().any(|file| file.path.contains("sphere")))
+        all.iter().any(|kernel| kernel.files.iter().any(|file| file.path.contains("round")))
     };
     for variant in Variant::every(true, true) {
-        assert_eq!(has_spheres(variant), variant.extras.spheres, "{variant:?}");
+        assert_eq!(has_spheres(variant), variant.has_round(), "{variant:?}");
     }
     assert!(!scene(soup(&mut Rng(1), 3, 0.1)).mesh.has_spheres());
 }

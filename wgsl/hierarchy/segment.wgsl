@@ -24,14 +24,14 @@ struct BvhNode {
     count: u32,             // triangles; 0: it has children
 }
 
-// A triangle of a leaf, corners relative to the anchor; or a sphere by its centre v0 and its radius, the x of v1.
+// A triangle of a leaf, corners relative to the anchor; or a sphere or capsule by its ends v0 and v2 and its radius, the x of v1.
 struct LeafTriangle {
     v0: vec3<f32>,
     id: u32,
     v1: vec3<f32>,
     one_sided: u32,
     v2: vec3<f32>,
-    is_sphere: u32,
+    is_round: u32,
 }
 
 fn nothing() -> Found {

@@ -61,7 +61,7 @@ impl Side {
         let is_in_side = |p: DVec3| p[self.axis] == self.at();
         let within = |id: u32| {
             let corners = mesh.triangles[id as usize].map_each(|v| mesh.positions[v as usize]);
-            let is_opaque = mesh.radius(id).is_none() && !mesh.has_alpha(id);
+            let is_opaque = !mesh.is_round(id) && !mesh.has_alpha(id);
             (is_opaque && corners.into_iter().all(is_in_side)).then_some(corners)
         };
         let triangles: Vec<[DVec3; 3]> = parallel::flat_map(0..mesh.triangles.len() as u32, within);

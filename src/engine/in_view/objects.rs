@@ -1,6 +1,6 @@
 //! Boxes around the objects of a scene, and the kinds of content of each.
 
-use crate::geometry::mesh::{Material, Mesh, NO_COLOR, NO_NORMAL, extremes, joined};
+use crate::geometry::mesh::{Material, Mesh, NO_COLOR, NO_NORMAL, joined};
 use crate::geometry::time_steps::MovingMesh;
 use crate::parallel;
 use crate::scene::Scene;
@@ -123,14 +123,11 @@ fn of_triangles(scene: &Scene, ids: Range<u32>) -> ObjectBox {
     let (mesh, moving) = (&**scene.mesh, scene.moving_mesh());
     let mut object = ObjectBox { bounds: (DVec3::INFINITY, DVec3::NEG_INFINITY), kinds: Kinds::NONE };
     for id in ids {
-        let radius = mesh.radius(id);
-        let [a, b, c] = extremes(MovingMesh::from(mesh).corners(id, 0), radius);
-        object.bounds = joined(object.bounds, (a.min(b).min(c), a.max(b).max(c)));
+        object.bounds = joined(object.bounds, mesh.primitive(id).bounds());
         if moves(moving, id) {
             object.kinds.motion = true;
             for step in 0..moving.count() {
-                let [a, b, c] = extremes(moving.corners(id, step), radius);
-                object.bounds = joined(object.bounds, (a.min(b).min(c), a.max(b).max(c)));
+                object.bounds = joined(object.bounds, moving.primitive(id, step).bounds());
             }
         }
         object.kinds = object.kinds | kinds(mesh, id);
@@ -144,7 +141,7 @@ fn kinds(mesh: &Mesh, id: u32) -> Kinds {
     let is = |of: fn(&Material) -> bool| material.is_some_and(of);
     let has = |corners: &[[u32; 3]], none: u32| corners.get(id as usize).is_some_and(|c| *c != [none; 3]);
     Kinds {
-        spheres: mesh.radius(id).is_some(),
+        spheres: mesh.is_round(id),
         motion: false,
         images: is(|m| m.texture.is_some()) && mesh.uvs_of(id as usize).is_some(),
         alpha_masks: mesh.has_alpha(id),

@@ -8,9 +8,9 @@ use glam::DVec3;
 /// The place and the grain of a scene, world units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SceneShape {
-    /// The corners of the box around all vertices and spheres; `None` without any.
+    /// The corners of the box around all vertices and round primitives; `None` without any.
     pub bounds: Option<(DVec3, DVec3)>,
-    /// The median of the longest edges of some triangles, or of the radii of spheres; 0: unknown.
+    /// The median of the longest edges of some triangles, or of the radii of round primitives; 0: unknown.
     pub grain: f64,
 }
 
@@ -22,11 +22,7 @@ impl SceneShape {
         let mesh = &scene.mesh;
         let count = mesh.triangle_count();
         let step = count.div_ceil(GRAIN_SAMPLES).max(1);
-        let size = |id: usize| {
-            let [a, b, c] = mesh.corners(id as u32);
-            let longest = || (b - a).length().max((c - b).length()).max((a - c).length());
-            mesh.base().radius(mesh.base_id(id as u32)).unwrap_or_else(longest)
-        };
+        let size = |id: usize| mesh.primitive(id as u32).size();
         let mut sizes: Vec<f64> = (0..count).step_by(step).map(size).filter(|s| *s > 0.0).collect();
         sizes.sort_unstable_by(f64::total_cmp);
         SceneShape { bounds: scene.bounds(), grain: sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) }

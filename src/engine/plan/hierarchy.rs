@@ -8,8 +8,9 @@ mod wide;
 
 use crate::arrays::MapEach;
 use crate::engine::clusters::Chunk;
-use crate::geometry::mesh::{Mesh, extremes};
-use crate::gpu::layout::{BvhNode, LeafTriangle, SPHERE, Vertex};
+use crate::geometry::mesh::Mesh;
+use crate::geometry::primitive::{Capsule, Primitive};
+use crate::gpu::layout::{BvhNode, CAPSULE, LeafTriangle, ROUND, Vertex};
 use crate::input::{Error, Result};
 use crate::parallel;
 use crate::scene::Scene;
@@ -99,14 +100,15 @@ impl PackedBvh {
         for way in 0..all.count() - 1 {
             let small = |v: DVec3| (v - anchor).as_vec3() * scale;
             let ends = |id: u32| {
-                [way, way + 1].map_each(|step| match (all.corners(id, step), all.mesh.radius(id)) {
-                    (corners, None) => corners.map_each(small),
-                    ([centre, ..], Some(radius)) => [small(centre), Vec3::X * radius as f32 * scale, Vec3::ZERO],
+                [way, way + 1].map_each(|step| match all.primitive(id, step) {
+                    Primitive::Triangle(corners) => corners.map_each(small),
+                    Primitive::Round(Capsule { ends: [a, b], radius }) => {
+                        [small(a), Vec3::X * radius as f32 * scale, small(b)]
+                    }
                 })
             };
             let boxed = |id: u32| {
-                let points = [way, way + 1]
-                    .map_each(|step| extremes(all.corners(id, step), all.mesh.radius(id)).map_each(small));
+                let points = [way, way + 1].map_each(|step| all.primitive(id, step).extremes().map_each(small));
                 Aabb::from_points(points.map_each(|end| end.map_each(Into::into)).as_flattened())
             };
             let boxes: Vec<Aabb> = parallel::map(0..count as u32, boxed);
@@ -120,8 +122,8 @@ impl PackedBvh {
                 nodes.extend([[x, y, z, f32::from_bits(first)], [u, v, w, f32::from_bits(node.prim_count)]]);
             }
             for id in &tree.primitive_indices {
-                let is_sphere = f32::from_bits(all.mesh.radius(*id).is_some().into());
-                let last = [f32::from_bits(*id), 0.0, is_sphere, 0.0, 0.0, 0.0];
+                let is_round = f32::from_bits(all.mesh.is_round(*id).into());
+                let last = [f32::from_bits(*id), 0.0, is_round, 0.0, 0.0, 0.0];
                 leaves.extend(ends(*id).as_flattened().iter().zip(last).map(|(v, last)| v.extend(last).to_array()));
             }
         }
@@ -136,7 +138,7 @@ impl PackedBvh {
     /// Adds the alpha masks of the first `count` triangles of a mesh: `wgsl/masks/masked/leaf.wgsl`.
     pub fn with_masks(mut self, mesh: &Mesh, count: usize) -> PackedBvh {
         self.masks = parallel::flat_map(0..count as u32, |id| {
-            let is_solid = mesh.radius(id).is_some() || !mesh.has_alpha(id);
+            let is_solid = mesh.is_round(id) || !mesh.has_alpha(id);
             let number = if is_solid { 0 } else { mesh.material_of[id as usize] + 1 };
             let uvs = mesh.uvs_of(id as usize);
             let [a, b, c] = uvs.unwrap_or_default();
@@ -264,31 +266,34 @@ fn boxed(chunk: &Chunk, slot: u32, place: Place) -> Aabb {
     Aabb::from_points(&primitive(chunk, slot, 0, place).extremes().map_each(|v| v.as_vec3().into()))
 }
 
-/// A triangle or sphere at a time step, scaled.
-struct Primitive {
-    /// Of a sphere, three times its centre.
-    corners: [DVec3; 3],
-    radius: Option<f64>,
+/// A primitive at a time step, scaled.
+struct Placed {
+    primitive: Primitive,
     /// The last word of its packed form.
     word: u32,
 }
 
-fn primitive(chunk: &Chunk, slot: u32, step: u32, Place { offset, scale }: Place) -> Primitive {
+fn primitive(chunk: &Chunk, slot: u32, step: u32, Place { offset, scale }: Place) -> Placed {
     let packed @ [a, b, c, word] = chunk.triangles[slot as usize];
     let radius = radius_of(packed);
-    let corners = if radius.is_some() { [a; 3] } else { [a, b, c] };
+    let corners = match radius {
+        None => [a, b, c],
+        // the vertex of a capsule's other end is the next one
+        Some(_) if word & ROUND == CAPSULE => [a, a + 1, a + 1],
+        Some(_) => [a; 3],
+    };
     let place = |v: u32| (chunk.vertices[(v * chunk.steps + step) as usize].position() + offset) * scale;
-    Primitive { corners: corners.map_each(place), radius: radius.map(|radius| radius * scale), word }
+    Placed { primitive: Primitive::new(corners.map_each(place), radius.map(|radius| radius * scale)), word }
 }
 
-/// The radius of a packed sphere; `None` of a triangle.
+/// The radius of a packed sphere or capsule; `None` of a triangle.
 fn radius_of([_, hi, lo, word]: [u32; 4]) -> Option<f64> {
-    (word & SPHERE == SPHERE).then(|| f64::from(f32::from_bits(hi)) + f64::from(f32::from_bits(lo)))
+    (word & ROUND >= CAPSULE).then(|| f64::from(f32::from_bits(hi)) + f64::from(f32::from_bits(lo)))
 }
 
-impl Primitive {
+impl Placed {
     fn extremes(&self) -> [DVec3; 3] {
-        extremes(self.corners, self.radius)
+        self.primitive.extremes()
     }
 
     fn rows(&self, slot: u32) -> [[u32; 4]; TRIANGLE_ROWS] {
@@ -296,10 +301,11 @@ impl Primitive {
             let [x, y, z] = v.as_vec3().to_array().map_each(f32::to_bits);
             [x, y, z, last]
         };
-        let [a, b, c] = self.corners;
-        match self.radius {
-            Some(radius) => [row(a, slot), row(DVec3::X * radius, self.word), [0; 4]],
-            None => [row(a, slot), row(b - a, self.word), row(a - c, 0)],
+        match self.primitive {
+            Primitive::Triangle([a, b, c]) => [row(a, slot), row(b - a, self.word), row(a - c, 0)],
+            Primitive::Round(Capsule { ends: [a, b], radius }) => {
+                [row(a, slot), row(DVec3::X * radius, self.word), row(b - a, 0)]
+            }
         }
     }
 }
@@ -337,15 +343,20 @@ pub struct PackedBvh {
     pub scale: f32,
 }
 
-/// A triangle, or a sphere by its centre and its radius, as kernels read it.
+/// A triangle, or a sphere or capsule by its ends and its radius, as kernels read it.
 pub fn leaf_triangle(scene: &Scene, anchor: DVec3, id: u32) -> LeafTriangle {
     let mesh = &scene.mesh;
-    let [v0, v1, v2] =
-        mesh.triangles[id as usize].map_each(|v| (mesh.positions[v as usize] - anchor).as_vec3().to_array());
+    let near = |p: DVec3| (p - anchor).as_vec3().to_array();
     let one_sided = u32::from(!mesh.materials[mesh.material_of[id as usize] as usize].two_sided);
-    match mesh.radius(id) {
-        Some(radius) => LeafTriangle { v0, id, v1: [radius as f32, 0.0, 0.0], one_sided, v2: [0.0; 3], is_sphere: 1 },
-        None => LeafTriangle { v0, id, v1, one_sided, v2, is_sphere: 0 },
+    match mesh.primitive(id) {
+        Primitive::Triangle(corners) => {
+            let [v0, v1, v2] = corners.map_each(near);
+            LeafTriangle { v0, id, v1, one_sided, v2, is_round: 0 }
+        }
+        Primitive::Round(Capsule { ends, radius }) => {
+            let ([v0, v2], v1) = (ends.map_each(near), [radius as f32, 0.0, 0.0]);
+            LeafTriangle { v0, id, v1, one_sided, v2, is_round: 1 }
+        }
     }
 }
 
@@ -356,15 +367,11 @@ fn scale(scene: &Scene, anchor: DVec3) -> f32 {
     largest.max(f64::from(f32::MIN_POSITIVE)).log2().ceil().exp2().recip() as f32
 }
 
-/// Boxes of the first `count` triangles and spheres.
+/// Boxes of the first `count` primitives.
 fn boxes(scene: &Scene, anchor: DVec3, count: usize, scale: f32) -> Vec<Aabb> {
     let mesh = &scene.mesh;
-    let boxed = |(id, t): (usize, &[u32; 3])| {
-        let corners = t.map_each(|v| mesh.positions[v as usize]);
-        let small = |v: DVec3| ((v - anchor).as_vec3() * scale).into();
-        Aabb::from_points(&extremes(corners, mesh.radius(id as u32)).map_each(small))
-    };
-    parallel::map(0..count, |id| boxed((id, &mesh.triangles[id])))
+    let small = |v: DVec3| ((v - anchor).as_vec3() * scale).into();
+    parallel::map(0..count, |id| Aabb::from_points(&mesh.primitive(id as u32).extremes().map_each(small)))
 }
 
 #[cfg(test)]

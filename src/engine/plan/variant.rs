@@ -6,8 +6,8 @@ use crate::camera::Camera;
 use crate::engine::{Arithmetic, RunOptions};
 use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::{
-    AdapterPath, Appearance, EdgeSamples, Extras, LightsKind, MaterialsKind, Method, OpticsKind, OpticsModel, RayModel,
-    SampleMeasure, Textures, TileDepths, TilePath, Variant, VerticesKind, Visibility,
+    AdapterPath, Appearance, EdgeSamples, Extras, LightsKind, MaterialsKind, Method, OpticsKind, OpticsModel,
+    PrimitivesKind, RayModel, SampleMeasure, Textures, TileDepths, TilePath, Variant, VerticesKind, Visibility,
 };
 use crate::image::frame::Channel;
 
@@ -32,7 +32,11 @@ pub fn variant(
                 false if follows_instances(camera, contents, wanted, has, run) => VerticesKind::Placed,
                 false => VerticesKind::Still,
             },
-            spheres: contents.has_spheres,
+            primitives: match contents.has_spheres {
+                true if contents.has_capsules => PrimitivesKind::Capsules,
+                true => PrimitivesKind::Spheres,
+                false => PrimitivesKind::Triangles,
+            },
             samples: edge_samples(wanted, run),
             outlined: contents.has_outlines() && wanted.has_colour(),
             volume: contents.volume.filter(|_| wanted.needs_volume()),

@@ -7,7 +7,7 @@ use crate::gpu::layout::Counter;
 /// Proofs follow rays through the hierarchy where there are spheres, in frames that are not refused.
 pub fn entry_file(variant: Variant) -> &'static str {
     let is_straight = !variant.rays.kind.is_curved();
-    let is_traced = variant.extras.spheres && is_straight && !variant.is_timed() && variant.rays.optics.is_none();
+    let is_traced = variant.has_round() && is_straight && !variant.is_timed() && variant.rays.optics.is_none();
     if is_traced { "certify_traced.wgsl" } else { "certify.wgsl" }
 }
 

@@ -6,9 +6,8 @@
 //!
 //! Spheres are met by the ray itself, which hits one that it touches; t is then a fraction with a root, and as exactly compared.
 
-use super::ball::Ball;
 use super::depth::Depth;
-use super::{Aim, Hit, Met, Ray, Surface, hierarchy, meet, past};
+use super::{Aim, Hit, Met, Ray, Round, Surface, hierarchy, meet, past};
 use crate::arrays::MapEach;
 use crate::geometry::bvh::{Bvh, LEAF, NONE};
 use crate::geometry::exact::Exact;
@@ -104,8 +103,8 @@ impl ExactCaster {
     }
 
     /// `None` of a triangle.
-    pub fn ball(&self, id: u32) -> Option<Ball> {
-        Ball::of(&self.mesh, id)
+    pub fn round(&self, id: u32) -> Option<Round> {
+        Round::of(&self.mesh, id)
     }
 
     /// Every visible triangle that the ray meets with t in `range`, and every place where it enters or leaves a sphere, mostly near to far.
@@ -205,7 +204,7 @@ impl Met {
     fn depth(&self, ray: &Ray) -> Depth {
         match &self.surface {
             Surface::Triangle(corners) => Depth::fraction(corners.exact_depth(ray)),
-            Surface::Ball(ball, side) => ball.exact_depth(ray, *side),
+            Surface::Round(round, on) => round.depth(ray, on),
         }
     }
 

@@ -8,7 +8,7 @@ mod implementations;
 mod path;
 mod rays;
 pub use appearance::{Appearance, LightsKind, MaterialsKind, SurfaceKind, Textures};
-pub use extras::{EdgeSamples, Extras, SampleMeasure, VerticesKind, VolumeKind};
+pub use extras::{EdgeSamples, Extras, PrimitivesKind, SampleMeasure, VerticesKind, VolumeKind};
 pub use path::{AdapterPath, Arithmetic, Method, RasterPath, TileDepths, TilePath, Visibility};
 pub use rays::{OpticsModel, RayModel, RaysKind};
 
@@ -155,6 +155,11 @@ impl Variant {
     /// A smooth surface is intersected.
     pub fn meets(self) -> bool {
         self.optics().is_some_and(OpticsKind::is_smooth)
+    }
+
+    /// There are spheres or capsules beside triangles.
+    pub fn has_round(self) -> bool {
+        self.extras.primitives != PrimitivesKind::Triangles
     }
 
     pub fn is_timed(self) -> bool {

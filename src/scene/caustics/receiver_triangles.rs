@@ -40,7 +40,7 @@ pub(crate) fn is_in_plane(receiver: &Receiver, p: DVec3) -> bool {
 impl ReceiverTriangles {
     pub fn new(receivers: &[Receiver], mesh: &Mesh) -> ReceiverTriangles {
         let receiver_triangle = |(id, triangle): (usize, &[u32; 3])| {
-            if mesh.radius(id as u32).is_some() {
+            if mesh.is_round(id as u32) {
                 // caustics fall on triangles
                 return None;
             }

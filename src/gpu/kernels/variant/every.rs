@@ -46,7 +46,9 @@ impl Variant {
     }
 
     fn with_spheres(self) -> Variant {
-        self.traced().with(|v| v.extras.spheres = true)
+        self.traced().with(|v| {
+            v.extras.primitives = if v.extras.counting { PrimitivesKind::Capsules } else { PrimitivesKind::Spheres };
+        })
     }
 
     fn with_masks(self, colored: bool) -> Variant {

@@ -4,8 +4,7 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extras {
     pub vertices: VerticesKind,
-    /// There are spheres beside triangles.
-    pub spheres: bool,
+    pub primitives: PrimitivesKind,
     /// The samples of a pixel at an edge.
     pub samples: Option<EdgeSamples>,
     /// Lines are drawn between pixels.
@@ -17,6 +16,17 @@ pub struct Extras {
     pub counting: bool,
     /// `cull` leaves out clusters that no ray of a node meets.
     pub culling: bool,
+}
+
+/// The primitives of a scene.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum PrimitivesKind {
+    #[default]
+    Triangles,
+    /// Spheres too.
+    Spheres,
+    /// Spheres and capsules too.
+    Capsules,
 }
 
 /// How kernels find the vertices of a triangle.
@@ -65,7 +75,7 @@ impl Default for Extras {
     fn default() -> Extras {
         Extras {
             vertices: VerticesKind::Still,
-            spheres: false,
+            primitives: PrimitivesKind::Triangles,
             samples: None,
             outlined: false,
             volume: None,

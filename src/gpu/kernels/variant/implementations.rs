@@ -1,7 +1,8 @@
 //! The implementations and constants that a variant chooses for its kernels.
 
 use super::{
-    Arithmetic, LightsKind, MaterialsKind, RaysKind, SampleMeasure, SurfaceKind, Variant, VerticesKind, VolumeKind,
+    Arithmetic, LightsKind, MaterialsKind, PrimitivesKind, RaysKind, SampleMeasure, SurfaceKind, Variant, VerticesKind,
+    VolumeKind,
 };
 use crate::gpu::kernels::OpticsKind;
 use crate::image::frame::Channel;
@@ -61,7 +62,7 @@ impl Variant {
             "pixels" => &["every"],
             "pixels/tiles" if self.is_bounced() => &["pixels/live.wgsl"],
             "pixels/tiles" => &["every"],
-            "primitives" if self.extras.spheres => &["spheres"],
+            "primitives" if self.has_round() => &["round"],
             "primitives" => &["triangles"],
             "rays" => match self.rays.kind {
                 RaysKind::Pieces => &["pieces", "straight"],
@@ -111,6 +112,7 @@ impl Variant {
         let flag = |value: bool| Some(f64::from(u8::from(value)));
         match name {
             "ALL_UNCERTAIN" => flag(self.path.arithmetic == Arithmetic::Double && self.rechecks()),
+            "CAPSULES" => flag(self.extras.primitives == PrimitivesKind::Capsules),
             "COUNTING" => flag(self.extras.counting),
             "CULLING" => flag(self.extras.culling),
             "DEGREE" => {

@@ -24,7 +24,9 @@ struct Contents {
     kind: &'static str,
     triangles: usize,
     spheres: usize,
-    /// Centres of spheres too.
+    #[serde(skip_serializing_if = "is_zero")]
+    capsules: usize,
+    /// Centres of spheres and ends of capsules too.
     vertices: usize,
     /// Those that no triangle has; the bounds are without them.
     #[serde(skip_serializing_if = "is_zero")]
@@ -155,11 +157,13 @@ fn read(path: &Path, loading: &Loading) -> Result<Contents> {
 impl Contents {
     fn of(path: &Path, kind: &'static str, meshes: usize, all: &SceneMesh) -> Contents {
         let mesh = all.base();
+        let [spheres, capsules] = mesh.round_counts();
         Contents {
             file: path.display().to_string(),
             kind,
-            triangles: all.triangle_count() - mesh.sphere_count(),
-            spheres: mesh.sphere_count(),
+            triangles: all.triangle_count() - spheres - capsules,
+            spheres,
+            capsules,
             vertices: all.vertex_count(),
             unused_vertices: all.unused_vertices(),
             meshes,
@@ -242,6 +246,9 @@ impl fmt::Display for Contents {
         writeln!(f, "  triangles            {}", self.triangles)?;
         if self.spheres > 0 {
             writeln!(f, "  spheres              {}", self.spheres)?;
+        }
+        if self.capsules > 0 {
+            writeln!(f, "  capsules             {}", self.capsules)?;
         }
         let unused = match self.unused_vertices {
             0 => String::new(),

@@ -1,12 +1,12 @@
-// What a curve meets where there are spheres too: the first root of |X(t) - c|^2 - r^2 over a span of t, a polynomial of twice the curve's
-// degree, in recheck arithmetic.
+// Where a curve meets a primitive in scenes with spheres and capsules: on a sphere at a root of |X(t) - c|^2 - r^2, a polynomial of twice the
+// curve's degree, in recheck arithmetic.
 
 #import arithmetic
 #import keys/key.wgsl
 #import nodes/slabs.wgsl
 #import optics/start
-#import primitives/spheres/chord.wgsl
-#import primitives/spheres/sphere.wgsl
+#import primitives/round/capsule.wgsl
+#import primitives/round/kinds.wgsl
 #import rays/affine_bundle.wgsl
 #import rays/coverage
 #import rays/curves/curve.wgsl
@@ -18,19 +18,26 @@
 #import vertices/vertex
 
 fn with_primitive(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> Seen {
-    if is_sphere(vec4<u32>(own.word)) {
-        return with_sphere(path, stretch, before, own);
+    if is_round(vec4<u32>(own.word)) {
+        return with_round(path, stretch, before, own);
     }
     return with_triangle(path, stretch, before, own);
 }
 
 // The stretch is within its slack of a chord: a sphere farther away from that is not met. A component of m is off by a unit for each
 // coordinate and 2 of itself, one of d x m by twice that and 6 units of |m|, as |d| is no larger than the way from end to end.
-fn with_sphere(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> Seen {
-    let m = own.v - stretch.p;
+fn with_round(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> Seen {
+    let is_ball = !is_capsule(vec4<u32>(own.word));
+    let axis = select(own.from_last, vec3<f32>(0.0), is_ball);
+    let to_end = own.v - stretch.p;
     let size_d = length(stretch.d);
-    let reach = own.to_next.x + length(stretch.slack) + 24.0 * UNIT * (2.0 + length(m)) + LEAST;
-    var may = length(cross(stretch.d, m)) <= 1.0001 * reach * size_d + LEAST;
+    let lost = 24.0 * UNIT * (2.0 + length(to_end) + length(axis)) + LEAST;
+    let reach = own.to_next.x + length(stretch.slack) + lost;
+    // a capsule is no farther from the middle of its segment than half of that, and the lines are no closer than the two parts
+    let around = reach + 0.5 * length(axis);
+    let is_around = length(cross(stretch.d, to_end + 0.5 * axis)) <= 1.0001 * around * size_d + LEAST;
+    let apart = abs(dot(axis, cross(stretch.d, to_end))) - lost * size_d * length(axis);
+    var may = is_around && (is_ball || apart <= 1.0001 * reach * length(cross(stretch.d, axis)) + LEAST);
     var seen = before;
     // a loop: software adapters take every branch
     loop {
@@ -38,7 +45,7 @@ fn with_sphere(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> 
             break;
         }
         may = false;
-        let here = sphere_hit(path, stretch, triangle_at(own.slot));
+        let here = round_hit(path, stretch, triangle_at(own.slot));
         let is_nearer = here.key.y > seen.key.y || (here.key.y == seen.key.y && here.key.x > seen.key.x);
         seen.key = select(seen.key, here.key, is_nearer);
         seen.t = select(seen.t, here.t, is_nearer);
@@ -46,7 +53,7 @@ fn with_sphere(path: Path, stretch: Stretch, before: Seen, own: BvhTriangle) -> 
     return seen;
 }
 
-fn sphere_hit(path: Path, stretch: Stretch, triangle: vec4<u32>) -> Seen {
+fn round_hit(path: Path, stretch: Stretch, triangle: vec4<u32>) -> Seen {
     let id = triangle_id(triangle);
     let tile = path.item >> 6u;
     let bit = path.item & 63u;
@@ -55,11 +62,56 @@ fn sphere_hit(path: Path, stretch: Stretch, triangle: vec4<u32>) -> Seen {
     let spans = real(f32(params.spans));
     let from_t = real(f32(stretch.number)) / spans;
     let to_t = real(f32(stretch.number + 1u)) / spans;
-    let root = first_crossing(height_of(c, sphere_of(triangle)), from_t, to_t, (triangle.w & ONE_SIDED) == 0u);
+    let root = capsule_crossing(c, capsule_of(triangle), from_t, to_t, (triangle.w & ONE_SIDED) == 0u);
     let is_met = root.is_there && path.start != id && !is_excluded(id);
     let t = f32(root.t);
     let key = ~visibility_key(tile_layer(tile), root.t, id);
     return Seen(select(vec2<u32>(0u), key, is_met), t + 2.0 * UNIT * abs(t));
+}
+
+// By how much of its radius a place may lie beyond the end of a part of a capsule: the parts touch there, so that the surface is off by half
+// the square of that.
+const SEAM: real = 1.0 / 1048576.0;
+
+// A curve meets the ball about an end beyond that end, and the tube between the ends.
+fn is_on_part(c: Curve, s: Capsule, part: u32, t: real) -> bool {
+    let place = dot(curve_point(c, t) - s.end, s.axis);
+    let seam = SEAM * s.radius;
+    let is_before = place <= seam;
+    let is_behind = place >= s.length - seam;
+    switch part {
+        case 0u: { return is_before || s.length == 0.0; }
+        case 1u: { return is_behind; }
+        default: { return place >= -seam && place <= s.length + seam; }
+    }
+}
+
+// The most roots of one part that are looked at.
+const ROOTS: u32 = 6u;
+
+// The first of the roots of the ball about an end, of that about the other, and of the tube.
+fn capsule_crossing(c: Curve, s: Capsule, from_t: real, to_t: real, two_sided: bool) -> Crossing {
+    let parts = select(3u, 1u, !CAPSULES || s.length == 0.0);
+    var nearest = Crossing(to_t, false);
+    for (var part = 0u; part < parts; part++) {
+        let height = height_of(c, s, part);
+        var begin = from_t;
+        for (var k = 0u; k < ROOTS; k++) {
+            let root = first_crossing(height, begin, to_t, two_sided);
+            if !root.is_there || (nearest.is_there && root.t >= nearest.t) {
+                break;
+            }
+            if is_on_part(c, s, part, root.t) {
+                nearest = root;
+                break;
+            }
+            begin = root.t + PAST * (to_t - from_t);
+            if begin >= to_t {
+                break;
+            }
+        }
+    }
+    return nearest;
 }
 
 // A polynomial of degree 6 in Bernstein form.
@@ -73,12 +125,18 @@ struct Height {
     zero: real,
 }
 
+// From a ball's centre, or from the axis of a tube.
+fn offset_from(s: Capsule, part: u32, place: real3) -> real3 {
+    let offset = place - s.end;
+    return offset - select(select(dot(offset, s.axis), s.length, part == 1u), 0.0, part == 0u) * s.axis;
+}
+
 // Curves of lower degrees are cubics too. The products of two cubics' Bernstein polynomials are those of degree 6 times a ratio of binomials.
-fn height_of(c: Curve, s: Sphere) -> Height {
-    let o0 = c.c0 - s.centre;
-    var o1 = c.c1 - s.centre;
-    var o2 = c.c2 - s.centre;
-    let o3 = c.c3 - s.centre;
+fn height_of(c: Curve, s: Capsule, part: u32) -> Height {
+    let o0 = offset_from(s, part, c.c0);
+    var o1 = offset_from(s, part, c.c1);
+    var o2 = offset_from(s, part, c.c2);
+    let o3 = offset_from(s, part, c.c3);
     if DEGREE == 1u {
         o1 = o0 + (o3 - o0) / 3.0;
         o2 = o3 + (o0 - o3) / 3.0;
@@ -97,7 +155,7 @@ fn height_of(c: Curve, s: Sphere) -> Height {
     p.b[5] = dot(o2, o3) - square;
     p.b[6] = dot(o3, o3) - square;
     // an offset is off by 2 units of what was subtracted, its square by 4 of that, and a sum of squares and r^2 by as many
-    let sizes = size3(s.centre) + s.radius + max(max(size3(c.c0), size3(c.c1)), max(size3(c.c2), size3(c.c3)));
+    let sizes = size3(s.end) + s.length + s.radius + max(max(size3(c.c0), size3(c.c1)), max(size3(c.c2), size3(c.c3)));
     return Height(p, 16.0 * REAL_UNIT * sizes * sizes);
 }
 
@@ -156,7 +214,7 @@ fn over_part(p: Sextic, from_t: real, to_t: real) -> Sextic {
     return in_front(behind(p, from_t), (to_t - from_t) / (1.0 - from_t));
 }
 
-// The first root where the sphere is entered, or left and its back seen. A root within rounding of an end counts as on it, as the next span
+// The first root where a surface is entered, or left and its back seen. A root within rounding of an end counts as on it, as the next span
 // or layer begins there. The graph of a polynomial lies in the hull of its coefficients, and so does not come to 0 before the steepest
 // line from its start to one of these does: up to there the interval is cut off; where rounding says that this has cut off the root too, it
 // is there. Then a part in front is looked at: if its ends have different signs, the rest is cut off, and if it keeps off 0, it is itself;

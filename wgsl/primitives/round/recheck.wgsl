@@ -1,13 +1,13 @@
-// Items of triangles and spheres.
+// Items of triangles, spheres and capsules.
 
 #import arithmetic
 #import keys/key.wgsl
 #import keys/merge
 #import nodes/slabs.wgsl
 #import optics/start
-#import primitives/spheres/chord.wgsl
-#import primitives/spheres/end.wgsl
-#import primitives/spheres/sphere.wgsl
+#import primitives/round/capsule.wgsl
+#import primitives/round/chord.wgsl
+#import primitives/round/end.wgsl
 #import rays/affine_bundle.wgsl
 #import rays/bundle
 #import rays/meeting.wgsl
@@ -17,17 +17,17 @@
 #import vertices/triangle.wgsl
 
 fn recheck_primitive(slot: u32, triangle: vec4<u32>, is_proven: bool, cell: Cell, bit: u32) {
-    if is_sphere(triangle) {
-        recheck_sphere(triangle, is_proven, cell, bit);
+    if is_round(triangle) {
+        recheck_round(triangle, is_proven, cell, bit);
     } else {
         recheck_triangle(slot, triangle, is_proven, cell, bit);
     }
 }
 
-fn recheck_sphere(triangle: vec4<u32>, is_proven: bool, cell: Cell, bit: u32) {
+fn recheck_round(triangle: vec4<u32>, is_proven: bool, cell: Cell, bit: u32) {
     let id = triangle_id(triangle);
     let b = pixel_bundle(cell_bundle(cell), cell, bit % TILE, bit / TILE);
-    let meeting = sphere_meeting(b, sphere_of(triangle), is_proven, (triangle.w & ONE_SIDED) == 0u);
+    let meeting = round_meeting(b, capsule_of(triangle), is_proven, (triangle.w & ONE_SIDED) == 0u);
     let corner = tile_corner(cell.tile);
     let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
     if meeting.visible && start_of(pixel) != id {
@@ -38,9 +38,9 @@ fn recheck_sphere(triangle: vec4<u32>, is_proven: bool, cell: Cell, bit: u32) {
     }
 }
 
-// The first t in range at which the ray is on the sphere; where it leaves it, its back is seen. In a chain a hit within rounding beyond an
+// The first t in range at which the ray is on the surface; where it leaves it, its back is seen. In a chain a hit within rounding beyond an
 // end of its segment counts as on that end.
-fn sphere_meeting(b: Bundle, s: Sphere, is_met: bool, two_sided: bool) -> Meeting {
+fn round_meeting(b: Bundle, s: Capsule, is_met: bool, two_sided: bool) -> Meeting {
     let chord = chord_of(b, s);
     var t_min = real_from_bits(params.t_words.xy);
     var t_max = real_from_bits(params.t_words.zw);
