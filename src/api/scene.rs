@@ -168,7 +168,7 @@ impl Scene {
     /// in [0, 1], if some are given.
     ///
     /// # Errors
-    /// Those of [`Mesh::capsules`], [`Mesh::with_colors`] and [`Scene::add`].
+    /// The errors of [`Mesh::capsules`], [`Mesh::with_colors`] and [`Scene::add`].
     pub fn add_capsules(&mut self, ends: &[[[f64; 3]; 2]], radii: &[f64], colors: Option<&[[f32; 3]]>) -> Result<()> {
         let capsules = Mesh::capsules_within(ends, radii, self.scene.limits)?;
         self.add(match colors {

@@ -173,7 +173,7 @@ impl Curves {
         Curves { width, height, map, sample: DVec2::splat(0.5) }
     }
 
-    /// The same; `None` if no pixel has a curve.
+    /// Curves of this size; `None` if no pixel has a curve.
     pub fn of_map((width, height): (u32, u32), map: Arc<dyn CurveMap>) -> Option<Curves> {
         let curves = Curves::new(width, height, map);
         let has_curve = |j: u32| (0..width).any(|i| curves.near(i, j, (0.0, 0.0)).is_some());

@@ -17,7 +17,7 @@ pub fn of_part(key: impl Display, error: &Error) -> String {
     format!("{key}{}", message.strip_prefix("camera").unwrap_or(&message))
 }
 
-/// What one of some words stands for; `wrong` is the error for any other text.
+/// Returns the value that a word stands for; `wrong` is the error for any other text.
 pub fn word<T: Copy>(field: &Field, words: &[(&str, T)], wrong: &str) -> Result<T> {
     let text = field.text()?;
     words.iter().find(|word| word.0 == text).map(|word| word.1).ok_or_else(|| field.error(wrong))

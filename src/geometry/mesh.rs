@@ -27,15 +27,15 @@ pub const NO_COLOR: u32 = u32::MAX;
 pub const HALF: f32 = 0.5;
 
 /// Triangles over shared positions. Triangle `k` of the mesh is triangle `k` in file order, so ids
-/// follow from the position in `triangles` alone. A sphere takes the place of a triangle there: its three corners are its centre, so that
-/// whatever knows triangles alone leaves it out as one without area.
+/// follow from the position in `triangles` alone. Spheres and capsules have rows there too: two of their corners are one
+/// vertex, so that code for triangles alone leaves them out as triangles without area.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Positions in f64: object space as loaded, world space once placed in a scene.
     pub positions: Vec<DVec3>,
-    /// Three indices into `positions` per triangle; of a sphere three times that of its centre.
+    /// Three indices into `positions` per triangle; of a sphere three times its centre, of a capsule one end and twice the other.
     pub triangles: Vec<[u32; 3]>,
-    /// The radius of each sphere, 0 of each triangle; empty when there is no sphere.
+    /// The radius of each sphere and capsule, 0 of each triangle; empty when there are triangles alone.
     pub radii: Vec<f64>,
     /// Whether some rows with a radius are capsules.
     pub has_capsules: bool,

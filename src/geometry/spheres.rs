@@ -338,6 +338,20 @@ mod tests {
     }
 
     #[test]
+    fn points_are_joined_in_lines_pairs_and_strands() {
+        let firsts =
+            |join: Join, points| join.capsules(points).map(|all| all.iter().map(|ends| ends[0]).collect::<Vec<_>>());
+        assert_eq!(firsts(Join::Line, 4), Ok(vec![0, 1, 2]));
+        assert_eq!(firsts(Join::Pairs, 4), Ok(vec![0, 2]));
+        assert_eq!(firsts(Join::Strands(3), 6), Ok(vec![0, 1, 3, 4]));
+        assert_eq!([firsts(Join::Line, 0), firsts(Join::Line, 1)], [Ok(Vec::new()), Ok(Vec::new())]);
+        assert_eq!(Join::Pairs.capsules(2), Ok(vec![[0, 1, 1]]));
+        for (join, each) in [(Join::Pairs, 2), (Join::Strands(4), 4)] {
+            assert_eq!(firsts(join, 3), Err(format!("3 points cannot be joined {each} by {each}")));
+        }
+    }
+
+    #[test]
     fn wrong_spheres_are_refused() {
         let refused = |centre: DVec3, radii: &[f64], color: f32| {
             spheres_of(vec![centre], radii.to_vec(), Some(vec![[color; 3]]), Limits::default()).unwrap_err()

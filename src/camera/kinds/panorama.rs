@@ -27,9 +27,9 @@ struct Panorama {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Ring {
     radius: f64,
-    /// Of the circle over the centre, along the axis.
+    /// Height of the circle over the centre, along the axis.
     elevation: f64,
-    /// Of the image, at the distance of one radius from the eye.
+    /// Height of the image, at the distance of one radius from the eye.
     height: f64,
     /// Degrees.
     sweep: f64,

@@ -115,7 +115,7 @@ impl Judge {
         self.judge_about((lo + hi) / 2.0, [lo, hi], rays, piece, parts)
     }
 
-    /// The same with the middle of the rays' places.
+    /// A verdict as of [`Self::judge_box`], with the middle of the rays' places.
     fn judge_about(
         &self,
         middle: DVec2,
