@@ -69,6 +69,7 @@ def given():
         "photo": np.zeros((480, 640)),
         "points": points,
         "positions": points,
+        "ends": np.stack([points, points + 0.1], axis=1),
         "colors": np.ones((20, 3), dtype=np.float32),
         "rgb": np.ones((20, 3)),
         "a": np.zeros((4, 4, 4), dtype=np.float32),
