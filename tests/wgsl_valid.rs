@@ -97,7 +97,7 @@ fn each_by_tile(by_tile: Variant, check: &mut impl FnMut(&Kernel, Variant)) {
     let files = ["bin.wgsl", "allot.wgsl", "sort.wgsl", "raster_by_tile.wgsl"];
     files.iter().for_each(|file| check(&Kernel::new(file, by_tile, &[]), by_tile));
     if by_tile.draws_small() {
-        check(&Kernel::new("small.wgsl", by_tile, &[]), by_tile);
+        check(&Kernel::new("software/small.wgsl", by_tile, &[]), by_tile);
     }
     if by_tile.samples_by_tile() {
         let files = ["edges_by_tile.wgsl", "sample_by_tile.wgsl", "recheck_samples.wgsl"];

@@ -21,6 +21,7 @@ use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::style::Style;
+use glam::DVec3;
 use std::borrow::Cow;
 use std::sync::{Arc, Weak};
 use std::time::Instant;
@@ -181,10 +182,12 @@ impl Planner {
         let asked: Arc<Camera> = camera.into();
         let shape = shape(scene, last);
         let centre = SceneExtent::of(&asked, shape).centre;
-        let known = last.filter(|l| l.asked.as_ptr() == Arc::as_ptr(&asked) && l.plan.centre == centre);
+        let is_alike = |l: &&Planned| l.whole.scene.mesh.base().is_blended() == scene.mesh.base().is_blended();
+        let known =
+            last.filter(|l| l.asked.as_ptr() == Arc::as_ptr(&asked) && l.plan.centre == centre).filter(is_alike);
         let camera = match known {
             Some(last) => last.whole.camera.clone(),
-            None => reordered(&asked, centre).map_or_else(|| asked.clone(), Arc::new),
+            None => in_order(scene, &asked, centre).map_or_else(|| asked.clone(), Arc::new),
         };
         let planned = self.plan_in_order((scene, shape), camera, wanted, run, last)?;
         let plan = ms_since(started) - planned.call.place;
@@ -418,6 +421,13 @@ fn moved(last: &Planned, scene: &Scene, plan: &Plan) -> Option<Clustered> {
 /// The shape of a scene, taken over where it is that of `last`.
 fn shape(scene: &Scene, last: Option<&Planned>) -> SceneShape {
     last.filter(|last| same_triangles(last, scene)).map_or_else(|| SceneShape::of(scene), |last| last.whole.shape)
+}
+
+/// The camera with its pixels in the order of their rays, if these are incoherent. Which samples of a pixel see a blended surface follows from
+/// the pixel's own place.
+pub(super) fn in_order(scene: &Scene, camera: &Camera, centre: DVec3) -> Option<Camera> {
+    let is_of_place = camera.sample.is_some() && scene.mesh.base().is_blended();
+    if is_of_place { None } else { reordered(camera, centre) }
 }
 
 /// Supported scene sizes, world units: outside them f32 and pairs of f32 overflow or underflow.

@@ -88,7 +88,7 @@ kernels! {
     AimNodes, |v, _| aim::turns_nodes(v), |_| "aim_nodes.wgsl";
     Cull, |v, _| v.rasters(), |_| "cull.wgsl";
     Split, |v, _| v.rasters(), |_| "split.wgsl";
-    Small, |v, _| v.draws_small(), |_| "small.wgsl";
+    Small, |v, _| v.draws_small(), |_| "software/small.wgsl";
     Bin, |v, _| v.rasters(), |_| "bin.wgsl";
     Allot, |v, _| v.by_tile(), |_| "allot.wgsl";
     Sort, |v, _| v.by_tile(), |_| "sort.wgsl";

@@ -2,12 +2,12 @@
 //!
 //! Straight layers: the verdict of each layer is proven for the whole box about the centre; a layer that may miss
 //! hands over to the next. With a curved layer, with spheres, and behind mirrors and lenses, the box is *sampled*, not bounded: at its centre, its
-//! corners, the middles of its edges and a ring inside. A feature that slips between the samples (thinner than they are apart) is
+//! corners, the middles of its edges and a ring inside. Of a scene with spheres only the spheres are sampled where rays are straight. A feature that slips between the samples (thinner than they are apart) is
 //! missed, so an unsafe pixel may be called safe, and a candidate may be left out. This can raise a false alarm about a
 //! correct frame; it never excuses a wrong pixel.
 
-use super::path::{Path, Seen};
-use super::{GAP, Hit, MARGIN_PX, Reference, Verdict};
+use super::path::{Path, Seen, Segment};
+use super::{GAP, Hit, MARGIN_PX, Reference, Verdict, nearer, past};
 use crate::camera::Camera;
 
 /// The answer for one pixel and whether it is safe; see [`Verdict`].
@@ -115,7 +115,9 @@ impl Reference<'_> {
     fn sampled(&self, camera: &Camera, path: &Path, (i, j): (u32, u32)) -> Finding {
         let at_offset = |(x, y): &(f64, f64)| Path::at_offset(camera, i, j, (x * MARGIN_PX, y * MARGIN_PX));
         let paths: Vec<Path> = [path.clone()].into_iter().chain(PLACES[1..].iter().map(at_offset)).collect();
-        let mut answers = self.answers(&paths).into_iter();
+        let answers = self.answers(&paths);
+        let touching: Vec<bool> = answers.iter().map(|answer| answer.touches).collect();
+        let mut answers = answers.into_iter();
         let centre = answers.next().unwrap_or_default();
         let mut finding = Finding {
             seen: centre.seen,
@@ -129,8 +131,66 @@ impl Reference<'_> {
             finding.may_miss |= answer.seen.is_none();
             finding.candidates.extend(answer.seen.iter().map(|s| s.hit.triangle).chain(answer.ties));
         }
+        // what is behind a triangle that a curve touches, or one so thin that its plane is not known
+        for (path, _) in paths.iter().zip(&touching).filter(|(_, touches)| **touches) {
+            let crossed = self.first_crossed(path);
+            finding.may_miss |= crossed.is_none();
+            finding.candidates.extend(crossed);
+        }
+        if !camera.is_curved() {
+            self.take_triangles(camera, &paths, (i, j), &mut finding);
+        }
         finding.candidates.sort_unstable();
         finding.candidates.dedup();
         finding
+    }
+
+    /// Bounds the triangles of a scene with spheres: those that may be visible in front of the sphere that is seen, or instead of the triangle or
+    /// nothing that is seen. Sampled rays that start at one point of an edge all hit it, or all miss it.
+    fn take_triangles(&self, camera: &Camera, paths: &[Path], pixel: (u32, u32), finding: &mut Finding) {
+        let (seen, path) = (finding.seen, &paths[0]);
+        for layer in 0..=seen.map_or(camera.layers.len() - 1, |seen| seen.layer) {
+            let own = seen.filter(|seen| seen.layer == layer).map(|seen| seen.hit);
+            let sphere = own.filter(|hit| self.round(hit.triangle).is_some());
+            let [start, end] = path.range(layer);
+            let end = sphere.map_or(end, |hit| hit.t - GAP * hit.t.abs());
+            let verdict = self.layer_verdict(camera, layer, [start, end], pixel);
+            let expected = own.filter(|_| sphere.is_none()).map(|hit| hit.triangle);
+            finding.safe &= verdict.safe && verdict.candidates.iter().copied().eq(expected);
+            finding.candidates.extend(verdict.candidates);
+            if sphere.is_none() && !verdict.safe {
+                finding.may_miss |= verdict.may_miss;
+                finding.candidates.extend(paths.iter().filter_map(|path| self.first_sphere(path, layer)));
+            }
+        }
+    }
+
+    /// The first triangle or sphere that a path crosses, and does not only touch.
+    fn first_crossed(&self, path: &Path) -> Option<u32> {
+        path.segments.iter().enumerate().find_map(|(layer, segment)| {
+            let (_, segment) = segment.as_ref()?;
+            let Segment::Curved(curve) = segment else { return None };
+            let mut first = None;
+            self.each_hit_of_curves(&[*curve], &[path.range(layer)], |_, hit| {
+                if !self.touches(segment, &hit) {
+                    first = nearer(first, hit);
+                }
+                first.map_or(f64::INFINITY, |first| past(first.t))
+            });
+            first.map(|hit| hit.triangle)
+        })
+    }
+
+    /// The first sphere that a path meets in a layer, whatever triangles are in front of it.
+    fn first_sphere(&self, path: &Path, layer: usize) -> Option<u32> {
+        let Some((_, Segment::Straight(bundle))) = &path.segments[layer] else { return None };
+        let mut first = None;
+        self.each_hit_of_ray(bundle, path.range(layer), |hit| {
+            if self.round(hit.triangle).is_some() {
+                first = nearer(first, hit);
+            }
+            first.map_or(f64::INFINITY, |first| past(first.t))
+        });
+        first.map(|hit| hit.triangle)
     }
 }

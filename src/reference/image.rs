@@ -30,6 +30,8 @@ pub struct Judgement {
     pub scales: Vec<f32>,
     /// Pixels whose id is neither the reference's nor a near candidate.
     pub not_near: u64,
+    /// Which pixels show the reference's triangle or a near candidate.
+    pub near: Vec<bool>,
 }
 
 /// The asked-for channels of the reference's frame.
@@ -104,6 +106,7 @@ pub fn judge_rows(scene: &Scene, camera: &Camera, frame_seen: &Frame, step: u32)
         safe: judged.iter().map(|j| j.1).collect(),
         scales: judged.iter().map(|j| j.2).collect(),
         not_near: judged.iter().filter(|j| !j.3).count() as u64,
+        near: judged.iter().map(|j| j.3).collect(),
     }
 }
 

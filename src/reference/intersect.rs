@@ -79,15 +79,19 @@ impl Corners {
         self.slot[k].into()
     }
 
-    /// Weights of the second and third vertex as given where a ray meets the plane; NaN where it runs along it.
-    pub fn weights_on_plane(&self, origin: DVec3, direction: DVec3) -> [f64; 2] {
+    /// Weights of the second and third vertex as given where a ray meets the plane, and by how much they change if the ray moves by
+    /// `distance`; NaN where it runs along the plane.
+    pub fn weights_on_plane(&self, origin: DVec3, direction: DVec3, distance: f64) -> ([f64; 2], f64) {
         let edge = |(i, j, sense): (usize, usize, i8)| {
             f64::from(sense) * (self.v[i] - origin).cross(self.v[j] - self.v[i]).dot(direction)
         };
         let e = OPPOSITE.map_each(edge);
         let mut weights = [0.0; 3];
-        (0..3).for_each(|k| weights[self.slot(k)] = e[k] / (e[0] + e[1] + e[2]));
-        [weights[1], weights[2]]
+        let sum = e[0] + e[1] + e[2];
+        (0..3).for_each(|k| weights[self.slot(k)] = e[k] / sum);
+        let edges = OPPOSITE.map_each(|(i, j, _)| (self.v[j] - self.v[i]).length());
+        let change = distance * (edges[0] + edges[1] + edges[2]) * direction.length() / sum.abs();
+        ([weights[1], weights[2]], change)
     }
 
     pub fn bounds(&self) -> (DVec3, DVec3) {

@@ -4,9 +4,10 @@ use super::beam::Beam;
 use super::finding::PLACES;
 use super::intersect::{Aim, Corners};
 use super::margin::{Depth, MARGIN_PX, Sides, beyond, clears};
-use super::{Hit, Reference, cover, nearer, upright};
+use super::{GAP, Hit, Reference, cover, nearer, upright};
 use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
+use crate::camera::perturb::PERTURB;
 use glam::DVec3;
 
 /// The answer for one pixel and whether it is proven safe.
@@ -15,7 +16,7 @@ pub struct Verdict {
     /// The visible hit at the centre.
     pub hit: Option<Hit>,
     /// Proven: every ray of every bundle within [`MARGIN_PX`] of the centre has the same answer, and no other surface is within a
-    /// relative gap of [`GAP`](super::GAP) in `t`.
+    /// relative gap of [`GAP`] in `t`.
     pub safe: bool,
     /// Ascending ids of all triangles that may be visible somewhere in the box, ties included.
     pub candidates: Vec<u32>,
@@ -129,15 +130,17 @@ impl Reference<'_> {
         (may_be_seen && in_reach).then_some(Candidate { id, corners, depth, covers, solid })
     }
 
-    /// The opaque part of a triangle in the box. Holes are *sampled*, as curves are, see [`super::finding`].
+    /// The opaque part of a triangle in the box. Holes are *sampled*, as curves are, see [`super::finding`]; at each place the weights of the
+    /// corners are off by up to [`GAP`], or by what [`PERTURB`] changes, since rays that start on the triangle all meet it at one point.
     fn presence(&self, bundle: &Bundle, id: u32, corners: &Corners) -> Presence {
         if !self.mesh.has_alpha(self.own(id)) {
             return Presence::Everywhere;
         }
         let is_there = |(x, y): &&(f64, f64)| {
             let ray = bundle.ray(x * MARGIN_PX, y * MARGIN_PX);
-            let bary = corners.weights_on_plane(ray.origin, ray.direction);
-            self.is_there(id, bary)
+            let ([u, v], change) = corners.weights_on_plane(ray.origin, ray.direction, PERTURB * self.scene_size);
+            let off = GAP.max(change);
+            self.is_there(id, [u + x * off, v + y * off])
         };
         match PLACES.iter().filter(is_there).count() {
             0 => Presence::Nowhere,

@@ -39,6 +39,14 @@ pub fn any(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
 #[allow(dead_code)] // not of all programs that have this module
 pub fn any_moving(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
     let (mut scene, mut camera) = any(rng, size);
+    expose(rng, &mut scene, size);
+    camera.sample = (rng.below(2) == 0).then_some(Sample { number: 1, count: 3 });
+    (scene, camera)
+}
+
+/// Lets the vertices of a scene go to random places while the frame is taken.
+#[allow(dead_code)] // not of all programs that have this module
+pub fn expose(rng: &mut Rng, scene: &mut Scene, size: (u32, u32)) {
     let extent = scene.bounds().map_or(1.0, |(lo, hi)| (hi - lo).length());
     let times: Vec<f64> = (0..2 + rng.below(4)).map(|k| k as f64 - 1.0).collect();
     let part = [1.0, 0.3, 0.01, 1e-6][rng.below(4)];
@@ -51,8 +59,6 @@ pub fn any_moving(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
     let order = [LineOrder::Down, LineOrder::Up, LineOrder::Right, LineOrder::Left][rng.below(4)];
     let lines = Lines { first: -1.0, line_time: 3.0 / f64::from(size.1), order, count: size.1 };
     scene.exposure = Exposure { readout: Readout::Lines(lines), shutter: rng.unit(), is_even: rng.below(2) == 0 };
-    camera.sample = (rng.below(2) == 0).then_some(Sample { number: 1, count: 3 });
-    (scene, camera)
 }
 
 /// A random scene whose objects move from frame to frame, and a camera of one kind that goes along a path.
@@ -367,7 +373,7 @@ fn any_camera(rng: &mut Rng, size: (u32, u32), place: impl Fn(DVec3) -> DVec3) -
 }
 
 /// One to a hundred triangles.
-fn any_mesh(rng: &mut Rng) -> Mesh {
+pub fn any_mesh(rng: &mut Rng) -> Mesh {
     let mut all: Vec<Triangle> = Vec::new();
     for _ in 0..1 + rng.below(4) {
         let part = any_part(rng);

@@ -5,6 +5,7 @@
 
 pub mod any;
 pub mod cameras;
+pub mod combined;
 pub mod continuity;
 pub mod file;
 pub mod gpu;

@@ -2,11 +2,13 @@
 
 use crate::common;
 
+use anamorph::internals::engine::combinations::Feature;
 use anamorph::internals::engine::planned::Planned;
 use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Method, RunOptions};
 use common::any::{Path, any, any_on_the_mesh};
-use common::gpu::{assert_right, check, engine_on, wanted};
+use common::combined::{Case, SMALL, compared};
+use common::gpu::{assert_right, check, engine_on, limit_bindings, wanted};
 use common::rng::Rng;
 
 const SIZE: (u32, u32) = (32, 32);
@@ -54,6 +56,44 @@ fn every_safe_pixel_of_a_path_is_right_on_a_device_that_keeps_what_it_can() {
             let is_traced_in_places = rendered.method.why == "meshes stand in several places";
             assert_eq!(is_traced_in_places, is_placed && !path.is_reflected(), "scene {number}, pose {pose}");
             assert_right(&format!("scene {number}, {}, pose {pose}", camera.kind), &path.scene, &camera, &frame);
+        }
+    }
+}
+
+/// Sets of features whose frames were once wrong, or called wrong: samples of blended surfaces in pixels that are sorted by their rays, capsules
+/// of 400,000 km along curves, rays that start on the edge of a triangle or of a hole, triangles too thin to have a plane.
+const ONCE_WRONG_TOGETHER: [(u64, &[Feature]); 5] = [
+    (60_718, &[Feature::Samples, Feature::Blended]),
+    (61_898, &[Feature::Spheres]),
+    (50_460, &[Feature::Rows, Feature::Spheres]),
+    (609, &[Feature::Samples, Feature::AlphaMasks, Feature::Pictures]),
+    (60_032, &[Feature::Certified, Feature::Curves]),
+];
+
+/// `examples/random_frames` goes through as many sets of features as it is told.
+#[test]
+fn frames_that_combine_features_are_right() {
+    let random = (0..8).map(|set| (set, Case::any_features(&mut Rng(set))));
+    let known = ONCE_WRONG_TOGETHER.into_iter().map(|(number, features)| (number, features.to_vec()));
+    for (first, features) in known.chain(random) {
+        let is_small = features.iter().any(|feature| matches!(feature, Feature::Bands | Feature::Chunks));
+        let engine = engine_on(|gpu| {
+            if is_small {
+                limit_bindings(gpu, SMALL);
+            }
+        });
+        let Some(mut engine) = engine else { return };
+        for number in first..first + 3 {
+            let case = Case::any(&mut Rng(number), &features, SIZE);
+            let what = format!("scene {number}, {features:?}, {}", case.camera.kind);
+            let compared = match compared(&case, &mut engine) {
+                Ok(compared) => compared,
+                Err(e) if e.to_string().contains("the adapter binds") => continue,
+                Err(e) => panic!("{what}: {e}"),
+            };
+            let of_samples = compared.samples.iter().map(|(_, verdict)| verdict);
+            let wrong: u64 = compared.centres.iter().chain(of_samples).map(|verdict| verdict.wrong()).sum();
+            assert_eq!(wrong, 0, "{what}");
         }
     }
 }

@@ -409,8 +409,8 @@ const PLANTED: [Planted; 60] = [
         no_holes_at_centres,
     ),
     ("recheck.wgsl", ".y & 63u;", ".y & 31u;", Dispatching::ByPair, no_holes_at_centres),
-    ("small.wgsl", "first_slot + lane;", "first_slot + lane / 2u;", Dispatching::ByTile, seen),
-    ("small.wgsl", "vec2<u32>(slot, address);", "vec2<u32>(slot + 1u, address);", Dispatching::ByTile, seen),
+    ("software/small.wgsl", "first_slot + lane;", "first_slot + lane / 2u;", Dispatching::ByTile, seen),
+    ("software/small.wgsl", "vec2<u32>(slot, address);", "vec2<u32>(slot + 1u, address);", Dispatching::ByTile, seen),
     (
         "rays/certainty.wgsl",
         "select(PROOF_CONTESTED, PROOF_SURE, is_found",

@@ -127,7 +127,7 @@ fn small_and_large_triangles_come_to_what_the_twin_draws() {
 /// that.
 #[test]
 fn a_bound_on_coverage_two_hundred_times_smaller_is_noticed() {
-    let (name, bound) = ("rays/pieces/small.wgsl", "20.0 * UNIT");
+    let (name, bound) = ("software/drawn.wgsl", "20.0 * UNIT");
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("wgsl").join(name);
     let text = std::fs::read_to_string(path).unwrap();
     assert_eq!(text.matches(bound).count(), 1);

@@ -3,12 +3,11 @@
 use super::super::changes::Changes;
 use super::super::combinations::Asked;
 use super::super::in_view::{InView, SceneFacts};
-use super::super::planned::{Whole, outlined_by};
+use super::super::planned::{Whole, in_order, outlined_by};
 use super::super::resident::BvhState;
 use super::super::setup;
 use super::{Frames, moved};
 use crate::camera::Camera;
-use crate::camera::ray_order::reordered;
 use crate::engine::plan::{Plan, SceneContents, SceneExtent};
 use crate::gpu::kernels::SurfaceKind;
 use crate::input::{Error, Result};
@@ -32,7 +31,7 @@ impl Frames {
         }
         let Plan { anchor, origin, centre, scene_size, .. } = *self.plan;
         let extent = SceneExtent { anchor, origin, centre, scene_size };
-        let shown = Arc::new(reordered(camera, extent.centre).unwrap_or_else(|| camera.clone()));
+        let shown = Arc::new(in_order(&self.whole.scene, camera, extent.centre).unwrap_or_else(|| camera.clone()));
         let whole = Whole { camera: shown.clone(), ..self.whole.clone() };
         let contents = self.planner.contents(&whole.scene);
         let last = (Some(self.plan.in_view), Some((&*self.plan, &*self.whole.camera)));

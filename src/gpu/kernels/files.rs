@@ -161,7 +161,7 @@ impl Files {
 
     /// The file of an import: itself, or the first that there is among the implementations of its interface. The interface of
     /// `rays/pixel` is `rays`, and its implementations are folders, `rays/pieces` with `pixel.wgsl`; that of `arithmetic` has files. An
-    /// implementation may also be the path of a file.
+    /// implementation in another folder has a path that begins with `/`; one that is a path of a file has all of the interface.
     pub(super) fn imported(
         &self,
         import: &str,
@@ -173,9 +173,10 @@ impl Files {
         let ends = import.match_indices('/').map(|(at, _)| at).chain([import.len()]);
         let of = |end: usize| {
             let (interface, rest) = import.split_at(end);
-            implementations(interface).iter().find_map(|name| match name.ends_with(".wgsl") {
-                true => self.get(name),
-                false => self.get(&format!("{interface}/{name}{rest}.wgsl")),
+            implementations(interface).iter().find_map(|name| match name.strip_prefix('/') {
+                _ if name.ends_with(".wgsl") => self.get(name),
+                Some(path) => self.get(&format!("{path}{rest}.wgsl")),
+                None => self.get(&format!("{interface}/{name}{rest}.wgsl")),
             })
         };
         ends.rev().find_map(of)

@@ -62,11 +62,20 @@ fn round_hit(path: Path, stretch: Stretch, triangle: vec4<u32>) -> Seen {
     let spans = real(f32(params.spans));
     let from_t = real(f32(stretch.number)) / spans;
     let to_t = real(f32(stretch.number + 1u)) / spans;
-    let root = capsule_crossing(c, capsule_of(triangle), from_t, to_t, (triangle.w & ONE_SIDED) == 0u);
+    let root = capsule_crossing(c, from_nearer_end(c, triangle), from_t, to_t, (triangle.w & ONE_SIDED) == 0u);
     let is_met = root.is_there && path.start != id && !is_excluded(id);
     let t = f32(root.t);
     let key = ~visibility_key(tile_layer(tile), root.t, id);
     return Seen(select(vec2<u32>(0u), key, is_met), t + 2.0 * UNIT * abs(t));
+}
+
+// A capsule from the end that is nearer to the curve's first point: places are rounded relative to their distance from that end.
+fn from_nearer_end(c: Curve, triangle: vec4<u32>) -> Capsule {
+    let s = capsule_of(triangle);
+    if !is_capsule(triangle) || 2.0 * dot(c.c0 - s.end, s.axis) <= s.length {
+        return s;
+    }
+    return Capsule(vertex_real(triangle.x + 1u), s.radius, -s.axis, s.length);
 }
 
 // By how much of its radius a place may lie beyond the end of a part of a capsule: the parts touch there, so that the surface is off by half
@@ -155,7 +164,8 @@ fn height_of(c: Curve, s: Capsule, part: u32) -> Height {
     p.b[5] = dot(o2, o3) - square;
     p.b[6] = dot(o3, o3) - square;
     // an offset is off by 2 units of what was subtracted, its square by 4 of that, and a sum of squares and r^2 by as many
-    let sizes = size3(s.end) + s.length + s.radius + max(max(size3(c.c0), size3(c.c1)), max(size3(c.c2), size3(c.c3)));
+    let far = select(real(0.0), s.length, part == 1u);
+    let sizes = size3(s.end) + far + s.radius + max(max(size3(c.c0), size3(c.c1)), max(size3(c.c2), size3(c.c3)));
     return Height(p, 16.0 * REAL_UNIT * sizes * sizes);
 }
 

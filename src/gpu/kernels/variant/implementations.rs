@@ -8,7 +8,8 @@ use crate::gpu::kernels::OpticsKind;
 use crate::image::frame::Channel;
 
 impl Variant {
-    /// The implementations of an interface, the preferred one first: folders or files of `wgsl/INTERFACE`, or paths of files.
+    /// The implementations of an interface, the preferred one first: folders or files of `wgsl/INTERFACE`, or of `wgsl`
+    /// where they begin with `/`, or paths of files.
     pub fn implementations(self, interface: &str) -> &'static [&'static str] {
         let is_incoherent = self.rays.kind == RaysKind::Field { incoherent: true };
         let has_optics = self.rays.optics.is_some();
@@ -16,7 +17,7 @@ impl Variant {
         match interface {
             "arithmetic" if self.f64() => &["f64"],
             "arithmetic" => &["f32"],
-            "bin/items" if self.draws_small() => &["large"],
+            "bin/items" if self.draws_small() => &["/software/large_items"],
             "bin/items" => &["groups"],
             "caustics" if has_optics => &["bounced"],
             "caustics" => &["plain"],
@@ -32,12 +33,12 @@ impl Variant {
             "keys" => &["u32"],
             "lanes" if self.tiles().is_some_and(|tiles| tiles.wide) => &["part"],
             "lanes" => &["whole"],
-            "lanes/loads" if self.loads_by_lanes() => &["lanes"],
+            "lanes/loads" if self.loads_by_lanes() => &["/software/loads"],
             "lanes/loads" => &["threads"],
             "masks" if self.is_masked() => &["masked"],
             "masks" => &["opaque"],
             "nodes/item_rays" => match (is_incoherent && self.extras.culling, self.loads_by_lanes()) {
-                (true, true) => &["incoherent_by_lanes"],
+                (true, true) => &["/software/incoherent_item_rays"],
                 (true, false) => &["incoherent"],
                 (false, _) => &["coherent"],
             },
@@ -60,7 +61,7 @@ impl Variant {
             "pairs" => &["by_pair"],
             "pixels" if self.is_bounced() => &["live"],
             "pixels" => &["every"],
-            "pixels/tiles" if self.is_bounced() => &["pixels/live.wgsl"],
+            "pixels/tiles" if self.is_bounced() => &["/pixels/live"],
             "pixels/tiles" => &["every"],
             "primitives" if self.has_round() => &["round"],
             "primitives" => &["triangles"],

@@ -10,10 +10,10 @@
 #import nodes/extent.wgsl
 #import nodes/index.wgsl
 #import nodes/within.wgsl
-#import rays/pieces/small.wgsl
 #import shared/items.wgsl
 #import shared/params.wgsl
 #import shared/places.wgsl
+#import software/drawn.wgsl
 #import vertices/vertex
 
 var<storage, read> tasks: array<u32>;

@@ -1,11 +1,18 @@
-//! Random small scenes against the reference: `cargo run --release -p anamorph-lab --example random_frames -- COUNT [FIRST] [no-int64] [no-f64] [moving] [spheres] [on-the-mesh] [placed] [kept]`.
-//! Each is one of `any`'s scenes in 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end. Without 64-bit
-//! atomics, raster bounds t in f32 as it does on GPUs without f64. With `moving` everything moves while the frame is taken, and with `spheres`
-//! there are spheres between the triangles. With `on-the-mesh` the camera lies on the triangles, and all are on a lattice. With `kept` each
-//! scene is rendered from a few poses, on one device that keeps what it can, and some triangles move between the poses. With `placed` the mesh
-//! stands in several places, and is traced there.
+//! Random small scenes against the reference: `cargo run --release -p anamorph-lab --example random_frames -- COUNT [FIRST] [OPTION ...]`. Each is
+//! one scene of 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end. Options, of which scenes:
+//!
+//! * `moving`: everything moves while the frame is taken.
+//! * `spheres`: there are spheres between the triangles.
+//! * `on-the-mesh`: the camera lies on the triangles, and all are on a lattice.
+//! * `placed`: the mesh stands in several places, and is traced there.
+//! * `kept`: each scene is rendered from a few poses, on one device that keeps what it can, and some triangles move between the poses.
+//! * `combined`: frames have features from the whole table of what goes together, other ones for every fifty scenes; with `combined=A,B` only
+//!   those of these.
+//!
+//! And of adapters: `no-int64` without 64-bit atomics, where raster bounds t in f32 as it does on GPUs without f64; `no-f64`.
 
-#[path = "../../tests/common/mod.rs"]
+mod combined;
+#[path = "../../../tests/common/mod.rs"]
 mod common;
 
 use anamorph::internals::camera::Camera;
@@ -43,19 +50,22 @@ struct Seen {
     samples_wrong: u64,
 }
 
+const OPTIONS: [&str; 8] = ["no-int64", "no-f64", "moving", "spheres", "on-the-mesh", "placed", "kept", "combined"];
+
 fn main() -> ExitCode {
-    let less = |what: &str| std::env::args().any(|a| a == what);
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let less = |what: &str| words.iter().any(|word| word == what);
     let options = GpuOptions { no_int64: less("no-int64"), no_f64: less("no-f64"), ..GpuOptions::default() };
-    let mut numbers = std::env::args()
-        .skip(1)
-        .filter(|a| {
-            !a.starts_with("no-") && !["moving", "spheres", "on-the-mesh", "placed", "kept"].contains(&a.as_str())
-        })
-        .map(|n| n.parse::<u64>());
+    let is_option = |word: &&String| OPTIONS.contains(&word.split('=').next().unwrap_or_default());
+    let mut numbers = words.iter().filter(|word| !is_option(word)).map(|n| n.parse::<u64>());
     let (Some(Ok(count)), first) = (numbers.next(), numbers.next().transpose().unwrap_or(None).unwrap_or(0)) else {
         eprintln!("error: give how many scenes, and the first one's number; as in random_frames 1000 0");
         return ExitCode::from(2);
     };
+    if let Some(word) = words.iter().find(|word| word.starts_with("combined")) {
+        let only = word.split_once('=').map(|(_, names)| names);
+        return ExitCode::from(u8::from(!combined::run(first..first + count, only, &options)));
+    }
     let Ok(Some(gpu)) = Gpu::open(&options) else {
         eprintln!("error: no adapter");
         return ExitCode::from(1);
