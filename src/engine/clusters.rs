@@ -301,7 +301,7 @@ fn place_cluster(
                 }
                 Primitive::Triangle(first) => {
                     let order = order_by_position(all, id, first);
-                    have_area &= spans_area(all, first, order);
+                    have_area &= spans_area(all, id, first, order);
                     *group = group.with(&first);
                     packed_triangle(all.mesh, triangle[3], order, index_of)
                 }
@@ -378,13 +378,27 @@ fn has_area(all: MovingMesh, id: u32) -> bool {
         return true;
     }
     let first = all.corners(id, 0);
-    spans_area(all, first, order_by_position(all, id, first))
+    spans_area(all, id, first, order_by_position(all, id, first))
 }
 
 /// Whether a triangle has an area: `first` are its corners at the first time step, `order` is their [`order_by_position`].
-fn spans_area(all: MovingMesh, first: [DVec3; 3], order: [usize; 3]) -> bool {
+fn spans_area(all: MovingMesh, id: u32, first: [DVec3; 3], order: [usize; 3]) -> bool {
+    if all.steps.is_some() {
+        return !is_collapsed(all, id);
+    }
     let [a, b, c] = order.map_each(|k| first[k]);
-    all.steps.is_some() || a != b && b != c && (b - a).cross(c - a) != DVec3::ZERO
+    a != b && b != c && (b - a).cross(c - a) != DVec3::ZERO
+}
+
+/// Two corners of a triangle lie in one place at all time steps, and so between them. Triangles that a camera of a composite does not show do.
+fn is_collapsed(all: MovingMesh, id: u32) -> bool {
+    let meet = |a: usize, b: usize| {
+        (0..all.count()).all(|step| {
+            let corners = all.corners(id, step);
+            corners[a] == corners[b]
+        })
+    };
+    meet(0, 1) || meet(1, 2) || meet(2, 0)
 }
 
 /// The indices of a triangle's corners, ascending by x, then y, then z; of the first time step at which two differ. `first` are the corners at

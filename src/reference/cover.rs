@@ -35,7 +35,7 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
     let mut nearby = Vec::new();
     reference.walk_in_range(bundle, &wide, t_range, |id| {
         let Some(corners) = reference.solid_corners(id) else { return f64::INFINITY };
-        let sides = Sides::over_box(bundle, &corners);
+        let sides = Sides::over_box(bundle, &corners, reference.scene_size);
         nearby.push(BoxTriangle { id, corners, sides, may_hit: sides.may_hit() });
         f64::INFINITY
     });

@@ -168,7 +168,8 @@ impl<'a> CameraView<'a> {
     }
 
     fn shown(&self, reference: &Reference, shown: &Outcome, pixel_at: (u32, u32)) -> PixelValues {
-        let casters = self.casters.as_ref().unwrap_or(reference);
+        let others = self.casters.as_ref().map(|casters| casters.at_pixel(self.scene, self.camera, pixel_at));
+        let casters = others.as_ref().unwrap_or(reference);
         let values = pixel((self.scene, self.camera), (reference, casters), shown, pixel_at, self.maps);
         self.labels.labelled(through(self.medium.as_ref(), shown, values))
     }

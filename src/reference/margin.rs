@@ -5,7 +5,7 @@ use super::bvh::Probe;
 use super::intersect::{Corners, OPPOSITE, TERM_ROUNDING, cross_size, offset_size, plane_tolerance};
 use crate::arrays::MapEach;
 use crate::camera::bundle::Bundle;
-use crate::camera::perturb::{EDGE_ON, END_REACH};
+use crate::camera::perturb::{EDGE_ON, END_REACH, PERTURB};
 use glam::DVec3;
 
 /// Half the side of the box in which a safe pixel's answer must be constant, px (`docs/reference/definitions.md`, Safe).
@@ -17,8 +17,8 @@ pub const GAP: f64 = 1e-6;
 /// As [`TERM_ROUNDING`], with five more roundings for the sums over the box.
 const BOX_ROUNDING: f64 = 2.0 * TERM_ROUNDING;
 
-/// How far the engine's `N . (v_0 h - p)` may be off, against the tolerance of a triangle's plane: 16 roundings of stored numbers (2^-48)
-/// of the 64 that the tolerance has. Without it two triangles that the eye lies on would not tie.
+/// How far the engine's `v h - p` may be off, against a perturbation: 16 roundings of stored numbers (2^-48) of the 64 that it has. Without it
+/// two triangles that the eye lies on would not tie, and one whose edge it lies on to within rounding would be missed for sure.
 const ENGINE_ROUNDING: f64 = 0.25;
 
 /// `t = back` is behind `t = front` by more than a tie.
@@ -55,7 +55,7 @@ impl Quadratic {
 }
 
 /// The sign of `E` of the edge `from -> to` all over the box; 0 where it may change.
-fn edge_over_box(b: &Bundle, from: DVec3, to: DVec3) -> i8 {
+fn edge_over_box(b: &Bundle, from: DVec3, to: DVec3, scene_size: f64) -> i8 {
     let edge = to - from;
     let moment: [DVec3; 3] = std::array::from_fn(|a| (from * b.h[a] - b.p[a]).cross(edge));
     let f = |i: usize, j: usize| moment[i].dot(b.d[j]);
@@ -63,7 +63,8 @@ fn edge_over_box(b: &Bundle, from: DVec3, to: DVec3) -> i8 {
     let [lo, hi] = Quadratic([f(0, 0), both(0, 1), both(0, 2), f(1, 1), both(1, 2), f(2, 2)]).range();
     let offset = over_box(std::array::from_fn(|a| offset_size(from, b.p[a], b.h[a])));
     let direction = over_box(b.d.map_each(DVec3::abs));
-    let bound = BOX_ROUNDING * cross_size(offset, edge.abs()).dot(direction);
+    let of_engine = DVec3::splat(ENGINE_ROUNDING * PERTURB * scene_size * over_box(b.h.map_each(f64::abs)));
+    let bound = cross_size(BOX_ROUNDING * offset + of_engine, edge.abs()).dot(direction);
     if lo > bound { 1 } else { -i8::from(hi < -bound) }
 }
 
@@ -73,8 +74,8 @@ fn edge_over_box(b: &Bundle, from: DVec3, to: DVec3) -> i8 {
 pub struct Sides(pub [i8; 3]);
 
 impl Sides {
-    pub fn over_box(b: &Bundle, c: &Corners) -> Sides {
-        Sides(OPPOSITE.map_each(|(i, j, sense)| edge_over_box(b, c.v[i], c.v[j]) * sense * c.parity))
+    pub fn over_box(b: &Bundle, c: &Corners, scene_size: f64) -> Sides {
+        Sides(OPPOSITE.map_each(|(i, j, sense)| edge_over_box(b, c.v[i], c.v[j], scene_size) * sense * c.parity))
     }
 
     /// The triangle may be hit somewhere with its `E`s of this sign.

@@ -111,7 +111,7 @@ impl Reference<'_> {
 
     fn candidate(&self, bundle: &Bundle, beam: &Beam, id: u32, t_range: [f64; 2]) -> Option<Candidate> {
         let corners = self.solid_corners(id)?;
-        let sides = Sides::over_box(bundle, &corners);
+        let sides = Sides::over_box(bundle, &corners, self.scene_size);
         if !sides.may_hit() {
             return None;
         }

@@ -96,6 +96,12 @@ fn composition(camera: &Camera) -> &Composition {
     camera.composition.as_ref().unwrap()
 }
 
+/// The rows of an image are taken one after the other during a frame.
+fn row_by_row() -> Exposure {
+    let lines = Lines { first: 0.0, line_time: 1.0 / f64::from(SIZE.1), order: LineOrder::Down, count: SIZE.1 };
+    Exposure { readout: Readout::Lines(lines), shutter: 0.0, is_even: false }
+}
+
 /// Two cameras see moving objects, each pixel at its own time: the master's depths are those of that time, too.
 #[test]
 fn moving_objects_hide_each_other_by_their_places_at_the_time_of_the_pixel() {
@@ -113,8 +119,7 @@ fn moving_objects_hide_each_other_by_their_places_at_the_time_of_the_pixel() {
     };
     scene.steps = TimeSteps::new(vec![0.0, 1.0], vec![at(-1.5), at(1.5)]).map(Arc::new);
     let still = scene.clone();
-    let lines = Lines { first: 0.0, line_time: 1.0 / f64::from(SIZE.1), order: LineOrder::Down, count: SIZE.1 };
-    scene.exposure = Exposure { readout: Readout::Lines(lines), shutter: 0.0, is_even: false };
+    scene.exposure = row_by_row();
     for (name, members) in [
         ("pieces", [member(FRONT, "objects = ['a']"), member(RIGHT, "objects = ['b', 'ball']")]),
         ("curves and a field", [member(FISHEYE, "objects = ['b', 'ball']"), member(CURVED, "objects = ['a']")]),
@@ -308,12 +313,34 @@ fn lit(scene: Scene) -> Scene {
 
 #[test]
 fn equal_cameras_show_what_one_shows_with_the_shadows_of_all() {
-    let scene = lit(still_life());
+    assert_equal_cameras_show_what_one_shows(&lit(still_life()));
+}
+
+/// What a camera does not show casts its shadow from where it is at the time of the pixel.
+#[test]
+fn equal_cameras_show_what_one_shows_of_moving_things() {
+    let mut scene = lit(still_life());
+    let mesh = &scene.mesh;
+    let at = |x: f64| TimeStep {
+        positions: mesh
+            .positions
+            .iter()
+            .enumerate()
+            .map(|(k, p)| *p + DVec3::X * if k < 4 { 0.0 } else { x })
+            .collect(),
+        normals: mesh.normals.clone(),
+    };
+    scene.steps = TimeSteps::new(vec![0.0, 1.0], vec![at(-0.6), at(0.6)]).map(Arc::new);
+    scene.exposure = row_by_row();
+    assert_equal_cameras_show_what_one_shows(&scene);
+}
+
+fn assert_equal_cameras_show_what_one_shows(scene: &Scene) {
     let members = [member(FRONT, ""), member(FRONT, "objects = ['ball']"), member(FRONT, "objects = ['cloud']")];
     let composed = camera(&composite("master = 0", &members), SIZE);
     let one = composition(&composed).members[0].camera.clone();
     let channels = [Channel::TriangleId, Channel::ObjectId, Channel::R, Channel::G, Channel::B];
-    let [by_three, by_one] = [&composed, &*one].map(|camera| image(&scene, camera, &channels));
+    let [by_three, by_one] = [&composed, &*one].map(|camera| image(scene, camera, &channels));
     assert_eq!(by_three.planes, by_one.planes);
     let lonely = scene.of_each_camera(composition(&composed))[1].clone().into_owned();
     let lonely = image(&Scene { casters: None, ..lonely }, &one, &channels);
@@ -321,7 +348,7 @@ fn equal_cameras_show_what_one_shows_with_the_shadows_of_all() {
     let ids = (by_one.u32(Channel::TriangleId).unwrap(), lonely.u32(Channel::TriangleId).unwrap());
     let shaded = (0..ids.0.len()).filter(|k| ids.0[*k] == ids.1[*k] && ids.0[*k] != NO_ID && differ(*k)).count();
     assert!(shaded > 30, "shadows of others at {shaded} pixels");
-    let (Some(by_three), Some(by_one)) = (rendered(&scene, &composed), rendered(&scene, &one)) else { return };
+    let (Some(by_three), Some(by_one)) = (rendered(scene, &composed), rendered(scene, &one)) else { return };
     for channel in [Channel::TriangleId, Channel::ObjectId, Channel::R, Channel::G, Channel::B, Channel::A] {
         assert_eq!(words(&by_three, channel), words(&by_one, channel), "{channel:?}");
     }
