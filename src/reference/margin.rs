@@ -269,7 +269,7 @@ mod tests {
                 h: [1.0, 0.0, 0.0],
             };
             let at = p + t * d;
-            assert_eq!(edge_over_box(&b, at - along, at + 2.0 * along), 0);
+            assert_eq!(edge_over_box(&b, at - along, at + 2.0 * along, 0.0), 0);
         }
     }
 

@@ -136,15 +136,21 @@ impl Reference<'_> {
         if !self.mesh.has_alpha(self.own(id)) {
             return Presence::Everywhere;
         }
-        let is_there = |(x, y): &&(f64, f64)| {
+        let (mut there, mut gone) = (0, 0);
+        for (x, y) in PLACES {
             let ray = bundle.ray(x * MARGIN_PX, y * MARGIN_PX);
             let ([u, v], change) = corners.weights_on_plane(ray.origin, ray.direction, PERTURB * self.scene_size);
             let off = GAP.max(change);
-            self.is_there(id, [u + x * off, v + y * off])
-        };
-        match PLACES.iter().filter(is_there).count() {
-            0 => Presence::Nowhere,
-            n if n == PLACES.len() => Presence::Everywhere,
+            // a ray that runs along the triangle meets all of it
+            if off < 1.0 && self.is_there(id, [u + x * off, v + y * off]) {
+                there += 1;
+            } else if off < 1.0 {
+                gone += 1;
+            }
+        }
+        match (there, gone) {
+            (0, n) if n == PLACES.len() => Presence::Nowhere,
+            (n, 0) if n == PLACES.len() => Presence::Everywhere,
             _ => Presence::Somewhere,
         }
     }

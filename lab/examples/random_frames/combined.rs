@@ -10,6 +10,7 @@ use anamorph::internals::engine::Engine;
 use anamorph::internals::engine::combinations::Feature;
 use anamorph::internals::engine::plan::samples::sample_offsets;
 use anamorph::internals::gpu::{Gpu, GpuOptions};
+use anamorph::internals::image::frame::NO_ID;
 use anamorph::internals::reference::image::explain;
 use std::ops::Range;
 
@@ -114,7 +115,8 @@ fn tell_wrong(case: &Case, compared: &Compared) {
     let tell = |what: &str, camera: &Camera, verdict: &Verdict| {
         let Some((at, shown)) = verdict.first else { return };
         let (x, y) = (at as u32 % SIZE.0, at as u32 / SIZE.0);
-        println!("{what}, pixel {x},{y} shows {shown}\n{}", explain(&case.scene, camera, x, y).text);
+        let primitive = (shown != NO_ID).then(|| case.scene.primitive_at(shown, case.scene.moment(camera, (x, y))));
+        println!("{what}, pixel {x},{y} shows {shown}, {primitive:?}\n{}", explain(&case.scene, camera, x, y).text);
     };
     compared.centres.iter().for_each(|verdict| tell("centres", &case.camera, verdict));
     let offsets = sample_offsets(compared.wanted.samples);
