@@ -31,6 +31,7 @@ pub struct Judgement {
     /// Pixels whose id is neither the reference's nor a near candidate.
     pub not_near: u64,
     /// Which pixels show the reference's triangle or a near candidate.
+    #[cfg(feature = "internals")]
     pub near: Vec<bool>,
 }
 
@@ -106,6 +107,7 @@ pub fn judge_rows(scene: &Scene, camera: &Camera, frame_seen: &Frame, step: u32)
         safe: judged.iter().map(|j| j.1).collect(),
         scales: judged.iter().map(|j| j.2).collect(),
         not_near: judged.iter().filter(|j| !j.3).count() as u64,
+        #[cfg(feature = "internals")]
         near: judged.iter().map(|j| j.3).collect(),
     }
 }

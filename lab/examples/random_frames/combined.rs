@@ -17,6 +17,9 @@ use std::ops::Range;
 /// Scenes with the same features: each set of features takes kernels of its own.
 const SCENES_PER_SET: u64 = 50;
 
+/// Scenes after which the counts are printed.
+const SCENES_PER_LINE: u64 = 1000;
+
 /// Pixels and samples of these frames.
 #[derive(Debug, Default)]
 struct Seen {
@@ -70,6 +73,9 @@ pub fn run(numbers: Range<u64>, only: Option<&str>, options: &GpuOptions) -> boo
             tell_wrong(&case, &compared);
         }
         all.take(&case, &compared, &format!("scene {number}, {features:?}, {}", case.camera.kind));
+        if number % SCENES_PER_LINE == SCENES_PER_LINE - 1 {
+            println!("{} scenes from {}: {all:?}", number + 1 - numbers.start, numbers.start);
+        }
     }
     println!("{} scenes from {}: {all:?}", numbers.end - numbers.start, numbers.start);
     all.wrong_safe + all.not_near + all.wrongly_proven + all.failed == 0
